@@ -11,6 +11,7 @@ use leafwise_core::{
 };
 
 use crate::allowed::Allowed;
+use crate::floors::Floors;
 use crate::reference_map::ReferenceMap;
 
 /// A row of coefficients: (stage, value).
@@ -40,8 +41,16 @@ const SHRINK: f64 = 1.0 / 3.0;
 const GROW: f64 = 6.0;
 const SAFETY: f64 = 0.9;
 
-/// After so many refusals in a row it is asked whether the error is the field's round-off.
+/// The first substep is a hundredth of the shortest time in which a coordinate changes by its own size, but no less than
+/// this part of the step: a coordinate may be small by chance.
+const FIRST: f64 = 0.01;
+const LEAST_FIRST: f64 = 1e-4;
+
+/// After so many refusals, before the time of the first has passed, it is asked whether the error is the field's round-off, or
+/// that of coordinates at rest.
 const STUBBORN: u32 = 4;
+/// Sweeps that bounds on rounding errors take at most, where they do not settle.
+const FEW: usize = 2;
 /// Errors of so many times the bound on the field's rounding errors are round-off: weights of both signs come to some units.
 const WITHIN: f64 = 4.0;
 
@@ -58,6 +67,10 @@ struct AdaptivePair {
     parameters: Vec<f64>,
     /// Bounds on the rounding errors of the field at the state, once substeps are refused again and again.
     bounds: Option<Vec<f64>>,
+    /// What is not looked at, from then on to the end of a step that did not need it.
+    floors: Floors,
+    /// Whether a coordinate's error in the last substep was allowed for its floor alone.
+    needs_floors: bool,
     /// The size of the next substep, 0 when not known.
     proposed: f64,
     state: Vec<f64>,
@@ -95,6 +108,8 @@ impl AdaptivePair {
             rounding: rounding.cloned(),
             parameters: parameters.to_vec(),
             bounds: None,
+            floors: Floors::new(d),
+            needs_floors: false,
             proposed: 0.0,
             state: vec![0.0; d],
             stage: vec![0.0; d],
@@ -122,13 +137,21 @@ impl AdaptivePair {
         x.abs().max(end).max((tau * slope).abs())
     }
 
-    /// The first substep: a hundredth of the time in which the state changes by its own size.
+    /// The first substep.
     fn first(&self) -> f64 {
-        let norm = |values: &[f64]| values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-        let (state, slope) = (norm(&self.state), norm(&self.slopes[0]));
         let whole = self.time_step.abs();
-        if state > 0.0 && slope > 0.0 {
-            whole.min(0.01 * state / slope)
+        let pairs = self.state.iter().zip(&self.slopes[0]);
+        // A coordinate at 0 tells no time, nor does one at rest: x/0 is infinite.
+        let moves = pairs.filter(|(x, slope)| **x != 0.0 && **slope != 0.0);
+        let logarithm = |(x, slope): (&f64, &f64)| {
+            let part = FIRST * (x / slope).abs() / whole;
+            libm::log(part.clamp(LEAST_FIRST, 1.0))
+        };
+        let (sum, count) = moves.fold((0.0, 0.0), |(sum, count), pair| {
+            (sum + logarithm(pair), count + 1.0)
+        });
+        if count > 0.0 {
+            whole * libm::exp(sum / count)
         } else {
             whole
         }
@@ -152,10 +175,20 @@ impl AdaptivePair {
         }
         // Σ (error / scale)² of each embedded method.
         let mut squares = [0.0; 2];
+        self.needs_floors = false;
+        // One error alone may be so many times what is allowed: they count by their mean square.
+        let most = libm::sqrt(self.state.len() as f64);
         for c in 0..self.state.len() {
-            let scale = self.allowed.error(c, self.size(c, tau), largest);
+            let size = self.size(c, tau);
+            let scale = self.allowed.error(c, size, largest, &self.floors);
             let rounded = self.bounds.as_ref().map_or(0.0, |bounds| bounds[c]);
             let scale = scale.max(WITHIN * rounded * tau.abs());
+            if self.floors.time > 0.0 {
+                let own = self.allowed.of_itself(size);
+                let own = most * own.max(WITHIN * rounded * tau.abs());
+                let mut errors = pair.errors.iter().map(|row| combine(row, &self.slopes, c));
+                self.needs_floors |= errors.any(|error| (tau * error).abs() > own);
+            }
             for (square, row) in squares.iter_mut().zip(pair.errors) {
                 let error = combine(row, &self.slopes, c);
                 *square += if error == 0.0 {
@@ -178,20 +211,51 @@ impl AdaptivePair {
     }
 
     /// Forms the bounds on the field's rounding errors at the state and at stages of a substep of size `tau`, which the
-    /// errors of slopes have moved.
+    /// errors of slopes have moved: each coordinate in turn, the one that reads another after it.
     fn bound(&mut self, tau: f64) {
+        let most = match self.allowed.has_floors() {
+            true => self.state.len(),
+            false => FEW,
+        };
+        self.bounds = match self.bounds_after(most, tau) {
+            // Where they double on and on the substep is long, and what comes of a few sweeps has to do.
+            (bounds, false) if most > FEW => self.bounds_after(FEW, tau).0.or(bounds),
+            (bounds, _) => bounds,
+        };
+    }
+
+    /// The bounds after so many sweeps, or fewer once none is doubled, and whether none is.
+    fn bounds_after(&self, most: usize, tau: f64) -> (Option<Vec<f64>>, bool) {
+        let Some(rounding) = &self.rounding else {
+            return (None, true);
+        };
+        let own: Vec<f64> = self.state.iter().map(|x| f64::EPSILON * x.abs()).collect();
+        let mut errors = own.clone();
+        let mut bounds = vec![0.0; own.len()];
+        let mut before = bounds.clone();
+        for _ in 0..=most {
+            before.copy_from_slice(&bounds);
+            rounding.bounds(&self.parameters, &self.state, &errors, &mut bounds);
+            if bounds.iter().zip(&before).all(|(b, a)| *b <= 2.0 * a) {
+                return (Some(bounds), true);
+            }
+            for ((error, own), bound) in errors.iter_mut().zip(&own).zip(&bounds) {
+                *error = own + tau * bound;
+            }
+        }
+        (Some(bounds), false)
+    }
+
+    /// Forms the floors at the state.
+    fn form_floors(&mut self, time: f64) {
         let Some(rounding) = &self.rounding else {
             return;
         };
-        let mut errors: Vec<f64> = self.state.iter().map(|x| f64::EPSILON * x.abs()).collect();
-        let mut bounds = vec![0.0; errors.len()];
-        for _ in 0..2 {
-            rounding.bounds(&self.parameters, &self.state, &errors, &mut bounds);
-            for (error, bound) in errors.iter_mut().zip(&bounds) {
-                *error += tau * bound;
-            }
+        if self.allowed.has_floors() {
+            let field = (&**rounding, &self.parameters[..], 1.0);
+            let time = time.copysign(self.time_step);
+            self.floors.form(field, &self.state, &self.slopes[0], time);
         }
-        self.bounds = Some(bounds);
     }
 
     /// The slope at the state that a substep has reached.
@@ -219,8 +283,15 @@ impl AdaptivePair {
         } else {
             self.first()
         };
+        if self.floors.time > 0.0 {
+            self.form_floors(self.floors.time);
+        }
         let mut done = 0.0;
         let mut rejected = 0;
+        // Refusals, when they began and with which substep: what is not looked at does not shrink with those that follow.
+        let mut refusals = 0;
+        let mut began = [0.0_f64; 2];
+        let mut needs_floors = false;
         for count in 1..=MOST_SUBSTEPS {
             let rest = whole - done;
             // Of a rest of less than two substeps the half is taken: no sliver is left over.
@@ -241,6 +312,10 @@ impl AdaptivePair {
                     self.state[c] = x[c] + increment[c];
                 }
                 done += size;
+                let [since, longest] = began;
+                if done >= since + longest {
+                    refusals = 0;
+                }
                 let growth = if rejected > 0 {
                     factor.min(1.0)
                 } else {
@@ -252,8 +327,12 @@ impl AdaptivePair {
                     size * growth
                 };
                 rejected = 0;
+                needs_floors |= self.needs_floors;
                 if last {
                     self.proposed = tau;
+                    if !needs_floors {
+                        self.floors.clear();
+                    }
                     return Ok(count);
                 }
                 self.slope_at_new_state();
@@ -261,10 +340,15 @@ impl AdaptivePair {
                     self.bound(tau);
                 }
             } else {
+                if refusals == 0 {
+                    began = [done, size];
+                }
+                refusals += 1;
                 rejected += 1;
                 tau = size * factor;
-                if rejected == STUBBORN {
+                if refusals == STUBBORN {
                     self.bound(tau);
+                    self.form_floors(self.floors.time.max(began[1]));
                 }
                 if tau <= 16.0 * f64::EPSILON * whole {
                     return Err(if error.is_finite() {
@@ -299,14 +383,16 @@ impl Trajectories for AdaptivePair {
 
     fn restart(&mut self, _: usize) {
         self.proposed = 0.0;
+        self.floors.clear();
     }
 
     fn memory(&self, _: usize) -> Vec<f64> {
-        vec![self.proposed]
+        vec![self.proposed, self.floors.time]
     }
 
     fn restore(&mut self, _: usize, memory: &[f64]) {
-        self.proposed = memory[0];
+        self.floors.clear();
+        [self.proposed, self.floors.time] = [memory[0], memory[1]];
     }
 }
 
@@ -351,7 +437,7 @@ pub(crate) fn adaptive_map(
     let tolerance = tolerance_of(info, parameters, 1e-14)?;
     let (field, rounding) = system.field_and_rounding()?;
     let rounding = rounding.map(Arc::new);
-    let allowed = Allowed::new(system, tolerance);
+    let allowed = Allowed::new(system, tolerance, rounding.is_some());
     Ok(Arc::new(ReferenceMap {
         dimension: system.dimension(),
         properties: MapProperties {

@@ -3,26 +3,38 @@
 use leafwise_core::PoissonSystem;
 use leafwise_core::solver::kept_signs;
 
-/// What is below this part of the largest coordinate is not looked at: 2⁻¹⁰⁴.
-const LEAST_PART: f64 = f64::EPSILON * f64::EPSILON;
+use crate::floors::{Floors, LEAST_PART};
 
-/// δ times the size of each coordinate, but no less than 32 digits below the largest of all.
+/// Coordinates up to which floors are in units of their own: they are found in as many sweeps.
+const MOST_OF_THEIR_OWN: usize = 64;
+
+/// δ times the size of each coordinate, but no less than 32 digits below what it comes to.
 ///
 /// A coordinate at rest that begins to move as a high power of the time is as large as what a method leaves out of it:
-/// no tolerance relative to itself can be met. A coordinate x_i whose sign the tensor keeps ([`kept_signs`]) is 0
-/// always or never, and its own size is all that counts: species that nearly die out come back.
+/// no tolerance relative to itself can be met. Once it is not met, what the coordinate comes to is told by the field
+/// ([`Floors`]). Where there are no bounds on the field's rounding errors, of systems of numbers, and in systems of more
+/// than 64 coordinates it is the largest coordinate at once, in whatever units. A coordinate x_i whose sign the tensor keeps
+/// ([`kept_signs`]) is 0 always or never, and its own size is all that counts: species that nearly die out come back.
 #[derive(Clone, Debug)]
 pub(crate) struct Allowed {
     /// δ.
     tolerance: f64,
     kept: Vec<bool>,
+    /// Whether floors are in units of their own.
+    has_floors: bool,
 }
 
 impl Allowed {
-    pub(crate) fn new(system: &PoissonSystem, tolerance: f64) -> Self {
-        let mut kept = vec![false; system.dimension()];
+    /// For a field with or without bounds on its rounding errors.
+    pub(crate) fn new(system: &PoissonSystem, tolerance: f64, has_bounds: bool) -> Self {
+        let d = system.dimension();
+        let mut kept = vec![false; d];
         kept_signs(system).into_iter().for_each(|i| kept[i] = true);
-        Self { tolerance, kept }
+        Self {
+            tolerance,
+            kept,
+            has_floors: has_bounds && d <= MOST_OF_THEIR_OWN,
+        }
     }
 
     /// Whether the tensor keeps the sign of x_i.
@@ -36,14 +48,28 @@ impl Allowed {
         (0..self.kept.len()).filter(|i| self.kept[*i]).collect()
     }
 
+    /// Whether floors are in units of each coordinate, to be formed where they are needed.
+    #[inline(always)]
+    pub(crate) fn has_floors(&self) -> bool {
+        self.has_floors
+    }
+
     /// The error that x_i may have, for its size and the largest of all.
     #[inline(always)]
-    pub(crate) fn error(&self, i: usize, size: f64, largest: f64) -> f64 {
+    pub(crate) fn error(&self, i: usize, size: f64, largest: f64, floors: &Floors) -> f64 {
         let least = if self.kept[i] {
             0.0
+        } else if self.has_floors {
+            floors.least(i)
         } else {
             LEAST_PART * largest
         };
-        (self.tolerance * size).max(least).max(f64::MIN_POSITIVE)
+        self.of_itself(size).max(least)
+    }
+
+    /// The error that a coordinate of this size may have whatever the others are.
+    #[inline(always)]
+    pub(crate) fn of_itself(&self, size: f64) -> f64 {
+        (self.tolerance * size).max(f64::MIN_POSITIVE)
     }
 }

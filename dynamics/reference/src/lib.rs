@@ -14,6 +14,7 @@
 //!
 //! - `reference_map`: a method as a step map.
 //! - `allowed`: what the error of a coordinate may be, of those with a tolerance.
+//! - `floors`: how little of each coordinate is not looked at, in units of its own.
 //! - `adaptive`: what the embedded pairs share.
 //! - `implicit`: what the implicit Runge–Kutta methods share.
 //! - `step_equation`: the solve of the other implicit methods.
@@ -24,6 +25,7 @@ pub mod dop853;
 mod dop853_coefficients;
 pub mod dormand_prince45;
 pub mod energy_preserving;
+mod floors;
 pub mod gauss;
 mod implicit;
 pub mod implicit_midpoint;

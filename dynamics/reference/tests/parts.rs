@@ -1,7 +1,7 @@
 //! The parts: parameters, refusals, failures, checkpoints, lanes.
 
 use crate::common::{
-    lotka_volterra, map, none, parts, pendulum, rigid_body, spins, system, try_map,
+    lotka_volterra, map, none, parts, pendulum, rigid_body, run, spins, system, try_map,
 };
 use leafwise_core::{
     BuildError, Convention, Evaluator, Integrator, PoissonSystem, StepError, Stepper,
@@ -227,18 +227,69 @@ fn rk4_is_one_kernel_or_calls() {
     }
 }
 
-/// A chain of unit masses and springs with free ends, of which the first is displaced: q_j = Σ_k c_k φ_k(j) cos(ω_k t) with
+/// A chain of n unit masses and springs with free ends, of which the first is displaced.
+fn chain(n: usize) -> (PoissonSystem, Vec<f64>) {
+    let kinetic = (1..=n).map(|j| format!("x{}^2/2", n + j));
+    let springs = (1..n).map(|j| format!("(x{} - x{j})^2/2", j + 1));
+    let energy = kinetic.chain(springs).collect::<Vec<_>>().join(" + ");
+    let pairs: Vec<_> = (1..=n).map(|j| ((j, n + j), "-1")).collect();
+    let chain = system(2 * n, &pairs, &energy, &[], Convention::HamiltonianFirst);
+    let mut start = vec![0.0; 2 * n];
+    start[0] = 1.0;
+    (chain, start)
+}
+
+/// While what is too small to look at is told by the field, too.
+#[test]
+fn what_rests_is_resumed_with_the_same_bits() {
+    let (chain, start) = chain(11);
+    for part in ["taylor", "dop853", "dormand-prince45"] {
+        let map = map(part, &chain, &none().with("tolerance", 1e-8));
+        for before in [1, 2, 5, 20] {
+            let mut through = Integrator::new(map.as_ref(), &[], 1.0, 0.1, &start);
+            (0..before).for_each(|_| through.step().expect("a step"));
+            let mut resumed = Integrator::new(map.as_ref(), &[], 1.0, 0.1, &start);
+            resumed.step().expect("a step of another run");
+            let checkpoint = through.checkpoint();
+            resumed.restore(&checkpoint).expect("a checkpoint of it");
+            for _ in 0..20 {
+                through.step().expect("a step");
+                resumed.step().expect("a step");
+                assert_eq!(through.checkpoint(), resumed.checkpoint(), "{part}");
+            }
+        }
+    }
+}
+
+/// Two oscillators side by side, the faster one 10⁻⁴⁰ as wide as the other: it keeps its own digits.
+#[test]
+fn what_is_tiny_keeps_its_digits() {
+    let pair = system(
+        4,
+        &[((1, 3), "-1"), ((2, 4), "-1")],
+        "(100*x1^2 + x2^2 + x3^2 + x4^2)/2",
+        &[],
+        Convention::HamiltonianFirst,
+    );
+    for (part, tolerance) in [
+        ("taylor", 1e-8),
+        ("dop853", 1e-6),
+        ("dormand-prince45", 1e-6),
+    ] {
+        let map = map(part, &pair, &none().with("tolerance", tolerance));
+        let end = run(map.as_ref(), 0.5, 20, &[1e-40, 1.0, 0.0, 0.0]);
+        let error = (end[0] / (1e-40 * libm::cos(100.0)) - 1.0).abs();
+        // Of some hundreds of substeps.
+        assert!(error < 1000.0 * tolerance, "{part}: {error:e}");
+    }
+}
+
+/// The [`chain`]: q_j = Σ_k c_k φ_k(j) cos(ω_k t) with
 /// φ_k(j) = cos(π k (j + 1/2)/n) and ω_k = 2 sin(π k/(2n)). The j-th begins as t²ʲ: to a pair its error is as large as its motion.
 #[test]
 fn what_rests_begins_to_move() {
     for n in [4_usize, 11, 50, 200] {
-        let kinetic = (1..=n).map(|j| format!("x{}^2/2", n + j));
-        let springs = (1..n).map(|j| format!("(x{} - x{j})^2/2", j + 1));
-        let energy = kinetic.chain(springs).collect::<Vec<_>>().join(" + ");
-        let pairs: Vec<_> = (1..=n).map(|j| ((j, n + j), "-1")).collect();
-        let chain = system(2 * n, &pairs, &energy, &[], Convention::HamiltonianFirst);
-        let mut start = vec![0.0; 2 * n];
-        start[0] = 1.0;
+        let (chain, start) = chain(n);
         let time = 5.0;
         let angle = std::f64::consts::PI / n as f64;
         let mode = |k: usize, j: usize| libm::cos(angle * k as f64 * (j as f64 + 0.5));

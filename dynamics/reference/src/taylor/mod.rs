@@ -170,6 +170,11 @@ impl Taylor {
             let path = &mut paths[at];
             path.has_jet = true;
             taken[at].evaluations += 1;
+            // Nor are the floors of a restored path kept, but what they are formed for.
+            if path.floors.time > 0.0 {
+                let field = (&self.series.rounding, &self.parameters[..], self.unit);
+                path.form_floors(field, path.floors.time);
+            }
             // A restored path knows its length.
             if path.length == 0.0
                 && let Err(error) = path.choose(self.time_step, self.safety, &self.allowed)
@@ -213,7 +218,18 @@ impl Taylor {
         for place in 0..count {
             let at = self.open[place];
             let slope = &self.slopes[place * d..][..d];
-            let excess = self.paths[at].excess(slope, &self.allowed);
+            let mut excess = self.paths[at].excess(slope, &self.allowed);
+            if self.allowed.has_floors() && excess.is_finite() {
+                let path = &mut self.paths[at];
+                let is_formed = path.floors.time > 0.0;
+                if excess > 1.0 && !is_formed {
+                    let field = (&self.series.rounding, &self.parameters[..], self.unit);
+                    path.form_floors(field, path.looked_at());
+                    excess = path.excess(slope, &self.allowed);
+                }
+                path.needs_floors |= path.floors.time > 0.0
+                    && (!is_formed || path.exceeds_itself(slope, &self.allowed));
+            }
             let passes = excess <= 1.0 || excess.is_finite() && self.is_round_off(place);
             match passes {
                 true => self.paths[at].pass(),
@@ -287,7 +303,10 @@ impl Trajectories for Taylor {
         let path = &self.paths[at];
         let [time, low] = path.reached;
         let begun = f64::from(u8::from(path.begun));
+        let needs_floors = f64::from(u8::from(path.needs_floors));
+        let floors = [path.floors.time, needs_floors];
         let mut memory = vec![begun, path.before, path.length, time, low];
+        memory.extend_from_slice(&floors);
         for values in [&path.base, &path.low, &path.state] {
             memory.extend_from_slice(values);
         }
@@ -300,10 +319,13 @@ impl Trajectories for Taylor {
         path.begun = memory[0] != 0.0;
         [path.before, path.length] = [memory[1], memory[2]];
         path.reached = [memory[3], memory[4]];
+        path.floors.clear();
+        path.floors.time = memory[5];
+        path.needs_floors = memory[6] != 0.0;
         path.passed = path.reached[0] + path.reached[1];
         for (values, kept) in [&mut path.base, &mut path.low, &mut path.state]
             .into_iter()
-            .zip(memory[5..].chunks_exact(d))
+            .zip(memory[7..].chunks_exact(d))
         {
             values.copy_from_slice(kept);
         }
@@ -319,7 +341,7 @@ fn build(
     let tolerance = tolerance_of(&INFO, parameters, 1e-16)?;
     let order = order(tolerance);
     let series = Arc::new(series(system, order)?);
-    let allowed = Allowed::new(system, tolerance.max(ROUND_OFF));
+    let allowed = Allowed::new(system, tolerance.max(ROUND_OFF), true);
     Ok(Arc::new(ReferenceMap {
         dimension: system.dimension(),
         properties: MapProperties {

@@ -1,10 +1,12 @@
 //! One trajectory: the polynomial that it is followed on, and how far.
 
 use leafwise_core::solver::judge::larger;
+use leafwise_core::system::FieldRounding;
 use leafwise_core::{StepError, two_sum};
 
 use super::polynomial::{length, polynomial, short};
 use crate::allowed::Allowed;
+use crate::floors::Floors;
 
 /// A substep is at most so many times the last: coefficients that vanish by chance show no radius.
 const GROW: f64 = 8.0;
@@ -34,6 +36,9 @@ pub(super) struct Path {
     pub reached: [f64; 2],
     /// The time since the base at which the polynomial was last looked at and passed.
     pub passed: f64,
+    /// What is not looked at, from the first refused look on.
+    pub floors: Floors,
+    pub needs_floors: bool,
     /// The state that was handed out there; none before the first step.
     pub state: Vec<f64>,
     pub begun: bool,
@@ -57,6 +62,8 @@ impl Path {
             before: 0.0,
             reached: [0.0; 2],
             passed: 0.0,
+            floors: Floors::new(dimension),
+            needs_floors: false,
             state: zeros.clone(),
             begun: false,
             is_done: false,
@@ -87,6 +94,19 @@ impl Path {
         self.has_jet = false;
         self.length = 0.0;
         self.passed = 0.0;
+        self.floors.clear();
+        self.needs_floors = false;
+    }
+
+    /// Forms the floors for a time.
+    pub fn form_floors(&mut self, field: (&FieldRounding, &[f64], f64), time: f64) {
+        let slope = &self.jet[..self.base.len()];
+        self.floors.form(field, &self.base, slope, time);
+    }
+
+    /// The time since the base that was looked at last.
+    pub fn looked_at(&self) -> f64 {
+        self.at
     }
 
     /// Moves the base to the end of its substep, which was looked at last.
@@ -98,7 +118,12 @@ impl Path {
         // The length has half of a double's digits: the difference is exact.
         self.reached[0] -= length;
         self.before = length.abs();
+        let time = match self.needs_floors {
+            true => self.floors.time,
+            false => 0.0,
+        };
         self.forget();
+        self.floors.time = time;
     }
 
     /// The length of the substep from the base, in the direction of `direction`.
@@ -118,10 +143,11 @@ impl Path {
         // Before the first substep, its length by the field alone.
         let before = match self.before > 0.0 {
             true => self.before,
+            false if allowed.has_floors() => length(steepest(first, last), order - 1),
             false => length(size(last) / size(first), order - 1),
         };
-        // The largest x_k[i] over component i, or over its change where that is larger; what is 0 up to the second
-        // order counts as round-off of the others, or of their change where all are 0.
+        // The largest x_k[i] over component i, or over its change where that is larger. What is 0 up to the second order is
+        // measured by its own terms, or counts as round-off of the others, or of their change where all are 0.
         let whole = match size(&self.base) {
             0.0 => before * (size(first) + before * size(second)),
             base => base,
@@ -129,13 +155,21 @@ impl Path {
         let (mut of_earlier, mut of_last) = (0.0_f64, 0.0_f64);
         for i in 0..d {
             let change = before * (first[i].abs() + before * second[i].abs());
+            let own = self.base[i].abs().max(change);
             let least = if allowed.keeps_sign(i) {
                 0.0
+            } else if allowed.has_floors() {
+                let begins = if own == 0.0 {
+                    self.begins(i, before)
+                } else {
+                    0.0
+                };
+                begins.max(self.floors.rough(i))
             } else {
                 f64::EPSILON * whole
             };
             let floor = least + f64::MIN_POSITIVE;
-            let scale = 1.0 / self.base[i].abs().max(change).max(floor);
+            let scale = 1.0 / own.max(floor);
             of_earlier = larger(of_earlier, earlier[i].abs() * scale);
             of_last = larger(of_last, last[i].abs() * scale);
         }
@@ -152,6 +186,16 @@ impl Path {
         let chosen = length(of_earlier, order - 1).min(length(of_last, order));
         self.length = short((safety * chosen).min(most)).copysign(direction);
         Ok(())
+    }
+
+    /// max over k of |x_k[i]| tᵏ.
+    fn begins(&self, i: usize, time: f64) -> f64 {
+        let rows = self.jet.chunks_exact(self.base.len());
+        let terms = rows.scan(1.0, |power, row| {
+            *power *= time;
+            Some(*power * row[i].abs())
+        });
+        terms.fold(0.0, f64::max)
     }
 
     /// Whether the step goes on behind the substep.
@@ -195,8 +239,24 @@ impl Path {
         })
     }
 
+    /// Whether a coordinate has more of the residual than is allowed for its own size.
+    pub fn exceeds_itself(&self, field: &[f64], allowed: &Allowed) -> bool {
+        let all = 0..field.len();
+        let mut pairs = all.filter_map(|i| self.residual(i, field, allowed));
+        pairs.any(|(error, size)| error > allowed.of_itself(size))
+    }
+
     #[inline(always)]
     fn excess_of(&self, i: usize, field: &[f64], largest: f64, allowed: &Allowed) -> f64 {
+        match self.residual(i, field, allowed) {
+            Some((error, size)) => error / allowed.error(i, size, largest, &self.floors),
+            None => f64::INFINITY,
+        }
+    }
+
+    /// The residual of x_i and what it is measured by; none where a sign is lost.
+    #[inline(always)]
+    fn residual(&self, i: usize, field: &[f64], allowed: &Allowed) -> Option<(f64, f64)> {
         let (base, slope, time) = (self.base[i], self.slope[i], self.at.abs());
         let value = base + (self.low[i] + self.change[i]);
         let is_kept = allowed.keeps_sign(i);
@@ -208,9 +268,9 @@ impl Path {
         let error = (slope - field[i]).abs() * time / terms;
         let is_lost = (value > 0.0) != (base > 0.0) || value == 0.0;
         if is_kept && is_lost && base != 0.0 {
-            return f64::INFINITY;
+            return None;
         }
-        error / allowed.error(i, size, largest)
+        Some((error, size))
     }
 
     /// How far rounding may have moved the coordinates of the place looked at: the base and the change.
@@ -255,6 +315,15 @@ impl Path {
         let is_known = next.abs() < self.passed.abs() && self.passed.abs() < self.at.abs();
         self.length = if is_known { short(self.passed) } else { next };
     }
+}
+
+/// The largest last term of a coordinate over its first.
+fn steepest(first: &[f64], last: &[f64]) -> f64 {
+    let pairs = first.iter().zip(last);
+    let moves = pairs.filter(|(first, _)| **first != 0.0);
+    moves.fold(0.0, |most, (first, last)| {
+        larger(most, (last / first).abs())
+    })
 }
 
 /// max |v_i|.
