@@ -17,7 +17,6 @@ use self::lane::Lane;
 use self::masks::{
     Row, add_where, any, guard_ratio, is_inside, keep, ratio_in_own_units, select, take_guard,
 };
-use self::scales::size_in_all;
 use super::convergence::Next;
 use super::kernel::NewtonKernel;
 use super::start::Start;
@@ -410,7 +409,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
         if size >= 0.5 * lane.convergence.last && size > WANDERING && as_a_whole() > WANDERING {
             lane.watch.take(true);
         }
-        let norm = || size_in_all(rows, w, [reached, next]);
+        let norm = || Self::size_in_all(rows, w, [reached, next]);
         let next = if size.is_finite() && lane.anchored {
             lane.convergence
                 .judge(size, norm, is_newton, self.most_chords)

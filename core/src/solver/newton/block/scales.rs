@@ -73,34 +73,34 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
             self.scale.as_mut()[i][w] -= own - settled(own, again);
         }
     }
-}
 
-/// The size of a lane's correction, each component beside what the scales of all that are settled and that it is coupled with, at
-/// first hand and at later ones, put into it: Σ_k |D − 1|ᵏ s. One that begins to move at a high order in the step has the size of
-/// that motion.
-#[cold]
-pub(super) fn size_in_all<const W: usize>(
-    [correction, scale, slope]: [&[Row<W>]; 3],
-    w: usize,
-    [reached, next]: [&mut Vec<f64>; 2],
-) -> f64 {
-    let d = scale.len();
-    let settled = |i: usize| match relative(correction[i][w], scale[i][w]) <= ROUND_OFF {
-        true => scale[i][w],
-        false => 0.0,
-    };
-    for (i, reached) in reached.iter_mut().enumerate() {
-        *reached = settled(i);
-    }
-    for _ in 0..d.min(MOST_HANDS) {
-        for (i, next) in next.iter_mut().enumerate() {
-            let others = (0..d).map(|j| slope[i * d + j][w] * reached[j]);
-            *next = settled(i) + others.sum::<f64>();
+    /// The size of a lane's correction, each component beside what the scales of all that are settled and that it is coupled with, at
+    /// first hand and at later ones, put into it: Σ_k |D − 1|ᵏ s. One that begins to move at a high order in the step has the size of
+    /// that motion.
+    #[cold]
+    pub(super) fn size_in_all(
+        [correction, scale, slope]: [&[Row<W>]; 3],
+        w: usize,
+        [reached, next]: [&mut Vec<f64>; 2],
+    ) -> f64 {
+        let d = scale.len();
+        let settled = |i: usize| match relative(correction[i][w], scale[i][w]) <= ROUND_OFF {
+            true => scale[i][w],
+            false => 0.0,
+        };
+        for (i, reached) in reached.iter_mut().enumerate() {
+            *reached = settled(i);
         }
-        reached.copy_from_slice(next);
+        for _ in 0..d.min(MOST_HANDS) {
+            for (i, next) in next.iter_mut().enumerate() {
+                let others = (0..d).map(|j| slope[i * d + j][w] * reached[j]);
+                *next = settled(i) + others.sum::<f64>();
+            }
+            reached.copy_from_slice(next);
+        }
+        let sizes = correction.iter().zip(&*reached);
+        sizes.fold(0.0, |size, (correction, whole)| {
+            larger(size, relative(correction[w], *whole))
+        })
     }
-    let sizes = correction.iter().zip(&*reached);
-    sizes.fold(0.0, |size, (correction, whole)| {
-        larger(size, relative(correction[w], *whole))
-    })
 }
