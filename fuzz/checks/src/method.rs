@@ -20,10 +20,16 @@ pub fn method(source: &mut Source<'_>, tensor: &Tensor) -> Method {
         _ => {
             let realization = realization(source, tensor);
             let most = if tensor.names.len() > 3 { 2 } else { 3 };
-            format!(
-                "realization = {realization}\ndynamics = {}\n",
-                dynamics(source, most)
-            )
+            // Lifts are stepped by Gauss methods alone; others are refused, which is seen often enough.
+            let dynamics =
+                match LIFTS.iter().any(|lift| realization.contains(lift)) && source.chance(224) {
+                    true => format!(
+                        "{{ name = \"collective\", stages = {} }}",
+                        1 + source.below(16)
+                    ),
+                    false => dynamics(source, most),
+                };
+            format!("realization = {realization}\ndynamics = {dynamics}\n")
         }
     };
     if source.chance(80) {
@@ -61,9 +67,10 @@ pub const COMPOSITIONS: [&str; 17] = [
 ];
 
 /// Every realization.
-pub const REALIZATIONS: [&str; 10] = [
+pub const REALIZATIONS: [&str; 11] = [
     "karasev-truncated",
     "karasev-collocated",
+    "clebsch",
     "constant",
     "darboux-magnetic",
     "lie-poisson",
@@ -73,6 +80,9 @@ pub const REALIZATIONS: [&str; 10] = [
     "so3-exponential",
     "so3-group",
 ];
+
+/// Those that are coordinates with a constant tensor.
+const LIFTS: [&str; 2] = ["clebsch", "logarithms"];
 
 /// Every stepper.
 pub const STEPPERS: [&str; 10] = [
@@ -90,7 +100,13 @@ pub const STEPPERS: [&str; 10] = [
 
 fn realization(source: &mut Source<'_>, tensor: &Tensor) -> String {
     let suited: &[&str] = match tensor.family {
-        Family::Rotations => &["so3-cayley", "so3-exponential", "so3-group", "lie-poisson"],
+        Family::Rotations => &[
+            "clebsch",
+            "so3-cayley",
+            "so3-exponential",
+            "so3-group",
+            "lie-poisson",
+        ],
         Family::Linear => &["lie-poisson"],
         Family::LogCanonical => &["log-canonical", "logarithms"],
         Family::Constant => &["constant"],
@@ -164,7 +180,7 @@ fn stepper(source: &mut Source<'_>, tensor: &Tensor, tolerance: &mut f64) -> Str
         _ => source.pick(&STEPPERS),
     };
     match name {
-        "gauss" => format!("{{ name = \"gauss\", stages = {} }}", 1 + source.below(5)),
+        "gauss" => format!("{{ name = \"gauss\", stages = {} }}", 1 + source.below(16)),
         "energy-preserving" => format!("{{ name = \"{name}\", order = {} }}", source.pick(&[2, 4])),
         "projection" => format!(
             "{{ name = \"{name}\", base = \"{}\" }}",
