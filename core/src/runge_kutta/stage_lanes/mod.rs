@@ -20,15 +20,16 @@ const SETTLED: f64 = f64::EPSILON;
 /// Corrections below this part that fall by less than [`SLOW`] twice are round-off.
 const ROUND_OFF: f64 = 64.0 * SETTLED;
 
-/// Corrections that fall by less on the average do not certify the solution: a map that contracts by 1/2 has no other in
-/// the ball where it does.
+/// Corrections that fall by less on the average, from the first on, do not certify the solution. A map that contracts by 1/2
+/// about z, where the step begins, has one fixed point near, and so has each that takes a part of the step: it is the one that
+/// is connected with z.
 const SLOW: f64 = 0.5;
-
-/// The first corrections are not judged: the start has errors of another kind, and coordinates begin to move.
-const FIRST_JUDGED: u64 = 5;
 
 /// Corrections sway by so much about their average fall.
 const SWAY: f64 = 8.0;
+
+/// A start that is off by more than this part of the way from z may lead to another solution.
+const FAR: f64 = 0.125;
 
 /// What later corrections would add is forgotten below this part of a coordinate: 1/64 of a unit roundoff.
 const NEGLIGIBLE: f64 = f64::EPSILON / 128.0;
@@ -238,17 +239,23 @@ impl<const W: usize> RegisterWork for Solve<'_, W> {
             outcome,
         } = self;
         lanes.begin::<R>(at, start);
+        let is_cold = !lanes.is_known[at];
         // The last two corrections, how many in a row did not fall, and what the next one may be.
         let [mut before, mut last] = [f64::NAN; 2];
         let mut stalled = 0;
-        let mut most = 0.0;
+        let mut most = f64::INFINITY;
         let mut evaluations = 0;
         let is_rounded = loop {
             evaluations += 1;
             lanes.kernel.evaluate_own_rows::<W>(&mut lanes.workspace);
-            let is_measured = evaluations == 1 || evaluations == 4 || evaluations == 16;
+            let is_measured = match evaluations {
+                1 | 4 | 16 => true,
+                2 | 3 => is_cold,
+                _ => false,
+            };
+            let mut way = 0.0;
             let size = match is_measured {
-                true => lanes.correct_measuring::<R>(start),
+                true => lanes.correct_measuring::<R>(start, &mut way),
                 false => lanes.correct::<R>(start.point),
             };
             // With δ_k = r δ_{k−1} and r ≤ 1/2 the rest is δ_k r/(1 − r) ≤ 2 δ_k²/δ_{k−1}. Rates alternate where
@@ -265,8 +272,8 @@ impl<const W: usize> RegisterWork for Solve<'_, W> {
             if stalled == 2 || stalled == 1 && size <= 4.0 * SETTLED {
                 break true;
             }
-            let is_lost = evaluations > FIRST_JUDGED && size > most;
-            if is_lost || !size.is_finite() || evaluations == MOST_EVALUATIONS {
+            let is_far = evaluations == 1 && !is_cold && size > FAR * way;
+            if is_far || size > most || !size.is_finite() || evaluations == MOST_EVALUATIONS {
                 *outcome = Err(Unsettled {
                     evaluations,
                     correction: size,
@@ -274,9 +281,7 @@ impl<const W: usize> RegisterWork for Solve<'_, W> {
                 return;
             }
             most = match evaluations {
-                ..FIRST_JUDGED if most > size => most,
-                ..FIRST_JUDGED => size,
-                FIRST_JUDGED => SLOW * SWAY * if most > size { most } else { size },
+                1 => SWAY * SLOW * size,
                 _ => SLOW * most,
             };
             [before, last] = [last, size];
@@ -360,9 +365,9 @@ impl<const W: usize> Lanes<W> {
         largest(&most)
     }
 
-    /// The same, and measures the coordinates anew.
+    /// The same, and measures the coordinates anew; `whole` is the largest way from z, in the same units.
     #[inline(always)]
-    fn correct_measuring<R: Register>(&mut self, start: Start<'_>) -> f64 {
+    fn correct_measuring<R: Register>(&mut self, start: Start<'_>, whole: &mut f64) -> f64 {
         let (stages, slopes) = self.kernel.rows_mut::<W>(&mut self.workspace);
         let mut most = 0.0;
         let n = start.point.len();
@@ -379,20 +384,23 @@ impl<const W: usize> Lanes<W> {
                     .store(&mut correction[first..]);
                 next.store(&mut stages[c][first..]);
             }
-            inverse[c] = 1.0 / (start.sizes[c].abs() + largest(&way) + f64::MIN_POSITIVE);
+            let way = largest(&way);
+            inverse[c] = 1.0 / (start.sizes[c].abs() + way + f64::MIN_POSITIVE);
+            let way = way * inverse[c];
+            *whole = if way > *whole { way } else { *whole };
             let correction = largest(&correction) * inverse[c];
             most = if correction > most { correction } else { most };
         }
         most
     }
-}
 
-impl<const W: usize> StageLanes for Lanes<W> {
-    fn solve(
+    /// [`StageLanes::solve`], each attempt by `run`.
+    fn solve_by(
         &mut self,
         at: usize,
         start: Start<'_>,
         change: &mut [f64],
+        run: impl Fn(Solve<'_, W>),
     ) -> Result<FixedPoint, Unsettled> {
         let nothing = Unsettled {
             evaluations: 0,
@@ -409,7 +417,7 @@ impl<const W: usize> StageLanes for Lanes<W> {
                 change,
                 outcome,
             };
-            run_on_registers(W, solve);
+            run(solve);
             let evaluations = match outcome {
                 Ok(solved) => &mut solved.evaluations,
                 Err(unsettled) => &mut unsettled.evaluations,
@@ -424,6 +432,17 @@ impl<const W: usize> StageLanes for Lanes<W> {
         self.is_known[at] = outcome.is_ok();
         self.evaluations += spent;
         outcome
+    }
+}
+
+impl<const W: usize> StageLanes for Lanes<W> {
+    fn solve(
+        &mut self,
+        at: usize,
+        start: Start<'_>,
+        change: &mut [f64],
+    ) -> Result<FixedPoint, Unsettled> {
+        self.solve_by(at, start, change, |solve| run_on_registers(W, solve))
     }
 
     fn displacements(&self, at: usize, out: &mut [f64]) {
