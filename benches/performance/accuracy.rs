@@ -221,6 +221,51 @@ pub fn adaptive<P: Problem + 'static>() -> String {
     text
 }
 
+/// Gauss methods in coordinates with a constant tensor, beside `taylor` and other Poisson maps.
+pub fn lifts<P: Problem + 'static>() -> String {
+    let (reference, apart) = reference::<P>();
+    let mut text = format!(
+        "{}, T = {}; the reference is known to {apart:.0e}.\n\n",
+        P::TITLE,
+        P::TIME
+    );
+    let most = MOST_STEPS * P::TIME;
+    let mut all: Vec<Box<dyn Contestant>> = vec![
+        Box::new(Adaptive::<P>::new("taylor")),
+        Box::new(HandDop853::<P>(PhantomData)),
+    ];
+    let baselines = [0, 1].map(|at: usize| all[at].name());
+    for stages in [2, 4, 8, 16] {
+        let method = format!(
+            "realization = \"{}\"\ndynamics = {{ name = \"collective\", stages = {stages} }}",
+            P::LIFT
+        );
+        let name = format!("{} + Gauss of {stages} stages", P::LIFT);
+        all.push(Box::new(Ours::<P>::new(name, Kind::StepMap, &method, most)));
+    }
+    all.extend(hamilton_jacobi::<P>(&[8, 10]));
+    for (stepper, value) in P::STEPPERS
+        .iter()
+        .filter(|(name, _)| name.starts_with("splitting"))
+    {
+        for scheme in ["blanes-moan-6", "kahan-li-8"] {
+            let method = format!("stepper = {value}\ncomposition = \"{scheme}\"");
+            let name = format!("{stepper}, {scheme}");
+            all.push(Box::new(Ours::<P>::new(name, Kind::StepMap, &method, most)));
+        }
+    }
+    for target in [1e-4, 1e-8, 1e-12] {
+        let entries: Vec<Entry<'_>> = all
+            .iter()
+            .filter_map(|contestant| reach(contestant.as_ref(), &reference, target))
+            .collect();
+        let (entries, _) = without_slow(entries, &baselines);
+        let race = race(&entries, &baselines);
+        text.push_str(&format!("Error {target:.0e}:\n\n{race}\n"));
+    }
+    text
+}
+
 /// Entries that take more than this many times what the first baseline takes are not measured further.
 const SLOW: f64 = 10.0;
 

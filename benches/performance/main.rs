@@ -28,7 +28,7 @@ use crate::problems::{LotkaVolterra, RigidBody};
 /// A part of the page: its name, and what measures it.
 type Section = (&'static str, fn() -> String);
 
-const SECTIONS: [Section; 9] = [
+const SECTIONS: [Section; 10] = [
     ("steps", steps::table),
     ("products", products::table),
     ("rigid-body", || {
@@ -41,6 +41,13 @@ const SECTIONS: [Section; 9] = [
         let tables = [
             accuracy::adaptive::<RigidBody>(),
             accuracy::adaptive::<LotkaVolterra>(),
+        ];
+        tables.join("\n")
+    }),
+    ("lifts", || {
+        let tables = [
+            accuracy::lifts::<RigidBody>(),
+            accuracy::lifts::<LotkaVolterra>(),
         ];
         tables.join("\n")
     }),

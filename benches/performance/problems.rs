@@ -12,6 +12,8 @@ pub trait Problem: Flows<State = [f64; 3]> {
     const TIME: f64;
     /// Exact realizations.
     const REALIZATIONS: &'static [&'static str];
+    /// Coordinates with a constant tensor.
+    const LIFT: &'static str;
     /// What the Hamilton–Jacobi series is made from.
     const HAMILTONIANS: &'static [&'static str];
     /// Poisson step maps of order 2 that take compositions: names, and what a scene calls them.
@@ -36,6 +38,7 @@ impl Problem for RigidBody {
     const INITIAL: [f64; 3] = [1.0, 3.0, 3.0];
     const TIME: f64 = 200.0;
     const REALIZATIONS: &'static [&'static str] = &["so3-exponential", "so3-cayley"];
+    const LIFT: &'static str = "clebsch";
     const HAMILTONIANS: &'static [&'static str] = &["given", "energy-casimir"];
     const STEPPERS: &'static [(&'static str, &'static str)] = &[
         ("splitting", "\"splitting\""),
@@ -89,6 +92,7 @@ impl Problem for LotkaVolterra {
     const INITIAL: [f64; 3] = [1.0, 1.9, 0.5];
     const TIME: f64 = 100.0;
     const REALIZATIONS: &'static [&'static str] = &["log-canonical"];
+    const LIFT: &'static str = "logarithms";
     const HAMILTONIANS: &'static [&'static str] = &["given"];
     const STEPPERS: &'static [(&'static str, &'static str)] = &[
         ("splitting", "\"splitting\""),

@@ -24,6 +24,10 @@ pub trait DynamicApproximation: Send + Sync + std::fmt::Debug {
     fn takes_forces(&self) -> bool {
         false
     }
+    /// Whether it steps in the coordinates of a [`Lift`](crate::Lift): others need α̂ and β̂.
+    fn serves_lifts(&self) -> bool {
+        false
+    }
     /// Whether y ↦ L(y) is solved for β̂(L(y)) = x, or taken at y = x.
     fn correction(&self) -> Correction {
         Correction::Bisection

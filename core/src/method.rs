@@ -86,13 +86,15 @@ impl Method {
         dynamics: Arc<dyn DynamicApproximation>,
     ) -> Result<Self, BuildError> {
         check_forces(system, dynamics.as_ref())?;
+        check_lift(realization.as_ref(), dynamics.as_ref())?;
         let solves = dynamics.correction() == Correction::Bisection;
-        if solves && system.expressions().is_some() {
+        let is_lifted = realization.lift().is_some();
+        if solves && !is_lifted && system.expressions().is_some() {
             check_variables(system.dimension())?;
         }
         let bisection = dynamics.bisection(system, &realization)?;
         let properties = properties_of(realization.as_ref(), dynamics.as_ref());
-        let fused = solves
+        let fused = (solves || is_lifted)
             .then(|| Arc::clone(&realization).fuse(system, Arc::clone(&bisection), properties))
             .flatten();
         if let Some(fused) = fused {
@@ -120,6 +122,7 @@ impl Method {
         dynamics: Arc<dyn DynamicApproximation>,
     ) -> Result<Self, BuildError> {
         check_forces(system, dynamics.as_ref())?;
+        check_lift(realization.as_ref(), dynamics.as_ref())?;
         let bisection = dynamics.bisection(system, &realization)?;
         Self::compose_generic(system, realization, dynamics, bisection)
     }
@@ -136,11 +139,6 @@ impl Method {
             realization: realization.describe(),
             reason: reason.to_owned(),
         };
-        if realization.lift().is_some() && realization.code().is_none() {
-            return Err(missing(
-                "it is coordinates in which the tensor is constant, for the dynamics collective",
-            ));
-        }
         let path = match (realization.code(), bisection.code()) {
             (Some(ends), Some(points)) if dynamics.correction() == Correction::Bisection => {
                 let (mut graph, ends) = code_along(d, &ends, &points)?;
@@ -325,6 +323,24 @@ pub(crate) fn check_forces(
     match dynamics.takes_forces() {
         true => Ok(()),
         false => system.without_forces(&dynamics.describe()),
+    }
+}
+
+/// Refuses coordinates with a constant tensor to a dynamic approximation that needs α̂ and β̂.
+fn check_lift(
+    realization: &dyn RealizationData,
+    dynamics: &dyn DynamicApproximation,
+) -> Result<(), BuildError> {
+    let has_maps = realization.code().is_some() || realization.lift().is_none();
+    match has_maps || dynamics.serves_lifts() {
+        true => Ok(()),
+        false => Err(BuildError::Incompatible {
+            dynamics: dynamics.describe(),
+            realization: realization.describe(),
+            reason:
+                "it is coordinates in which the tensor is constant, for the dynamics collective"
+                    .to_owned(),
+        }),
     }
 }
 

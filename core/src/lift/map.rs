@@ -12,7 +12,7 @@ use crate::evaluator::Evaluator;
 use crate::runge_kutta::stage_lanes::{StageLanes, Start, stage_lanes};
 use crate::runge_kutta::{SmoothMap, SmoothMapEvaluator, Tableau};
 use crate::solver::{
-    Lanes, MapProperties, StepMap, StepReport, Stepper, Trajectories, check_equations,
+    Lanes, MapProperties, StepMap, StepReport, Stepper, Structure, Trajectories, check_equations,
 };
 use crate::system::PoissonSystem;
 
@@ -51,8 +51,9 @@ impl LiftedMap {
             lift,
             code: Arc::new(code),
             dimension: system.dimension(),
-            // Gauss methods are symmetric, in any coordinates.
+            // Gauss methods are symmetric, and begin at x itself whether a bisection is solved for or not.
             properties: MapProperties {
+                structure: Structure::Exact,
                 self_adjoint: Some(true),
                 ..properties
             },

@@ -4,7 +4,7 @@
 //! {x_i∘J, x_j∘J}_Ω = Π_ij∘J. The collective Hamiltonian K = H∘J moves z by ż = −Ω∇K, and J∘z is the motion of x.
 //! A Gauss method steps z by a Poisson map of Ω (Hairer, Lubich, Wanner, *Geometric Numerical Integration*, theorem
 //! VI.4.3). Where it takes fibres of J to fibres, as it does where they are orbits of affine symmetries of K and Ω, the step
-//! descends to a Poisson map of M: the collective integrators of McLachlan, Modin and Verdier (Nonlinearity 27 (2014)) and
+//! descends to a Poisson map of M, to round-off: the collective integrators of McLachlan, Modin and Verdier (Nonlinearity 27 (2014)) and
 //! of section 4.3 of Cabrera, Martín de Diego and Vaquero.
 
 mod map;

@@ -204,6 +204,11 @@ impl DynamicApproximation for Collective {
         self.correction
     }
 
+    /// With the whole step by a Gauss method: a step that begins at x itself is the same there.
+    fn serves_lifts(&self) -> bool {
+        true
+    }
+
     fn describe(&self) -> String {
         let correction = match self.correction {
             Correction::Bisection => "",

@@ -129,6 +129,15 @@ pub fn execute(
             "shorten it with --set system.families.NAME=8",
         ));
     };
+    if method.realization().lift().is_some() {
+        return Err(Failure::usage(
+            format!(
+                "{} is coordinates in which the tensor is constant: it has no alpha and beta to evaluate",
+                method.realization().describe()
+            ),
+            "name another realization, with --set method.realization=auto",
+        ));
+    }
     if run.extension.is_some() {
         return Err(Failure::usage(
             "a scene whose Hamiltonian, one-form or forces name the time t, or that has a pace, is not evaluated at a point: its realization is \
