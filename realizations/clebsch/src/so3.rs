@@ -20,7 +20,8 @@ static INFO: PartInfo = PartInfo {
     declares: "exact; self-adjoint",
     domain: "{x1,x2} = -a x3 cyclic with constant a of either sign, with the dynamics `collective`; all points",
     literature: "R. McLachlan, K. Modin, O. Verdier, Collective symplectic integrators, Nonlinearity 27 (2014); \
-                 J. E. Marsden, T. S. Ratiu, Introduction to Mechanics and Symmetry, section 10.7 and exercise 11.4-3",
+                 J. E. Marsden, A. Weinstein, Coadjoint orbits, vortices, and Clebsch variables for incompressible \
+                 fluids, Physica D 7 (1983)",
     ..PartInfo::of(PartKind::Realization)
 };
 
