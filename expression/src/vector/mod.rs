@@ -1,6 +1,6 @@
 //! Code compiled once for each instruction set, the widest chosen at run time.
 //!
-//! Plain loops over lanes ([`Work`]) are compiled for the baseline, for AVX2 and for AVX-512 from
+//! Plain loops over lanes (`Work`) are compiled for the baseline, for AVX2 and for AVX-512 from
 //! one source; what a compiler does not turn into vector instructions by itself is written over a
 //! [`Register`]. A product and a sum are fused where the source says so and nowhere else, so the bits are
 //! the same everywhere; only the number of lanes that ride together differs.
