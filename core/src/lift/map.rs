@@ -154,7 +154,7 @@ impl LiftedSteps {
     fn new(map: &LiftedMap, parameters: &[f64], time_step: f64, count: usize) -> Self {
         let (n, all) = (map.lift.dimension(), map.code.field.inputs());
         let field = map.code.field.evaluator(parameters, 1.0, 1.0);
-        let stages = stage_lanes(&field, &map.tableau, time_step, count);
+        let stages = stage_lanes(&field, &map.tableau, time_step, count, true);
         Self {
             lift: Arc::clone(&map.lift),
             code: Arc::clone(&map.code),

