@@ -95,7 +95,8 @@ impl StageSolver {
         }
     }
 
-    /// The same, trying the plain iteration with the stages in lanes first: for Gauss methods whose F has a kernel.
+    /// The same, trying the plain iteration with the stages in lanes first: for Gauss methods of three
+    /// stages and more whose F has a kernel.
     #[must_use]
     pub fn by_lanes(mut self) -> Self {
         let Coefficients { tableau, time_step } = &self.coefficients;

@@ -58,7 +58,7 @@ proptest! {
         x in vec(0.3..2.0_f64, 3),
         signs in vec(any::<bool>(), 3),
         stages in 1..=8_usize,
-        time_step in 0.01..0.15_f64,
+        time_step in 0.01..0.1_f64,
     ) {
         let pairs = x.iter().zip(signs);
         let signed: Vec<f64> = pairs.map(|(x, minus)| if minus { -x } else { *x }).collect();

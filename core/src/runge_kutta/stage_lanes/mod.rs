@@ -35,7 +35,8 @@ const FAR: f64 = 0.5;
 /// θ = 1.7 with two stages and farther with more, it is about θ/2.
 const APART: f64 = 0.75;
 
-/// Stages from which on a start by their polynomial is judged by how near it is alone.
+/// Stages from which on they show how smooth the motion is over a step. Those of fewer say nothing of it: a step of theirs is
+/// followed by parts, or left to another solver.
 const SMOOTH: usize = 3;
 
 /// Parts of a step that is followed from z are no shorter.
@@ -116,6 +117,9 @@ pub(crate) fn stage_lanes(
     count: usize,
     follows: bool,
 ) -> Option<Box<dyn StageLanes>> {
+    if tableau.stages() < SMOOTH && !follows {
+        return None;
+    }
     let shape = (field, tableau, time_step, count, follows);
     Some(match tableau.stages() {
         1 => Box::new(Lanes::<1>::new(shape)?),
@@ -321,11 +325,7 @@ impl<const W: usize> RegisterWork for Solve<'_, W> {
         evaluations += 1;
         let is_finite = lanes.end(at, change);
         // A polynomial of higher degree that continues the last step, and is near a solution, is near that of this one.
-        let is_judged = match from {
-            From::Polynomial => lanes.stages < SMOOTH,
-            From::State => true,
-            From::Standing => false,
-        };
+        let is_judged = from == From::State;
         let mut is_near = is_finite;
         if is_finite && is_judged {
             evaluations += 1;
@@ -505,11 +505,14 @@ impl<const W: usize> Lanes<W> {
             *evaluations = spent;
             outcome
         };
-        let mut outcome = match self.is_known[at] {
-            true => attempt(self, From::Polynomial),
-            false => attempt(self, From::State),
-        };
-        if outcome.is_err() && self.is_known[at] {
+        let mut outcome = Err(Unsettled {
+            evaluations: 0,
+            correction: f64::NAN,
+        });
+        if self.is_known[at] && self.stages >= SMOOTH {
+            outcome = attempt(self, From::Polynomial);
+        }
+        if outcome.is_err() && self.stages >= SMOOTH {
             outcome = attempt(self, From::State);
         }
         if outcome.is_err() && self.follows {

@@ -24,7 +24,7 @@ fn field() -> SmoothMap {
 fn lanes<const W: usize>(stages: usize, stiffness: f64, time_step: f64) -> Lanes<W> {
     let field = field().evaluator(&[stiffness], 1.0, 1.0);
     let tableau = Tableau::gauss(stages);
-    Lanes::new((&field, &tableau, time_step, 1, false)).expect("a field with code")
+    Lanes::new((&field, &tableau, time_step, 1, true)).expect("a field with code")
 }
 
 fn start(z: &[f64]) -> Start<'_> {
@@ -67,7 +67,7 @@ proptest! {
     fn the_solution_is_that_of_newtons_iteration(
         z in vec(0.5..2.0_f64, 4),
         signs in vec(any::<bool>(), 4),
-        stages in 1..=Tableau::MOST_STAGES,
+        stages in SMOOTH..=Tableau::MOST_STAGES,
         time_step in 0.01..0.4_f64,
     ) {
         let pairs = z.iter().zip(signs);
@@ -131,15 +131,15 @@ fn what_does_not_contract_is_newtons() {
     );
 }
 
-/// At |τDF| = 0.99·2 of a rotation the corrections of the midpoint rule fall by 0.99: there is a solution, and nothing that
+/// At τ|DF| = 3 of a rotation the corrections of three stages fall by more than 1/2: there is a solution, and nothing that
 /// certifies it.
 #[test]
 fn what_contracts_slowly_is_newtons_too() {
     let field = field().evaluator(&[1.0], 1.0, 1.0);
-    let mut solver = StageSolver::new(field, Tableau::gauss(1), 1.98, 1).by_lanes();
+    let mut solver = StageSolver::new(field, Tableau::gauss(3), 3.0, 1).by_lanes();
     let mut change = vec![0.0; 4];
     solver
-        .solve(&[0.1, 0.0, 1.0, 0.0], &mut change)
+        .solve(&[0.1, 0.05, 1.0, 0.3], &mut change)
         .expect("a step");
     assert!(!solver.is_by_lanes[0]);
 }
