@@ -31,9 +31,9 @@ const SWAY: f64 = 8.0;
 /// A start that is off by more than this part of the way from z may lead to another solution.
 const FAR: f64 = 0.5;
 
-/// What a first correction from z may leave of the way to the stages. For a turn by an angle θ a step, which contracts up to
-/// θ = 1.7 with two stages and farther with more, it is about θ/2.
-const APART: f64 = 0.75;
+/// What a first correction from z may leave of the way to the stages: all of it where the iteration just contracts. For a
+/// turn by an angle θ a step it is about θ/2.
+const APART: f64 = 1.0;
 
 /// Stages from which on they show how smooth the motion is over a step. Those of fewer say nothing of it: a step of theirs is
 /// followed by parts, or left to another solver.
@@ -324,8 +324,7 @@ impl<const W: usize> RegisterWork for Solve<'_, W> {
         };
         evaluations += 1;
         let is_finite = lanes.end(at, change);
-        // A polynomial of higher degree that continues the last step, and is near a solution, is near that of this one.
-        let is_judged = from == From::State;
+        let is_judged = from != From::Standing;
         let mut is_near = is_finite;
         if is_finite && is_judged {
             evaluations += 1;
