@@ -147,8 +147,11 @@ struct Lanes<const W: usize> {
     is_known: Vec<bool>,
     /// 1/(|z_c| + max_i |Z_i − z|_c), of the solve at hand.
     inverse_sizes: Vec<f64>,
-    /// Whether a step is followed from z by parts where it is not found at once.
+    /// Whether a step is followed from z by parts where it is not found at once; A of the whole step then, and Z_i − z of a
+    /// part, a row a coordinate.
     follows: bool,
+    full: Box<[[f64; W]; W]>,
+    ways: Vec<[f64; W]>,
     evaluations: u64,
     /// Operations of one evaluation and its sums.
     work: u64,
@@ -182,6 +185,8 @@ impl<const W: usize> Lanes<W> {
         Some(Self {
             stages: s,
             matrix: columns(&tableau.matrix),
+            full: columns(&tableau.matrix),
+            ways: vec![[0.0; W]; if follows { n } else { 0 }],
             onward: columns(&Tableau::gauss_onward(s)),
             weights,
             slopes: vec![[0.0; W]; count * n],
@@ -531,18 +536,16 @@ impl<const W: usize> Lanes<W> {
         z: &[f64],
         mut attempt: impl FnMut(&mut Self, From) -> Result<FixedPoint, Unsettled>,
     ) -> Result<FixedPoint, Unsettled> {
-        let full = self.matrix.clone();
-        let mut kept = vec![[0.0; W]; z.len()];
         let (mut done, mut part) = (0.0, 0.25);
         let outcome = loop {
             let to = if done + part > 1.0 { 1.0 } else { done + part };
-            for (own, full) in self.matrix.iter_mut().zip(full.iter()) {
+            for (own, full) in self.matrix.iter_mut().zip(&*self.full) {
                 *own = full.map(|entry| to * entry);
             }
             if done > 0.0 {
                 // Where the last part has come to, farther in proportion.
                 let (stages, _) = self.kernel.rows_mut::<W>(&mut self.workspace);
-                for ((stage, kept), z) in stages.iter_mut().zip(&kept).zip(z) {
+                for ((stage, kept), z) in stages.iter_mut().zip(&self.ways).zip(z) {
                     *stage = kept.map(|way| z + to / done * way);
                 }
             }
@@ -558,7 +561,7 @@ impl<const W: usize> Lanes<W> {
                 }
                 done = to;
                 let slopes = &self.slopes[at * z.len()..][..z.len()];
-                for (kept, slopes) in kept.iter_mut().zip(slopes) {
+                for (kept, slopes) in self.ways.iter_mut().zip(slopes) {
                     *kept = [0.0; W];
                     for (column, slope) in self.matrix.iter().zip(slopes) {
                         for (way, entry) in kept.iter_mut().zip(column) {
@@ -573,7 +576,7 @@ impl<const W: usize> Lanes<W> {
                 break outcome;
             }
         };
-        self.matrix = full;
+        self.matrix.copy_from_slice(&*self.full);
         outcome
     }
 }
