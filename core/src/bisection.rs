@@ -5,7 +5,6 @@ use leafwise_expression::{Graph, Term};
 use crate::error::BuildError;
 use crate::evaluator::Evaluator;
 use crate::generating_function::Generating;
-use crate::runge_kutta::Tableau;
 
 /// A parametrization y ↦ L(y) ∈ S of a Lagrangian bisection: y ↦ (y, dŜ(y)) for Hamilton–Jacobi,
 /// y ↦ Σ_h(σ(y)) for a collective integrator. Of a one-form θ that is not closed, y ↦ (y, θ(y)) is none, and
@@ -33,8 +32,9 @@ pub trait LagrangianBisection: Send + Sync + std::fmt::Debug {
     fn is_near_identity(&self) -> bool {
         false
     }
-    /// The Gauss method that steps H∘α̂ in the coordinates of a [`Lift`](crate::lift::Lift), where L is given by it alone.
-    fn lifted_by(&self) -> Option<&Tableau> {
+    /// The number of stages of the Gauss method that steps H∘α̂ in the coordinates of a [`Lift`](crate::lift::Lift), where L is
+    /// given by it alone: 1 to [`Tableau::MOST_STAGES`](crate::runge_kutta::Tableau::MOST_STAGES).
+    fn lifted_by(&self) -> Option<usize> {
         None
     }
     /// The generating function, where L is the graph of dŜ.

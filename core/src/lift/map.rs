@@ -45,8 +45,16 @@ impl LiftedMap {
         bisection: &Arc<dyn LagrangianBisection>,
         properties: MapProperties,
     ) -> Option<Result<Self, BuildError>> {
-        let tableau = bisection.lifted_by()?.clone();
-        let description = format!("{realization} + collective gauss s = {}", tableau.stages());
+        let stages = bisection.lifted_by()?;
+        let description = format!("{realization} + collective gauss s = {stages}");
+        if !(1..=Tableau::MOST_STAGES).contains(&stages) {
+            return Some(Err(BuildError::Incompatible {
+                dynamics: format!("a Gauss method of {stages} stages"),
+                realization: realization.to_owned(),
+                reason: format!("the number of stages lies in 1 to {}", Tableau::MOST_STAGES),
+            }));
+        }
+        let tableau = Tableau::gauss(stages);
         let built = Code::of(lift.as_ref(), system).map(|code| Self {
             lift,
             code: Arc::new(code),

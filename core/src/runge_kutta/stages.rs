@@ -26,7 +26,7 @@ pub(super) const UNTIL_LANES: u32 = 15;
 /// asked for than with Newton's iteration.
 ///
 /// [`by_lanes`](Self::by_lanes) first tries the plain iteration Z_i ← z + τ Σ_j a_ij F(Z_j), all stages at once in
-/// the lanes of vectors. Where its corrections halve at least, its solution is the only one near; elsewhere Newton's
+/// the lanes of vectors. Where its corrections halve on the average, its solution is that connected with z; elsewhere Newton's
 /// iteration takes the step, and the next few.
 pub struct StageSolver {
     field: SmoothMapEvaluator,

@@ -122,12 +122,12 @@ impl SymplecticIntegrator {
         }
     }
 
-    /// The coefficients for coordinates of any kind with a constant tensor; none of a partitioned integrator.
-    fn of_lift(self) -> Option<Tableau> {
+    /// The stages of the Gauss method for coordinates of any kind with a constant tensor; none of a partitioned integrator.
+    fn of_lift(self) -> Option<usize> {
         match self {
             Self::StormerVerlet => None,
-            Self::ImplicitMidpoint => Some(Tableau::gauss(1)),
-            Self::Gauss(stages) => Some(Tableau::gauss(stages)),
+            Self::ImplicitMidpoint => Some(1),
+            Self::Gauss(stages) => Some(stages),
         }
     }
 
@@ -228,13 +228,13 @@ impl DynamicApproximation for Collective {
             reason: reason.to_owned(),
         };
         if realization.lift().is_some() {
-            let tableau = self.integrator.of_lift();
-            let tableau = tableau.ok_or_else(|| {
+            let stages = self.integrator.of_lift();
+            let stages = stages.ok_or_else(|| {
                 missing(
                     "its coordinates are no positions and momenta; take gauss or implicit-midpoint",
                 )
             })?;
-            return Ok(Arc::new(LiftedFlow(tableau)));
+            return Ok(Arc::new(LiftedFlow(stages)));
         }
         let (d, parameters) = (system.dimension(), system.parameter_values());
         let chart = ChartMaps::of(realization, parameters.len())?.ok_or_else(|| {

@@ -21,7 +21,7 @@ impl ImplicitRungeKutta {
         count: usize,
     ) -> Self {
         let field = field.evaluator(parameters, 1.0, 1.0);
-        Self(StageSolver::new(field, tableau, time_step, count))
+        Self(StageSolver::new(field, tableau, time_step, count).by_lanes())
     }
 }
 

@@ -56,6 +56,25 @@ impl Register for Four {
     }
 
     #[inline(always)]
+    fn larger(self, b: Self) -> Self {
+        // SAFETY: as above.
+        Self(unsafe { _mm256_max_pd(self.0, b.0) })
+    }
+
+    #[inline(always)]
+    fn largest(self) -> f64 {
+        // SAFETY: as above.
+        unsafe {
+            let halves = [
+                _mm256_castpd256_pd128(self.0),
+                _mm256_extractf128_pd::<1>(self.0),
+            ];
+            let pairs = _mm_max_pd(halves[0], halves[1]);
+            _mm_cvtsd_f64(_mm_max_sd(pairs, _mm_unpackhi_pd(pairs, pairs)))
+        }
+    }
+
+    #[inline(always)]
     fn less(self, b: Self) -> FourMasks {
         // SAFETY: as above.
         FourMasks(unsafe { _mm256_cmp_pd::<_CMP_LT_OQ>(self.0, b.0) })

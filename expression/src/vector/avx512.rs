@@ -50,6 +50,18 @@ impl Register for Eight {
     }
 
     #[inline(always)]
+    fn larger(self, b: Self) -> Self {
+        // SAFETY: as above.
+        Self(unsafe { _mm512_max_pd(self.0, b.0) })
+    }
+
+    #[inline(always)]
+    fn largest(self) -> f64 {
+        // SAFETY: as above.
+        unsafe { _mm512_reduce_max_pd(self.0) }
+    }
+
+    #[inline(always)]
     fn less(self, b: Self) -> __mmask8 {
         // SAFETY: as above.
         unsafe { _mm512_cmp_pd_mask::<_CMP_LT_OQ>(self.0, b.0) }

@@ -65,6 +65,16 @@ impl<F: Fused> Register for One<F> {
     }
 
     #[inline(always)]
+    fn larger(self, b: Self) -> Self {
+        if self.0 > b.0 { self } else { b }
+    }
+
+    #[inline(always)]
+    fn largest(self) -> f64 {
+        self.0
+    }
+
+    #[inline(always)]
     fn less(self, b: Self) -> bool {
         self.0 < b.0
     }

@@ -27,6 +27,10 @@ pub trait Register:
     /// c − a·b, rounded once.
     fn times_from(self, b: Self, c: Self) -> Self;
 
+    /// The larger of a and b; b where one is NaN.
+    fn larger(self, b: Self) -> Self;
+    /// The largest lane of numbers ≥ 0.
+    fn largest(self) -> f64;
     /// Whether a < b; false for NaN.
     fn less(self, b: Self) -> Self::Mask;
     /// Whether a = b; false for NaN.

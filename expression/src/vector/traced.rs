@@ -150,6 +150,14 @@ impl<'a> Register for Traced<'a> {
         self.operate(Traceable::TimesFrom, b, c)
     }
 
+    fn larger(self, _: Self) -> Self {
+        unreachable!("{BRANCHES}")
+    }
+
+    fn largest(self) -> f64 {
+        unreachable!("{BRANCHES}")
+    }
+
     fn less(self, b: Self) -> Below<'a> {
         let Number::Constant(bound) = b.number else {
             unreachable!("{BRANCHES}")

@@ -4,10 +4,15 @@ use leafwise_expression::vector::RegisterWork;
 use leafwise_expression::{Arithmetic, Function, Graph, Rational};
 use proptest::collection::vec;
 use proptest::prelude::*;
+use proptest::strategy::ValueTree;
+use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 
-use super::*;
-use crate::runge_kutta::SmoothMap;
+use super::lanes::Lanes;
+use super::path::SMOOTH;
+use super::solution::{FixedPoint, StageLanes, Start, Unsettled};
+use super::stage_lanes;
 use crate::runge_kutta::stages::{StageSolver, UNTIL_LANES};
+use crate::runge_kutta::{SmoothMap, Tableau};
 
 /// A pendulum that drives a spring: q̇ = p, ṗ = −sin q, u̇ = v, v̇ = −k u + q/3 of the parameter k.
 fn field() -> SmoothMap {
@@ -162,4 +167,81 @@ fn what_begins_to_move_is_known_to_its_own_digits() {
     // The pendulum is linear there: the same digits.
     let scale = libm::exp2(600.0);
     assert_eq!(change.map(|v| v * scale), other);
+}
+
+/// q̇ = p, ṗ = −V′(q) for V = −cos q, q⁴/4, (1 − e⁻ᵠ)², e^{2q}/4 − q/2.
+fn body(potential: usize) -> SmoothMap {
+    let mut graph = Graph::new();
+    let [q, p] = [0, 1].map(|i| graph.input(i));
+    let force = match potential {
+        0 => {
+            let sine = graph.apply(Function::Sin, &q).expect("code");
+            graph.negate(&sine)
+        }
+        1 => {
+            let square = graph.multiply(&q, &q);
+            let cube = graph.multiply(&square, &q);
+            graph.negate(&cube)
+        }
+        2 => {
+            let minus = graph.negate(&q);
+            let e = graph.apply(Function::Exp, &minus).expect("code");
+            let square = graph.multiply(&e, &e);
+            graph.combine(&[(Rational::new(2, 1), square), (Rational::new(-2, 1), e)])
+        }
+        4 => {
+            let five = graph.scale(&Rational::new(5, 1), &q);
+            let sine = graph.apply(Function::Sin, &five).expect("code");
+            graph.negate(&sine)
+        }
+        _ => {
+            let twice = graph.scale(&Rational::new(2, 1), &q);
+            let e = graph.apply(Function::Exp, &twice).expect("code");
+            let one = graph.one();
+            graph.combine(&[(Rational::new(-1, 2), e), (Rational::new(1, 2), one)])
+        }
+    };
+    SmoothMap::compile(&mut graph, &[p, force], 0, 2).expect("derivatives")
+}
+
+/// Orbits of drawn potentials at steps of 0.1 to 5, in lanes and by Newton's iteration along its path from z: where lanes find
+/// stages these are Newton's, and where steps are short they find some.
+#[test]
+fn stages_found_at_long_steps_are_those_of_the_path() {
+    let bodies = [0, 1, 2, 3, 4].map(body);
+    let drawn = (0..5_usize, vec(-1.5..1.5_f64, 2), 1..=8_usize, 0.1..5.0_f64);
+    let mut runner = TestRunner::new_with_rng(
+        ProptestConfig::default(),
+        TestRng::deterministic_rng(RngAlgorithm::ChaCha),
+    );
+    let (mut compared, mut refused) = (0, 0);
+    for _ in 0..600 {
+        let (potential, mut z, stages, time_step) =
+            drawn.new_tree(&mut runner).expect("a case").current();
+        let field = || bodies[potential].evaluator(&[], 1.0, 1.0);
+        let tableau = Tableau::gauss(stages);
+        let mut lanes = stage_lanes(&field(), &tableau, time_step, 1, true).expect("code");
+        for _ in 0..40 {
+            let (mut change, mut expected) = (vec![0.0; 2], vec![0.0; 2]);
+            let mut newton = StageSolver::new(field(), tableau.clone(), time_step, 1);
+            if lanes.solve(0, start(&z), &mut change).is_err() {
+                refused += 1;
+                break;
+            }
+            if newton.solve(&z, &mut expected).is_err() {
+                break;
+            }
+            compared += 1;
+            for (a, b) in change.iter().zip(&expected) {
+                assert!(
+                    (a - b).abs() <= 1e-8,
+                    "{potential}, {stages}, {time_step}, {z:?}: {change:?}, {expected:?}"
+                );
+            }
+            z.iter_mut()
+                .zip(&change)
+                .for_each(|(z, change)| *z += change);
+        }
+    }
+    assert!(compared >= 5000 && refused > 0, "{compared}, {refused}");
 }
