@@ -11,6 +11,9 @@
 )]
 
 #[cfg(target_arch = "x86_64")]
+use std::sync::LazyLock;
+
+#[cfg(target_arch = "x86_64")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
@@ -104,6 +107,20 @@ fn fused_scalar<W: ScalarWork>(work: W) -> W::Output {
     work.run::<Hardware>()
 }
 
+/// Whether registers of 512 bits are taken: where the machine has them, and `LEAFWISE_VECTORS` in the environment is not 256.
+/// Results have the same bits; the variable is there to measure what the width is worth.
+#[cfg(target_arch = "x86_64")]
+#[inline]
+pub(crate) fn has_512_bits() -> bool {
+    static FOUND: LazyLock<bool> = LazyLock::new(|| {
+        is_x86_feature_detected!("avx512f")
+            && is_x86_feature_detected!("avx512dq")
+            && is_x86_feature_detected!("avx512vl")
+            && std::env::var_os("LEAFWISE_VECTORS").is_none_or(|bits| bits != "256")
+    });
+    *FOUND
+}
+
 /// One of the instruction sets of this machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct InstructionSet(Kind);
@@ -125,13 +142,8 @@ impl InstructionSet {
     #[inline]
     pub(crate) fn best() -> Self {
         #[cfg(target_arch = "x86_64")]
-        {
-            if is_x86_feature_detected!("avx512f")
-                && is_x86_feature_detected!("avx512dq")
-                && is_x86_feature_detected!("avx512vl")
-            {
-                return Self(Kind::Avx512);
-            }
+        if has_512_bits() {
+            return Self(Kind::Avx512);
         }
         Self::best_of_256_bits()
     }

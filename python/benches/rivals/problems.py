@@ -24,6 +24,31 @@ class Problem(NamedTuple):
     """Of states (n, d), shape (n,)."""
 
 
+BODIES = 10
+SPECIES = 20
+
+
+def bodies():
+    """Initial spins of a ring of bodies, shape (3 BODIES,)."""
+    at = np.arange(BODIES)
+    spins = [1 + 0.1 * np.sin(at), 0.7 * np.cos(at), 0.8 + 0.05 * at / BODIES]
+    return np.stack(spins, 1).ravel()
+
+
+def bodies_energy(x):
+    """sum_i m_i1^2/2 + m_i2^2/1.5 + m_i3^2/2.5 + m_i1 m_(i+1)1/10."""
+    m = x.reshape(len(x), BODIES, 3)
+    own = (m**2 / [2, 1.5, 2.5]).sum((1, 2))
+    return own + 0.1 * (m[:, :, 0] * np.roll(m[:, :, 0], -1, 1)).sum(1)
+
+
+def food_web():
+    """Its antisymmetric matrix a_ij and its equilibrium c_i."""
+    numbers = np.random.default_rng(5)
+    a = np.triu(numbers.uniform(-1, 1, (SPECIES, SPECIES)) / SPECIES**0.5, 1).round(3)
+    return a - a.T, (1 + 0.1 * np.sin(np.arange(SPECIES))).round(3)
+
+
 PROBLEMS = {
     "rigid_body": Problem(
         title="Rigid body, T = 200",
@@ -38,6 +63,27 @@ PROBLEMS = {
         time=300.0,
         energy=lambda x: 2 * x[:, 0] + x[:, 1] + 2 * x[:, 2] + np.log(x[:, 1]) - 2 * np.log(x[:, 2]),
         casimir=lambda x: 2 * np.log(x[:, 0]) + np.log(x[:, 1]) + np.log(x[:, 2]),
+    ),
+    "heavy_top": Problem(
+        title="Heavy top, T = 100",
+        initial=np.array([0.5, 1.0, 1.5, 0.6, 0.0, 0.8]),
+        time=100.0,
+        energy=lambda x: (x[:, :3] ** 2 / [2, 1.5, 2.5]).sum(1) + 0.3 * x[:, 3] + x[:, 5],
+        casimir=lambda x: (x[:, :3] * x[:, 3:]).sum(1),
+    ),
+    "coupled_bodies": Problem(
+        title=f"A ring of {BODIES} rigid bodies, T = 20",
+        initial=bodies(),
+        time=20.0,
+        energy=bodies_energy,
+        casimir=lambda x: (x[:, :3] ** 2).sum(1),
+    ),
+    "food_web": Problem(
+        title=f"A food web of {SPECIES} species, T = 20",
+        initial=1 + 0.3 * np.sin(2.1 * np.arange(SPECIES) + 0.4),
+        time=20.0,
+        energy=lambda x: (x - food_web()[1] * np.log(x)).sum(1),
+        casimir=lambda x: np.zeros(len(x)),
     ),
     "volterra_lattice": Problem(
         title=f"Volterra lattice, N = {SITES}, T = 100",

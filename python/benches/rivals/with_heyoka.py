@@ -2,6 +2,8 @@
 
 import heyoka as hy
 import numpy as np
+import problems
+from problems import BODIES, SPECIES
 
 
 def rigid_body():
@@ -26,6 +28,41 @@ def lotka_volterra():
     return slope, [1.0, 1.9, 0.5]
 
 
+def heavy_top():
+    """User's code."""
+    m1, m2, m3, g1, g2, g3 = hy.make_vars("m1", "m2", "m3", "g1", "g2", "g3")
+    w1, w2, w3 = m1, m2 / 0.75, m3 / 1.25
+    slope = [
+        (m1, m2 * w3 - m3 * w2 + g2),
+        (m2, m3 * w1 - m1 * w3 + 0.3 * g3 - g1),
+        (m3, m1 * w2 - m2 * w1 - 0.3 * g2),
+        (g1, g2 * w3 - g3 * w2),
+        (g2, g3 * w1 - g1 * w3),
+        (g3, g1 * w2 - g2 * w1),
+    ]
+    return slope, [0.5, 1.0, 1.5, 0.6, 0.0, 0.8]
+
+
+def coupled_bodies():
+    """User's code."""
+    n = BODIES
+    m = [hy.make_vars(f"m{i}x", f"m{i}y", f"m{i}z") for i in range(n)]
+    slope = []
+    for i, (x, y, z) in enumerate(m):
+        w1, w2, w3 = x + 0.1 * (m[i - 1][0] + m[(i + 1) % n][0]), y / 0.75, z / 1.25
+        slope += [(x, w2 * z - w3 * y), (y, w3 * x - w1 * z), (z, w1 * y - w2 * x)]
+    return slope, problems.bodies()
+
+
+def food_web():
+    """User's code."""
+    a, c = problems.food_web()
+    x = hy.make_vars(*[f"x{i}" for i in range(SPECIES)])
+    return [
+        (x[i], x[i] * hy.sum([a[j, i] * (x[j] - c[j]) for j in range(SPECIES) if j != i])) for i in range(SPECIES)
+    ], 1 + 0.3 * np.sin(2.1 * np.arange(SPECIES) + 0.4)
+
+
 def volterra_lattice():
     """User's code."""
     x = hy.make_vars(*[f"x{i}" for i in range(1024)])
@@ -40,7 +77,7 @@ def solve(slope, x0, time, tolerance):
     return taylor.state
 
 
-METHODS = dict.fromkeys(["rigid_body", "lotka_volterra", "volterra_lattice"], {"Taylor": None})
+METHODS = dict.fromkeys(problems.PROBLEMS, {"Taylor": None})
 
 
 class Solver:

@@ -2,6 +2,8 @@
 
 import leafwise as lw
 import numpy as np
+import problems
+from problems import BODIES, SPECIES
 
 
 def rigid_body(method):
@@ -27,6 +29,54 @@ def lotka_volterra(method):
         },
         method=method,
         run={"initial": [1.0, 1.9, 0.5], "steps": 1},
+    )
+
+
+def heavy_top(method):
+    """User's code."""
+    return lw.Scene(
+        system={
+            "variables": ["m1", "m2", "m3", "g1", "g2", "g3"],
+            "bracket": {
+                **{"m1,m2": "m3", "m2,m3": "m1", "m3,m1": "m2"},
+                **{"m1,g2": "g3", "m2,g3": "g1", "m3,g1": "g2"},
+                **{"g1,m2": "g3", "g2,m3": "g1", "g3,m1": "g2"},
+            },
+            "hamiltonian": "m1^2/2 + m2^2/1.5 + m3^2/2.5 + 0.3*g1 + g3",
+        },
+        method=method,
+        run={"initial": [0.5, 1.0, 1.5, 0.6, 0.0, 0.8], "steps": 1},
+    )
+
+
+def coupled_bodies(method):
+    """User's code."""
+    n = range(BODIES)
+    return lw.Scene(
+        system={
+            "variables": [f"m{i}{c}" for i in n for c in "xyz"],
+            "bracket": {f"m{i}{a},m{i}{b}": f"-m{i}{c}" for i in n for a, b, c in ("xyz", "yzx", "zxy")},
+            "hamiltonian": " + ".join(
+                f"m{i}x^2/2 + m{i}y^2/1.5 + m{i}z^2/2.5 + 0.1*m{i}x*m{(i + 1) % BODIES}x" for i in n
+            ),
+        },
+        method=method,
+        run={"initial": list(problems.bodies()), "steps": 1},
+    )
+
+
+def food_web(method):
+    """User's code."""
+    a, c = problems.food_web()
+    n = range(SPECIES)
+    return lw.Scene(
+        system={
+            "variables": [f"x{i}" for i in n],
+            "bracket": {f"x{i},x{j}": f"({a[i, j]})*x{i}*x{j}" for i in n for j in n if i < j},
+            "hamiltonian": " + ".join(f"x{i} - {c[i]}*ln(x{i})" for i in n),
+        },
+        method=method,
+        run={"initial": list(1 + 0.3 * np.sin(2.1 * np.arange(SPECIES) + 0.4)), "steps": 1},
     )
 
 
@@ -60,9 +110,26 @@ SPLITTINGS = {
     f"splitting, {name}": {"stepper": "splitting", "composition": name, "time-step": 0.1}
     for name in ("blanes-moan-4", "blanes-moan-6", "sofroniou-spaletta-10")
 }
+
+
+def lifts(realization):
+    """Gauss methods in coordinates with a constant tensor."""
+    return {
+        f"{realization}, Gauss {stages}": {
+            "realization": realization,
+            "dynamics": {"name": "collective", "stages": stages},
+            "time-step": 0.1,
+        }
+        for stages in (4, 8, 16)
+    }
+
+
 METHODS = {
-    "rigid_body": HAMILTON_JACOBI | SPLITTINGS,
-    "lotka_volterra": HAMILTON_JACOBI | SPLITTINGS,
+    "rigid_body": HAMILTON_JACOBI | SPLITTINGS | lifts("clebsch"),
+    "lotka_volterra": HAMILTON_JACOBI | SPLITTINGS | lifts("logarithms"),
+    "heavy_top": SPLITTINGS | lifts("clebsch"),
+    "coupled_bodies": SPLITTINGS | lifts("clebsch"),
+    "food_web": {"splitting, blanes-moan-4": SPLITTINGS["splitting, blanes-moan-4"]} | lifts("logarithms"),
     "volterra_lattice": {
         "Hamilton–Jacobi 2": {
             "realization": {"name": "karasev-truncated", "order": 2},
@@ -77,7 +144,7 @@ METHODS = {
 class Solver:
     """Runs with one method at one number of steps; a finer setting has 2^(1/4) times as many."""
 
-    SETTINGS = [round(50 * 2 ** (k / 4)) for k in range(50)]
+    SETTINGS = [round(10 * 2 ** (k / 4)) for k in range(60)]
 
     def __init__(self, problem, name, method, setting):
         self.scene = globals()[name](method).set(**{"method.time-step": problem.time / setting})

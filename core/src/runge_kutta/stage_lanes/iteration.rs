@@ -73,8 +73,8 @@ impl<const W: usize> RegisterWork for Solve<'_, W> {
             evaluations += 1;
             lanes.evaluate();
             let is_measured = match evaluations {
-                1 | 4 | 16 => true,
-                2 | 3 => is_cold,
+                1 | 16 => true,
+                2..=4 => is_cold,
                 _ => false,
             };
             let mut way = 0.0;

@@ -106,7 +106,7 @@ impl<const W: usize> Lanes<W> {
             }
             From::Polynomial => {
                 let slopes = &self.slopes[at * n..][..n];
-                by_blocks!(n, c, K => {
+                by_blocks!(R, n, c, K => {
                     let (z, slopes) = (block::<_, K>(z, c), block(slopes, c));
                     let stages: &mut [_; K] = block_mut(stages, c);
                     for first in (0..W).step_by(R::LANES) {
@@ -146,7 +146,7 @@ impl<const W: usize> Lanes<W> {
         let (stages, slopes) = self.kernel.rows_mut::<W>(&mut self.workspace);
         let n = z.len();
         let mut most = R::splat(0.0);
-        by_blocks!(n, c, K => {
+        by_blocks!(R, n, c, K => {
             let (z, slopes) = (block::<_, K>(z, c), block(slopes, c));
             let inverse: &[f64; K] = block(&self.inverse_sizes, c);
             let stages: &mut [_; K] = block_mut(stages, c);
@@ -172,7 +172,7 @@ impl<const W: usize> Lanes<W> {
         let (stages, slopes) = self.kernel.rows_mut::<W>(&mut self.workspace);
         let n = start.point.len();
         let mut most = R::splat(0.0);
-        by_blocks!(n, c, K => {
+        by_blocks!(R, n, c, K => {
             let (z, slopes) = (block::<_, K>(start.point, c), block(slopes, c));
             let sizes: &[f64; K] = block(start.sizes, c);
             let inverse: &mut [f64; K] = block_mut(&mut self.inverse_sizes, c);

@@ -19,8 +19,10 @@ impl<const W: usize> Columns<W> {
     }
 }
 
-/// z_c + Σ_j m_j f_cj of K coordinates c over the lanes of a register from `first` on, in two sums that do not wait for one
-/// another. A column is read once for all K.
+/// Sums that do not wait for one another, of every fourth column.
+const PARTS: usize = 4;
+
+/// z_c + Σ_j m_j f_cj of K coordinates c over the lanes of a register from `first` on. A column is read once for all K.
 ///
 /// Loops alone here and wherever it is called: closures and iterators are compiled for the baseline where they are not inlined.
 #[inline(always)]
@@ -30,33 +32,40 @@ pub(super) fn sums<R: Register, const W: usize, const K: usize>(
     slopes: &[[f64; W]; K],
     first: usize,
 ) -> [R; K] {
-    let (mut even, mut odd) = ([R::splat(0.0); K], [R::splat(0.0); K]);
+    let mut parts = [[R::splat(0.0); PARTS]; K];
     for j in 0..W {
         let column = R::load(&columns.0[j][first..]);
         for c in 0..K {
             let slope = R::splat(slopes[c][j]);
-            match j % 2 {
-                0 => even[c] = column.times_plus(slope, even[c]),
-                _ => odd[c] = column.times_plus(slope, odd[c]),
-            }
+            parts[c][j % PARTS] = match j < PARTS {
+                true => column * slope,
+                false => column.times_plus(slope, parts[c][j % PARTS]),
+            };
         }
     }
+    let mut all = [R::splat(0.0); K];
     for c in 0..K {
-        even[c] = R::splat(z[c]) + (even[c] + odd[c]);
+        let [a, b, c_, d] = parts[c];
+        all[c] = match W {
+            1 => a,
+            2 => a + b,
+            _ => (a + b) + (c_ + d),
+        };
+        all[c] = R::splat(z[c]) + all[c];
     }
-    even
+    all
 }
 
-/// Runs `$block` for blocks of K coordinates from c on: K is 4, and 2 and 1 at the end.
+/// Runs `$block` for blocks of K coordinates from c on: as many as have their sums in registers `$r`, and 2 and 1 at the end.
 macro_rules! by_blocks {
-    ($n:expr, $c:ident, $k:ident => $block:expr) => {{
+    ($r:ident, $n:expr, $c:ident, $k:ident => $block:expr) => {{
         let mut $c = 0;
-        while $c + 4 <= $n {
+        while $r::LANES == 8 && $c + 4 <= $n {
             const $k: usize = 4;
             $block;
             $c += 4;
         }
-        if $c + 2 <= $n {
+        while $c + 2 <= $n {
             const $k: usize = 2;
             $block;
             $c += 2;

@@ -130,8 +130,9 @@ fn what_does_not_contract_is_newtons() {
     let evaluations = solver
         .solve(&[1.0, 0.0, 1.0, 0.0], &mut change)
         .expect("a step");
+    // The spring is linear: two evaluations for the solve, and two for each quarter of its path.
     assert!(
-        solver.until_lanes[0] == UNTIL_LANES - 1 && evaluations < 10,
+        solver.until_lanes[0] == UNTIL_LANES - 1 && evaluations <= 10,
         "{evaluations}"
     );
 }

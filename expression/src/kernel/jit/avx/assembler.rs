@@ -1,6 +1,8 @@
 //! The few instructions of x86-64 that kernels need, as bytes (Intel 64 and IA-32 Architectures
 //! Software Developer's Manual, volume 2: 2.3 for VEX, 2.7 for EVEX).
 
+use crate::vector::has_512_bits;
+
 /// A register for addresses and whole numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Gpr(u8);
@@ -49,7 +51,7 @@ impl Width {
     /// The widest that so many lanes fill on this machine, `None` without AVX.
     pub(in crate::kernel::jit) fn best(lanes: usize) -> Option<Self> {
         let available = [
-            (Self::Eight, is_x86_feature_detected!("avx512f")),
+            (Self::Eight, has_512_bits()),
             (Self::Four, is_x86_feature_detected!("avx")),
             (Self::Two, is_x86_feature_detected!("avx")),
             (Self::One, is_x86_feature_detected!("avx")),
