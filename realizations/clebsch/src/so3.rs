@@ -6,7 +6,7 @@ use leafwise_core::lift::{End, Lift};
 use leafwise_core::part::{PartInfo, PartKind, PartParameters};
 use leafwise_core::registry::RealizationPart;
 use leafwise_core::{
-    Accuracy, BuildError, PoissonSystem, RealizationData, StepError, SystemFormulas,
+    BuildError, LiftedRealization, PoissonSystem, RealizationData, StepError, SystemFormulas,
 };
 use leafwise_expression::graph::lift;
 use leafwise_expression::{Arithmetic, Expression, Graph, Polynomial, Ring, Term};
@@ -42,27 +42,9 @@ impl So3Clebsch {
     ///
     /// # Errors
     /// [`BuildError::DoesNotFit`] when the tensor is not a constant multiple of that of so(3)*.
-    pub fn new(system: &PoissonSystem) -> Result<Self, BuildError> {
+    pub fn realize(system: &PoissonSystem) -> Result<LiftedRealization, BuildError> {
         let tensor = RotationTensor::new(INFO.name, system)?;
-        Ok(Self { tensor })
-    }
-}
-
-impl RealizationData for So3Clebsch {
-    fn dimension(&self) -> usize {
-        3
-    }
-
-    fn accuracy(&self) -> Accuracy {
-        Accuracy::Exact
-    }
-
-    fn describe(&self) -> String {
-        INFO.name.to_owned()
-    }
-
-    fn lift(&self) -> Option<Arc<dyn Lift>> {
-        Some(Arc::new(self.clone()))
+        Ok(LiftedRealization::new(INFO.name, 3, Self { tensor }))
     }
 }
 
@@ -228,7 +210,7 @@ fn build(
     parameters: &PartParameters,
 ) -> Result<Arc<dyn RealizationData>, BuildError> {
     parameters.refuse_unknown(&INFO)?;
-    Ok(Arc::new(So3Clebsch::new(system)?))
+    Ok(Arc::new(So3Clebsch::realize(system)?))
 }
 
 leafwise_core::built_in!(RealizationPart::new(&INFO, build));

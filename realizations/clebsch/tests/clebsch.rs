@@ -20,7 +20,8 @@ use proptest::prelude::*;
 fn gauss(system: &PoissonSystem, stages: usize) -> Method {
     let integrator = SymplecticIntegrator::Gauss(stages);
     let dynamics = Collective::new(integrator, Correction::Bisection).expect("stages");
-    let realization: Arc<dyn RealizationData> = Arc::new(So3Clebsch::new(system).expect("so(3)*"));
+    let realization: Arc<dyn RealizationData> =
+        Arc::new(So3Clebsch::realize(system).expect("so(3)*"));
     Method::compose(system, realization, Arc::new(dynamics)).expect("a method")
 }
 
@@ -158,7 +159,7 @@ fn a_resumed_run_has_the_same_bits() {
 #[test]
 fn other_tensors_are_refused() {
     let other = from_formulas(&["x", "y"], &[], &[("x,y", "1")], "x + y", &[]);
-    let refused = So3Clebsch::new(&other).map(|_| ());
+    let refused = So3Clebsch::realize(&other).map(|_| ());
     assert!(
         matches!(refused, Err(BuildError::DoesNotFit { .. })),
         "{refused:?}"

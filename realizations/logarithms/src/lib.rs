@@ -10,7 +10,7 @@ use leafwise_core::lift::{End, Lift};
 use leafwise_core::part::{PartInfo, PartKind, PartParameters};
 use leafwise_core::registry::RealizationPart;
 use leafwise_core::{
-    Accuracy, BuildError, PoissonSystem, RealizationData, StepError, SystemFormulas,
+    BuildError, LiftedRealization, PoissonSystem, RealizationData, StepError, SystemFormulas,
 };
 use leafwise_expression::graph::lift;
 use leafwise_expression::pairs::EXPONENTIAL_MINUS_1;
@@ -43,33 +43,17 @@ impl Logarithms {
     /// # Errors
     /// [`BuildError::DoesNotFit`] with the first entry whose quotient by x_i x_j has a normal form
     /// with variables, [`BuildError::Algebra`] where an entry has no normal form.
-    pub fn realize(system: &PoissonSystem) -> Result<Self, BuildError> {
+    pub fn realize(system: &PoissonSystem) -> Result<LiftedRealization, BuildError> {
         let system = system.formulas(INFO.name)?.clone();
         let mut ring = Ring::new(system.dimension());
         let coefficients = LogCanonical::coefficients(&system, &mut ring)?;
-        Ok(Self {
+        let dimension = system.dimension();
+        let lift = Self {
             system,
             ring,
             coefficients,
-        })
-    }
-}
-
-impl RealizationData for Logarithms {
-    fn dimension(&self) -> usize {
-        self.system.dimension()
-    }
-
-    fn accuracy(&self) -> Accuracy {
-        Accuracy::Exact
-    }
-
-    fn describe(&self) -> String {
-        INFO.name.to_owned()
-    }
-
-    fn lift(&self) -> Option<Arc<dyn Lift>> {
-        Some(Arc::new(self.clone()))
+        };
+        Ok(LiftedRealization::new(INFO.name, dimension, lift))
     }
 }
 
