@@ -161,6 +161,26 @@ pub enum BuildError {
         /// Why.
         reason: String,
     },
+    /// Matrices that do not represent a tensor's Lie algebra.
+    #[error(
+        "{part}: the matrices are no representation: [rho({first}), rho({second})] has {found} in row {} and column {}, \
+         and {{{first}, {second}}} asks for {expected}; mind that brackets are the paper's, {{x_i, x_j}} with x' = {{H, x}}",
+        entry[0] + 1, entry[1] + 1
+    )]
+    NoRepresentation {
+        /// The part's name.
+        part: &'static str,
+        /// The variables whose bracket fails.
+        first: String,
+        /// The second one.
+        second: String,
+        /// The entry of the commutator, row and column from 0.
+        entry: [usize; 2],
+        /// It, in units of the first bracket that is not 0.
+        found: String,
+        /// The one that the tensor asks for.
+        expected: String,
+    },
     /// A part that refuses its parameters, in its own words.
     #[error("{part} cannot be made: {reason}")]
     NotMade {
@@ -299,6 +319,14 @@ pub enum StepError {
         ratio: f64,
         /// What it says.
         message: String,
+    },
+    /// A state that no point of a realization's coordinates lies over.
+    #[error("the coordinates of {part} do not reach the state: {reason}")]
+    OutsideImage {
+        /// The realization.
+        part: &'static str,
+        /// Why, and what to try.
+        reason: &'static str,
     },
     /// A value that is not finite.
     #[error(

@@ -24,6 +24,7 @@ static INFO: PartInfo = PartInfo {
     domain: "all points, with the dynamics `collective`; a_ij of numbers and parameters",
     literature: "R. McLachlan, K. Modin, O. Verdier, Collective symplectic integrators, Nonlinearity 27 (2014); \
                  Hairer, Lubich, Wanner, Geometric Numerical Integration, section VII.2 and theorem VI.4.3",
+    is_lift: true,
     ..PartInfo::of(PartKind::Realization)
 };
 
@@ -82,34 +83,47 @@ impl Lift for Logarithms {
         sizes.fill(1.0);
     }
 
-    /// ż_i = −Σ_j a_ij x_j ∂_j H at x_j = x_j⁰ e^{z_j}.
-    fn field(
+    /// x_i⁰ e^{z_i}.
+    fn image(
         &self,
-        system: &SystemFormulas,
         graph: &mut Graph,
         z: &[Term],
         base: &[Term],
     ) -> Result<Vec<Term>, BuildError> {
-        let d = z.len();
-        let mut own = Graph::new();
-        let x: Vec<Term> = (0..d).map(|i| own.input(i)).collect();
-        let gradient = system.gradient(&mut own, &x)?;
-        // ∂H holds 1/x where H holds ln x, and x ∂H does not.
-        let pairs = x.iter().zip(&gradient);
-        let slopes: Vec<Term> = pairs.map(|(x, g)| own.multiply_reduced(x, g)).collect();
-        let one = own.one();
+        let pairs = base.iter().zip(z);
+        Ok(pairs.map(|(x, z)| grown(graph, x, z)).collect())
+    }
+
+    /// Σ_j a_ij x_j ∂_j H: ∂H holds 1/x where H holds ln x, and x ∂H does not.
+    fn covector(
+        &self,
+        graph: &mut Graph,
+        x: &[Term],
+        slopes: &[Term],
+    ) -> Result<Vec<Term>, BuildError> {
+        let pairs = x.iter().zip(slopes);
+        let slopes: Vec<Term> = pairs.map(|(x, g)| graph.multiply_reduced(x, g)).collect();
+        let one = graph.one();
         let outputs = self.coefficients.iter();
         let outputs: Vec<_> = outputs.map(|a| vec![(one.clone(), a.clone())]).collect();
-        let coefficients = lift(&mut own, &self.ring, &outputs, &x)?;
-        let mut rows = vec![Vec::new(); d];
+        let coefficients = lift(graph, &self.ring, &outputs, x)?;
+        let mut rows = vec![Vec::new(); x.len()];
         for ((i, j), a) in self.system.tensor().keys().zip(&coefficients) {
-            rows[*i].push((-Rational::one(), own.multiply(a, &slopes[*j])));
-            rows[*j].push((Rational::one(), own.multiply(a, &slopes[*i])));
+            rows[*i].push((Rational::one(), graph.multiply(a, &slopes[*j])));
+            rows[*j].push((-Rational::one(), graph.multiply(a, &slopes[*i])));
         }
-        let field: Vec<Term> = rows.iter().map(|row| own.combine(row)).collect();
-        let pairs = base.iter().zip(z);
-        let x: Vec<Term> = pairs.map(|(x, z)| grown(graph, x, z)).collect();
-        Ok(graph.import(&own, &field, &x)?)
+        Ok(rows.iter().map(|row| graph.combine(row)).collect())
+    }
+
+    /// ż_i = −Σ_j a_ij x_j ∂_j H.
+    fn field(
+        &self,
+        graph: &mut Graph,
+        _z: &[Term],
+        _base: &[Term],
+        covector: &[Term],
+    ) -> Result<Vec<Term>, BuildError> {
+        Ok(covector.iter().map(|row| graph.negate(row)).collect())
     }
 
     /// x_i⁰ (e^{z_i} − 1).

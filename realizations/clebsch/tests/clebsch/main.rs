@@ -1,0 +1,7 @@
+//! Gauss steps in Clebsch variables are Poisson maps.
+
+mod algebras;
+mod common;
+mod representations;
+mod rotations;
+mod sums;
