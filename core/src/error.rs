@@ -163,23 +163,19 @@ pub enum BuildError {
     },
     /// Matrices that do not represent a tensor's Lie algebra.
     #[error(
-        "{part}: the matrices are no representation: [rho({first}), rho({second})] has {found} in row {} and column {}, \
-         and {{{first}, {second}}} asks for {expected}; mind that brackets are the paper's, {{x_i, x_j}} with x' = {{H, x}}",
-        entry[0] + 1, entry[1] + 1
+        "{part}: the matrices are no representation: [rho({0}), rho({1})] has {2} in row {3} and column {4}, and {{{0}, {1}}} \
+         asks for {5}; mind that brackets are the paper's, {{x_i, x_j}} with x' = {{H, x}}",
+        bracket[0], bracket[1], values[0], entry[0] + 1, entry[1] + 1, values[1]
     )]
     NoRepresentation {
         /// The part's name.
         part: &'static str,
         /// The variables whose bracket fails.
-        first: String,
-        /// The second one.
-        second: String,
-        /// The entry of the commutator, row and column from 0.
+        bracket: Box<[String; 2]>,
+        /// The entry of the commutator that is farthest off, row and column from 0.
         entry: [usize; 2],
-        /// It, in units of the first bracket that is not 0.
-        found: String,
-        /// The one that the tensor asks for.
-        expected: String,
+        /// It, in units of the first bracket that is not 0, and the one that the tensor asks for.
+        values: Box<[String; 2]>,
     },
     /// A part that refuses its parameters, in its own words.
     #[error("{part} cannot be made: {reason}")]

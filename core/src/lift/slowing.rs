@@ -15,10 +15,10 @@ const MOST_PRODUCTS: u64 = 1 << 20;
 const SHORT: usize = 10;
 
 /// States of the short walk.
-const STATES: usize = 256;
+const STATES: usize = 64;
 
 /// Steps of the short walk: this part of the time in which the state changes by itself.
-const STEP: f64 = 0.1;
+const STEP: f64 = 0.25;
 
 /// A state of the motion with ∇H there.
 #[derive(Clone, Debug)]
@@ -63,6 +63,43 @@ impl<'a> Slowing<'a> {
     }
 }
 
+impl Slowing<'_> {
+    /// The Hessians of H by these coordinates at the states [met](Self::met), row-major; none where H has no second derivatives.
+    pub fn curvatures(&self, places: &[usize]) -> Vec<Vec<f64>> {
+        let hessian = || -> Result<Vec<Vec<f64>>, BuildError> {
+            let d = self.system.dimension();
+            let (mut graph, energy) = energy(self.system)?;
+            let slopes = graph.gradient(&energy, d)?;
+            let mut outputs = Vec::with_capacity(places.len() * places.len());
+            for i in places {
+                let row = graph.gradient(&slopes[*i], d)?;
+                outputs.extend(places.iter().map(|j| row[*j].clone()));
+            }
+            let parameters = self.system.parameter_values();
+            let kernel = Kernel::compile(&graph, &outputs, parameters.len(), d);
+            let mut workspace = kernel.workspace(1);
+            kernel.prepare(&mut workspace, &parameters, &[1.0], &[1.0]);
+            let values = self.met().iter().map(|met| {
+                let mut values = vec![0.0; outputs.len()];
+                kernel.evaluate(&mut workspace, &met.x, &mut values);
+                values
+            });
+            Ok(values.collect())
+        };
+        hessian().unwrap_or_default()
+    }
+}
+
+/// H as code of the graph's inputs.
+fn energy(system: &SystemFormulas) -> Result<(Graph, Term), BuildError> {
+    let mut graph = Graph::new();
+    let inputs: Vec<Term> = (0..system.dimension()).map(|i| graph.input(i)).collect();
+    let energy = system
+        .hamiltonian()
+        .evaluate_in(&mut graph, &mut |_, at| Ok(inputs[at].clone()))?;
+    Ok((graph, energy))
+}
+
 /// H less what a lift takes off; `None` where that is nothing.
 pub(super) fn slower(
     lift: &dyn Lift,
@@ -96,11 +133,8 @@ pub(super) fn slower(
 /// States along ẋ = X_H(x) from the system's own, by the classical method of order 4, as far as numbers are finite.
 fn walk(system: &SystemFormulas) -> Result<Vec<Met>, BuildError> {
     let d = system.dimension();
-    let mut graph = Graph::new();
+    let (mut graph, energy) = energy(system)?;
     let inputs: Vec<Term> = (0..d).map(|i| graph.input(i)).collect();
-    let energy = system
-        .hamiltonian()
-        .evaluate_in(&mut graph, &mut |_, at| Ok(inputs[at].clone()))?;
     let slopes = graph.gradient(&energy, d)?;
     let rows = system.apply_tensor(&mut graph, &inputs, &slopes)?;
     let outputs = [rows, slopes].concat();

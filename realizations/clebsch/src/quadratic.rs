@@ -230,7 +230,19 @@ impl Lift for QuadraticLift {
         slowing: &mut Slowing<'_>,
         places: &[usize],
     ) -> Result<Polynomial, BuildError> {
+        let over = |x: &[f64]| {
+            let mut base = vec![0.0; self.base_dimension()];
+            self.place(x, &vec![0.0; x.len()], None, &mut base).ok()?;
+            let mut sizes = vec![0.0; self.width()];
+            self.sizes(&base, &mut sizes);
+            base.truncate(self.width());
+            sizes
+                .iter()
+                .all(|size| *size > 0.0)
+                .then_some((base, sizes))
+        };
         let motion = Motion {
+            over: &over,
             forms: &self.forms,
             omega: &self.omega,
             casimirs: &self.casimirs,

@@ -59,7 +59,7 @@ pub fn algebra(
     let is_cotangent = given.symplectic_form.trim().is_empty();
     let (v, omega, forms) = if is_cotangent {
         let pairs: Vec<_> = (0..width).map(|a| (a, width + a)).collect();
-        let forms = matrices.iter().map(|matrix| paired(matrix)).collect();
+        let forms = matrices.iter().map(paired).collect();
         (2 * width, canonical(2 * width, &pairs, 1), forms)
     } else {
         let text = &given.symplectic_form;
@@ -193,14 +193,12 @@ fn check_brackets(
             let differs = |at: &usize| &bracket[*at] * &scale != expected[*at];
             if (0..n * n).any(|at| differs(&at)) {
                 let name = |at: usize| system.variables()[at].clone();
-                let (entry, found, expected) = failure(matrices, tensor, (i, j), unit.as_ref());
+                let (entry, values) = failure(matrices, tensor, (i, j), unit.as_ref());
                 return Err(BuildError::NoRepresentation {
                     part: NAME,
-                    first: name(i),
-                    second: name(j),
+                    bracket: Box::new([name(i), name(j)]),
                     entry,
-                    found,
-                    expected,
+                    values: Box::new(values),
                 });
             }
         }
@@ -214,7 +212,7 @@ fn failure(
     tensor: &LinearTensor,
     (i, j): (usize, usize),
     unit: Option<&Rational>,
-) -> ([usize; 2], String, String) {
+) -> ([usize; 2], [String; 2]) {
     let n = matrices[0].width;
     let (first, second) = (&matrices[i].entries, &matrices[j].entries);
     let commutator = sum(
@@ -229,10 +227,11 @@ fn failure(
     let one = Rational::one();
     // Commutators have the sign of the forms' brackets or the other one: the nearer one is meant.
     let distance = |scale: &Rational| {
-        let pairs = commutator.iter().zip(&expected);
-        let entries = pairs.map(|(a, b)| (&(a * scale) - b).abs());
-        let farthest = entries.enumerate().max_by(|a, b| a.1.cmp(&b.1));
-        farthest.expect("matrices have entries")
+        let pairs = commutator.iter().zip(&expected).enumerate();
+        let entries = pairs.map(|(at, (a, b))| (at, (&(a * scale) - b).abs()));
+        entries
+            .reduce(|most, next| if next.1 > most.1 { next } else { most })
+            .expect("matrices have entries")
     };
     let scale = unit.unwrap_or(&one);
     let candidates = [scale.clone(), -scale];
@@ -243,11 +242,8 @@ fn failure(
         .map(|((at, _), scale)| (at, scale))
         .expect("two signs");
     let found = &commutator[at] * &scale;
-    (
-        [at / n, at % n],
-        found.to_string(),
-        expected[at].to_string(),
-    )
+    let values = [found, expected[at].clone()].map(|value| value.to_string());
+    ([at / n, at % n], values)
 }
 
 /// Refuses a J that is not onto, and one whose fibres are no orbits.

@@ -1,25 +1,28 @@
 //! Which multiples of Casimirs are taken off H, so that z moves slowly along the fibres of J.
 //!
-//! H − Σ μ_j C_j moves x as H does, and z by ż = A(w)z with w = ∇H − Σ μ_j ∇C_j and A(w) = −Ω Σ_k w_k S_k. Over so(3)*, where
-//! |A(w)| is |w| times a number, μ is in the middle of the extreme coefficients of the squares in H: of all states the fastest is
-//! then slowest. Elsewhere μ makes the mean of −tr A(w)², or of |A(w)|² where that has no sign, least over states that the motion
-//! comes by.
+//! H − Σ μ_j C_j moves x as H does, and z by ż = −Ω Σ_k w_k S_k z with w = ∇H − Σ μ_j ∇C_j. The iteration for a step contracts as
+//! the Jacobian of ż, −Ω (Σ_k w_k S_k + DJᵀ(H″ − Σ μ_j C_j″)DJ), is small. Over so(3)* μ is in the middle of the extreme
+//! coefficients of the squares in H: of all states the fastest is then slowest. Elsewhere μ makes the mean square of the Jacobian
+//! least over states that the motion comes by, coordinates measured in their sizes.
 
 use leafwise_core::lift::Slowing;
 use leafwise_expression::{Arithmetic, Polynomial, Rational, Ring};
 
 use crate::casimirs::Square;
-use crate::forms::{Forms, product};
+use crate::forms::Forms;
 use crate::least::Gram;
 
 /// Casimirs that multiples are found of.
 const MOST: usize = 4;
 
-/// What is saved of the mean square of A(w) must be more than this part of it.
-const WORTH: f64 = 0.05;
+/// What is saved of the mean square must be more than this part of it: what is taken off costs operations too.
+const WORTH: f64 = 0.2;
+
+/// A z, and the sizes of its coordinates.
+pub type Point = (Vec<f64>, Vec<f64>);
 
 /// What the motion of z is made of.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Motion<'a> {
     /// S_k.
     pub forms: &'a Forms,
@@ -27,7 +30,9 @@ pub struct Motion<'a> {
     pub omega: &'a [Rational],
     /// Quadratic Casimirs.
     pub casimirs: &'a [Square],
-    /// Whether |A(w)| is |w| times a number.
+    /// A z over a state with the sizes of its coordinates, none of them 0.
+    pub over: &'a dyn Fn(&[f64]) -> Option<Point>,
+    /// Whether all directions of x are alike: DJ DJᵀ is a multiple of the identity.
     pub is_round: bool,
 }
 
@@ -89,27 +94,29 @@ fn in_the_middle(slowing: &mut Slowing<'_>, places: &[usize]) -> Option<Polynomi
     Some(ring.multiply(&mean, &spin))
 }
 
-/// The μ_j that make the mean of |A(w)|² least over states that the motion comes by; 0 where little is saved.
+/// The μ_j that make the mean square of the Jacobian of ż least over states that the motion comes by; 0 where little is saved.
 fn least_motion(motion: &Motion<'_>, slowing: &Slowing<'_>, places: &[usize]) -> Vec<f64> {
     let casimirs = &motion.casimirs[..motion.casimirs.len().min(MOST)];
-    let d = places.len();
-    let metric = metric(motion);
-    let dot = |a: &[f64], b: &[f64]| -> f64 {
-        let rows = metric.chunks_exact(d).zip(a);
-        rows.map(|(row, a)| a * row.iter().zip(b).map(|(m, b)| m * b).sum::<f64>())
-            .sum()
-    };
     let mut gram = Gram::<MOST>::new(casimirs.len());
     let mut right = [0.0; MOST];
     let mut whole = 0.0;
-    for met in slowing.met() {
+    let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+    let curvatures = slowing.curvatures(places);
+    for (met, curvature) in slowing.met().iter().zip(&curvatures) {
         let of = |all: &[f64]| -> Vec<f64> { places.iter().map(|at| all[*at]).collect() };
         let (x, w) = (of(&met.x), of(&met.slopes));
-        let gradients: Vec<_> = casimirs.iter().map(|c| gradient(c, &x)).collect();
-        whole += dot(&w, &w);
-        for (i, first) in gradients.iter().enumerate() {
-            right[i] += dot(first, &w);
-            for (j, second) in gradients.iter().enumerate().take(i + 1) {
+        let Some((z, sizes)) = (motion.over)(&x) else {
+            continue;
+        };
+        let own = jacobian(motion, (&z, &sizes), &w, curvature);
+        let casimirs: Vec<_> = casimirs
+            .iter()
+            .map(|c| jacobian(motion, (&z, &sizes), &gradient(c, &x), &hessian(c, x.len())))
+            .collect();
+        whole += dot(&own, &own);
+        for (i, first) in casimirs.iter().enumerate() {
+            right[i] += dot(first, &own);
+            for (j, second) in casimirs.iter().enumerate().take(i + 1) {
                 gram.entries[i][j] += dot(first, second);
             }
         }
@@ -125,6 +132,53 @@ fn least_motion(motion: &Motion<'_>, slowing: &Slowing<'_>, places: &[usize]) ->
     }
 }
 
+/// Ω (Σ_k w_k S_k + DJᵀ B DJ) of all copies at z, its rows and columns in units of `sizes`.
+fn jacobian(
+    motion: &Motion<'_>,
+    (z, sizes): (&[f64], &[f64]),
+    w: &[f64],
+    curvature: &[f64],
+) -> Vec<f64> {
+    let (v, d, n) = (motion.forms.coordinates(), w.len(), z.len());
+    let mut slopes = vec![vec![0.0; n]; d];
+    for (k, row) in slopes.iter_mut().enumerate() {
+        for (row, z) in row.chunks_exact_mut(v).zip(z.chunks_exact(v)) {
+            motion.forms.add_slopes(k, 1.0, z, row);
+        }
+    }
+    let mut inner = vec![0.0; n * n];
+    for k in 0..d {
+        for a in 0..n {
+            let mut unit = vec![0.0; v];
+            unit[a % v] = 1.0;
+            let mut row = vec![0.0; v];
+            motion.forms.add_slopes(k, w[k], &unit, &mut row);
+            let from = a - a % v;
+            for (entry, own) in inner[a * n + from..][..v].iter_mut().zip(row) {
+                *entry += own;
+            }
+            for l in 0..d {
+                let factor = slopes[k][a] * curvature[k * d + l];
+                for (entry, slope) in inner[a * n..][..n].iter_mut().zip(&slopes[l]) {
+                    *entry += factor * slope;
+                }
+            }
+        }
+    }
+    let omega: Vec<f64> = motion.omega.iter().map(Rational::to_f64).collect();
+    let mut jacobian = vec![0.0; n * n];
+    for a in 0..n {
+        let from = a - a % v;
+        for b in 0..v {
+            let entry = omega[(a % v) * v + b];
+            for c in 0..n {
+                jacobian[a * n + c] += entry * inner[(from + b) * n + c] * sizes[c] / sizes[a];
+            }
+        }
+    }
+    jacobian
+}
+
 /// ∇C(x).
 fn gradient(casimir: &Square, x: &[f64]) -> Vec<f64> {
     let mut gradient = vec![0.0; x.len()];
@@ -136,55 +190,14 @@ fn gradient(casimir: &Square, x: &[f64]) -> Vec<f64> {
     gradient
 }
 
-/// −tr A_k A_l where that is positive semidefinite, tr A_kᵀA_l otherwise; A_k = Ω S_k.
-fn metric(motion: &Motion<'_>) -> Vec<f64> {
-    let (n, d) = (motion.forms.coordinates(), motion.forms.count());
-    let matrices = (0..d).map(|k| product(n, motion.omega, &motion.forms.matrix(k)));
-    let matrices: Vec<Vec<f64>> = matrices
-        .map(|matrix| matrix.iter().map(Rational::to_f64).collect())
-        .collect();
-    let of = |entry: &dyn Fn(&[f64], usize, usize) -> f64| {
-        let mut metric = vec![0.0; d * d];
-        for k in 0..d {
-            for l in 0..d {
-                let places = (0..n).flat_map(|a| (0..n).map(move |b| (a, b)));
-                metric[k * d + l] = places
-                    .map(|(a, b)| matrices[k][a * n + b] * entry(&matrices[l], a, b))
-                    .sum();
-            }
-        }
-        metric
-    };
-    let turning = of(&|matrix, a, b| -matrix[b * n + a]);
-    match is_semidefinite(turning.clone(), d) {
-        true => turning,
-        false => of(&|matrix, a, b| matrix[a * n + b]),
+/// The Hessian of C, row-major.
+fn hessian(casimir: &Square, d: usize) -> Vec<f64> {
+    let mut hessian = vec![0.0; d * d];
+    for ((i, j), c) in casimir {
+        hessian[i * d + j] += c.to_f64();
+        hessian[j * d + i] += c.to_f64();
     }
-}
-
-/// Whether a symmetric matrix has no negative eigenvalue beyond rounding.
-fn is_semidefinite(mut matrix: Vec<f64>, d: usize) -> bool {
-    let size = (0..d).fold(0.0_f64, |most, i| most.max(matrix[i * d + i].abs()));
-    let least = 1e-9 * size;
-    for j in 0..d {
-        let pivot = matrix[j * d + j];
-        if pivot < -least {
-            return false;
-        }
-        for i in j + 1..d {
-            let entry = matrix[i * d + j];
-            if pivot <= least {
-                if entry.abs() > least {
-                    return false;
-                }
-                continue;
-            }
-            for k in j + 1..d {
-                matrix[i * d + k] -= entry / pivot * matrix[j * d + k];
-            }
-        }
-    }
-    size > 0.0
+    hessian
 }
 
 /// A number of ten digits in base two near one.

@@ -84,12 +84,7 @@ impl Lift for Logarithms {
     }
 
     /// x_i⁰ e^{z_i}.
-    fn image(
-        &self,
-        graph: &mut Graph,
-        z: &[Term],
-        base: &[Term],
-    ) -> Result<Vec<Term>, BuildError> {
+    fn image(&self, graph: &mut Graph, z: &[Term], base: &[Term]) -> Result<Vec<Term>, BuildError> {
         let pairs = base.iter().zip(z);
         Ok(pairs.map(|(x, z)| grown(graph, x, z)).collect())
     }

@@ -62,25 +62,6 @@ pub fn on_algebra(name: &str, hamiltonian: &str, casimirs: &[(&str, &str)]) -> P
     from_formulas(&variables, &[("k", -1.3)], &bracket, hamiltonian, casimirs)
 }
 
-/// The largest relative drift of functions over `steps` steps, each in units of its own size `sizes`.
-pub fn drift(
-    system: &PoissonSystem,
-    method: &Method,
-    (time_step, steps): (f64, usize),
-    initial: &[f64],
-    functions: &[&dyn Fn(&[f64]) -> f64],
-) -> Vec<f64> {
-    let parameters = system.parameter_values();
-    let mut integrator = Integrator::new(method, &parameters, 1.0, time_step, initial);
-    for _ in 0..steps {
-        integrator.step().expect("a step");
-    }
-    let functions = functions.iter();
-    functions
-        .map(|f| f(integrator.state()) - f(initial))
-        .collect()
-}
-
 /// One step forth and one back from x: how far from x.
 pub fn there_and_back(
     system: &PoissonSystem,

@@ -1,5 +1,7 @@
 //! Gauss steps in Clebsch variables are Poisson maps.
 
+use leafwise_logarithms as _;
+
 mod algebras;
 mod common;
 mod representations;
