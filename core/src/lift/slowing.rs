@@ -1,6 +1,6 @@
 //! H less Casimirs, for lifts that move slowly along their fibres.
 
-use std::cell::OnceCell;
+use std::cell::{OnceCell, RefCell};
 
 use leafwise_expression::{Arithmetic, Expression, Graph, Kernel, Polynomial, Ring, Term};
 
@@ -39,6 +39,8 @@ pub struct Slowing<'a> {
     /// The normal form of H, where it has one.
     pub hamiltonian: Option<Polynomial>,
     met: OnceCell<Vec<Met>>,
+    /// ∇H as code of the graph's inputs, where it has code.
+    slopes: OnceCell<Option<(RefCell<Graph>, Vec<Term>)>>,
 }
 
 impl<'a> Slowing<'a> {
@@ -53,6 +55,7 @@ impl<'a> Slowing<'a> {
             ring,
             hamiltonian,
             met: OnceCell::new(),
+            slopes: OnceCell::new(),
         }
     }
 
@@ -66,10 +69,17 @@ impl<'a> Slowing<'a> {
 impl Slowing<'_> {
     /// The Hessians of H by these coordinates at the states [met](Self::met), row-major; none where H has no second derivatives.
     pub fn curvatures(&self, places: &[usize]) -> Vec<Vec<f64>> {
+        let slopes = || {
+            let (mut graph, energy) = energy(self.system).ok()?;
+            let slopes = graph.gradient(&energy, self.system.dimension()).ok()?;
+            Some((RefCell::new(graph), slopes))
+        };
+        let Some((graph, slopes)) = self.slopes.get_or_init(slopes) else {
+            return Vec::new();
+        };
         let hessian = || -> Result<Vec<Vec<f64>>, BuildError> {
             let d = self.system.dimension();
-            let (mut graph, energy) = energy(self.system)?;
-            let slopes = graph.gradient(&energy, d)?;
+            let mut graph = graph.borrow_mut();
             let mut outputs = Vec::with_capacity(places.len() * places.len());
             for i in places {
                 let row = graph.gradient(&slopes[*i], d)?;

@@ -5,7 +5,7 @@ pub mod rotations;
 pub mod symplectic;
 pub mod two_rotations;
 
-use std::sync::LazyLock;
+use std::sync::{LazyLock, OnceLock};
 
 use crate::algebra::Algebra;
 use crate::constants::Constants;
@@ -15,8 +15,18 @@ use crate::constants::Constants;
 pub struct Known {
     /// Its forms.
     pub algebra: Algebra,
-    /// Its structure constants.
-    pub constants: Constants,
+    constants: OnceLock<Constants>,
+}
+
+impl Known {
+    /// Its structure constants, formed when they are first asked for.
+    pub fn constants(&self) -> &Constants {
+        let Algebra { forms, omega, .. } = &self.algebra;
+        self.constants.get_or_init(|| {
+            Constants::of_forms(forms, omega)
+                .expect("brackets of an algebra's forms are sums of them")
+        })
+    }
 }
 
 /// All of them.
@@ -29,9 +39,8 @@ pub fn known() -> &'static [Known] {
         ];
         algebras.extend(symplectic::algebras());
         let known = algebras.into_iter().map(|algebra| Known {
-            constants: Constants::of_forms(&algebra.forms, &algebra.omega)
-                .expect("brackets of an algebra's forms are sums of them"),
             algebra,
+            constants: OnceLock::new(),
         });
         known.collect()
     });

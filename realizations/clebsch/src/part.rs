@@ -141,8 +141,12 @@ fn quadratic(
         Ok(tensor) => tensor,
         Err(reason) => return Ok(Err(reason)),
     };
-    let found = known().iter().find_map(|known| {
-        let order = relabelling(&tensor.constants, &known.constants)?;
+    let d = system.dimension();
+    let mut fitting = known()
+        .iter()
+        .filter(|known| known.algebra.forms.count() == d);
+    let found = fitting.find_map(|known| {
+        let order = relabelling(&tensor.constants, known.constants())?;
         let lift = QuadraticLift::new(&known.algebra, &tensor, &order);
         Some((known.algebra.name.to_owned(), lift))
     });

@@ -305,3 +305,30 @@ fn other_algebras_are_refused() {
         "{refused:?}"
     );
 }
+
+/// All of the family, by a random H: their points have other signs.
+#[test]
+fn other_members_of_the_family_are_served() {
+    for (name, d) in [("sp(2)", 3), ("so(2, 1)", 3), ("sp(6)", 21)] {
+        let terms = (1..=d).map(|i| {
+            let c = 0.2 + 0.07 * f64::from(i * 5 % 11);
+            format!("{c}*x{i}^2 + {}*x{i}*x{}", 0.1 - 0.02 * c, i % d + 1)
+        });
+        let terms: Vec<String> = terms.collect();
+        let system = on_algebra(name, &terms.join(" + "), &[]);
+        for turn in [0.7, 1.0, 2.5] {
+            let x: Vec<f64> = (0..d)
+                .map(|i| 0.4 * libm::cos(turn * f64::from(i) + turn))
+                .collect();
+            let method = gauss(&system, 4);
+            let error = structure_error(&system, &method, 0.1, &x).expect("a step");
+            assert!(error.tensor <= 64.0, "{name}, {x:?}: {error:?}");
+            let end = flow(&system, &x, 0.4, 64);
+            let found = run(&system, &gauss(&system, 8), (1.0, 0.04), 10, &x).expect("steps");
+            assert!(
+                distance(&found, &end) <= 1e-12,
+                "{name}: {found:?}, {end:?}"
+            );
+        }
+    }
+}

@@ -40,12 +40,12 @@ pub fn on_algebra(name: &str, hamiltonian: &str, casimirs: &[(&str, &str)]) -> P
     let known = algebras
         .find(|known| known.algebra.name == name)
         .expect("an algebra");
-    let d = known.constants.dimension();
+    let d = known.constants().dimension();
     let names = names(d);
     let mut bracket = Vec::new();
     for i in 0..d {
         for j in i + 1..d {
-            let terms = known.constants.bracket(i, j).iter();
+            let terms = known.constants().bracket(i, j).iter();
             let terms = terms.map(|(k, c)| format!("({c})*x{}", k + 1));
             let terms: Vec<String> = terms.collect();
             if !terms.is_empty() {
