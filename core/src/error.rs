@@ -161,6 +161,22 @@ pub enum BuildError {
         /// Why.
         reason: String,
     },
+    /// Matrices that do not represent a tensor's Lie algebra.
+    #[error(
+        "{part}: the matrices are no representation: [rho({0}), rho({1})] has {2} in row {3} and column {4}, and {{{0}, {1}}} \
+         asks for {5}; mind that brackets are the paper's, {{x_i, x_j}} with x' = {{H, x}}",
+        bracket[0], bracket[1], values[0], entry[0] + 1, entry[1] + 1, values[1]
+    )]
+    NoRepresentation {
+        /// The part's name.
+        part: &'static str,
+        /// The variables whose bracket fails.
+        bracket: Box<[String; 2]>,
+        /// The entry of the commutator that is farthest off, row and column from 0.
+        entry: [usize; 2],
+        /// It, in units of the first bracket that is not 0, and the one that the tensor asks for.
+        values: Box<[String; 2]>,
+    },
     /// A part that refuses its parameters, in its own words.
     #[error("{part} cannot be made: {reason}")]
     NotMade {
@@ -299,6 +315,14 @@ pub enum StepError {
         ratio: f64,
         /// What it says.
         message: String,
+    },
+    /// A state that no point of a realization's coordinates lies over.
+    #[error("the coordinates of {part} do not reach the state: {reason}")]
+    OutsideImage {
+        /// The realization.
+        part: &'static str,
+        /// Why, and what to try.
+        reason: &'static str,
     },
     /// A value that is not finite.
     #[error(

@@ -22,6 +22,7 @@
 //! - [`solver`]: the step solver, one Newton iteration a lane.
 //! - [`integrator`]: the compensated step loop.
 //! - [`lift`]: coordinates with a constant tensor, in which collective integrators step.
+//! - [`lifted_realization`]: realizations that are such coordinates.
 //! - [`lattice`]: long lattices in O(N) time and memory a step.
 //! - [`part`], [`part_description`], [`origin`], [`registry`]: parts by name, built in or loaded.
 //! - [`diagnostics`]: realization error, tensor defect, fitted slopes, Jacobi and Casimir checks.
@@ -46,6 +47,7 @@ pub mod graph_bisection;
 pub mod integrator;
 pub mod lattice;
 pub mod lift;
+pub mod lifted_realization;
 pub mod method;
 pub mod noise;
 mod observe;
@@ -78,6 +80,7 @@ pub use graph_bisection::{GraphBisection, OneForm};
 pub use integrator::Integrator;
 pub use lattice::LatticeMethod;
 pub use lift::Lift;
+pub use lifted_realization::LiftedRealization;
 pub use method::{Method, MethodEvaluators};
 pub use observe::Observe;
 pub use one_form::{CodeOneForm, GraphOfOneForm};

@@ -218,6 +218,9 @@ pub struct PartInfo {
     /// Whether points of S are pairs (x, p), for a realization.
     #[serde(skip)]
     pub points_are_pairs: bool,
+    /// Whether it is coordinates with a constant tensor, for a realization.
+    #[serde(skip)]
+    pub is_lift: bool,
     /// What it is akin to, for a stepper.
     #[serde(skip)]
     pub family: Option<Family>,
@@ -255,6 +258,7 @@ impl PartInfo {
             paths: &[],
             auto: None,
             points_are_pairs: true,
+            is_lift: false,
             family: None,
             serves_numbers: None,
             takes_forces: false,

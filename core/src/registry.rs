@@ -203,6 +203,16 @@ impl Registry {
         })
     }
 
+    /// The lift of a system's tensor by the first part that is one, at its defaults, and fits; `but` is not asked.
+    pub fn lift(&self, system: &PoissonSystem, but: &str) -> Option<Arc<dyn RealizationData>> {
+        let mut parts = self.parts().into_iter();
+        parts.find_map(|info| {
+            let is_asked = info.is_lift && info.name != but;
+            let part = self.realization(info.name).ok().filter(|_| is_asked)?;
+            part.build(system, &PartParameters::new()).ok()
+        })
+    }
+
     /// The method of a scene whose realization is `auto`, of order m: the dynamic approximation that
     /// serves every system, with forces that of order 2 which takes them, over [`exact_realization`](Self::exact_realization) or, where none fits,
     /// over the realization that serves every system, of order m too.

@@ -5,6 +5,7 @@ use std::sync::{Arc, OnceLock};
 use leafwise_expression::{Graph, Kernel, Term};
 use nalgebra::DMatrix;
 
+use super::slowing::slower;
 use super::{End, Lift};
 use crate::bisection::LagrangianBisection;
 use crate::error::{BuildError, StepError};
@@ -14,7 +15,7 @@ use crate::runge_kutta::{SmoothMap, SmoothMapEvaluator, Tableau};
 use crate::solver::{
     Lanes, MapProperties, StepMap, StepReport, Stepper, Structure, Trajectories, check_equations,
 };
-use crate::system::PoissonSystem;
+use crate::system::{PoissonSystem, SystemFormulas};
 
 /// x ↦ x + J(z) − J(0), z the step of a Gauss method from 0 for ż = −Ω∇(H∘J).
 pub(crate) struct LiftedMap {
@@ -79,7 +80,7 @@ impl Code {
         let mut graph = Graph::compilable();
         let inputs: Vec<Term> = (0..n + m).map(|i| graph.input(i)).collect();
         let (z, base) = inputs.split_at(n);
-        let field = lift.field(system, &mut graph, z, base)?;
+        let field = field(lift, system, &mut graph, z, base)?;
         let increment = lift.increment(&mut graph, z, base)?;
         graph.unless_refused(())?;
         let parameters = system.parameters().len();
@@ -106,6 +107,27 @@ impl Code {
         };
         self.jacobians.get_or_init(compile).as_ref()
     }
+}
+
+/// ż = −Ω∇(H∘J), of H less what slows it along fibres.
+fn field(
+    lift: &dyn Lift,
+    system: &SystemFormulas,
+    graph: &mut Graph,
+    z: &[Term],
+    base: &[Term],
+) -> Result<Vec<Term>, BuildError> {
+    let slower = slower(lift, system)?;
+    let mut own = Graph::new();
+    let inputs: Vec<Term> = (0..system.dimension()).map(|i| own.input(i)).collect();
+    let slopes = slower
+        .as_ref()
+        .unwrap_or(system)
+        .gradient(&mut own, &inputs)?;
+    let covector = lift.covector(&mut own, &inputs, &slopes)?;
+    let x = lift.image(graph, z, base)?;
+    let covector = graph.import(&own, &covector, &x)?;
+    lift.field(graph, z, base, &covector)
 }
 
 impl StepMap for LiftedMap {

@@ -7,14 +7,24 @@
 //! descends to a Poisson map of M, to round-off: the collective integrators of McLachlan, Modin and Verdier (Nonlinearity 27 (2014)) and
 //! of section 4.3 of Cabrera, Martín de Diego and Vaquero.
 
-mod map;
+//!
+//! - [`ConstantLift`]: x itself, where its tensor is constant.
+//! - [`Slowing`]: Casimirs taken off H.
+//! - [`LiftSum`]: the lifts of a direct sum's summands side by side.
 
-use leafwise_expression::{Graph, Term};
+mod constant;
+mod map;
+mod slowing;
+mod sum;
+
+use leafwise_expression::{Graph, Polynomial, Term};
 
 use crate::error::{BuildError, StepError};
-use crate::system::SystemFormulas;
 
+pub use constant::ConstantLift;
 pub(crate) use map::LiftedMap;
+pub use slowing::{Met, Slowing};
+pub use sum::{LiftSum, Summand};
 
 /// Where a step has ended: z and the base point.
 #[derive(Clone, Copy, Debug)]
@@ -48,16 +58,47 @@ pub trait Lift: Send + Sync + std::fmt::Debug {
     }
     /// Writes what is known of each z relative to: the size of a change that changes x by its own size.
     fn sizes(&self, base: &[f64], sizes: &mut [f64]);
-    /// ż = −Ω∇(H∘J) as code.
+    /// A Casimir C, a function of the coordinates `places` of the system, as H − C moves x as H does, and z along the fibres of
+    /// J more slowly. 0 where nothing is gained.
     ///
     /// # Errors
-    /// [`BuildError::Algebra`] where H or its derivative has no code.
+    /// [`BuildError`] where the choice cannot be made.
+    fn slowing(
+        &self,
+        slowing: &mut Slowing<'_>,
+        places: &[usize],
+    ) -> Result<Polynomial, BuildError> {
+        let _ = (slowing, places);
+        Ok(Polynomial::zero())
+    }
+    /// x = J(z) as code.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where it has no code.
+    fn image(&self, graph: &mut Graph, z: &[Term], base: &[Term]) -> Result<Vec<Term>, BuildError>;
+    /// The covector that [`field`](Self::field) reads, of x and ∇H(x): in a graph of these, where what both share is known.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where it has no code.
+    fn covector(
+        &self,
+        graph: &mut Graph,
+        x: &[Term],
+        slopes: &[Term],
+    ) -> Result<Vec<Term>, BuildError> {
+        let _ = (graph, x);
+        Ok(slopes.to_vec())
+    }
+    /// ż = −Ω∇(H∘J) as code, of the [`covector`](Self::covector) at J(z).
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where it has no code.
     fn field(
         &self,
-        system: &SystemFormulas,
         graph: &mut Graph,
         z: &[Term],
         base: &[Term],
+        covector: &[Term],
     ) -> Result<Vec<Term>, BuildError>;
     /// J(z) − J(0) as code, without cancellation.
     ///
@@ -69,7 +110,8 @@ pub trait Lift: Send + Sync + std::fmt::Debug {
         z: &[Term],
         base: &[Term],
     ) -> Result<Vec<Term>, BuildError>;
-    /// Writes the derivative of base points by x, row-major m × d: of any that J takes back to the identity.
+    /// Writes the derivative of base points by x, row-major m × d: of any that J takes back to the identity; NaN where there
+    /// is none.
     fn slopes_of_base(&self, base: &[f64], slopes: &mut [f64]);
     /// Takes off an increment of x what rounding has added to Casimirs.
     fn hold(&self, x: &[f64], low: &[f64], increment: &mut [f64]) {

@@ -24,6 +24,7 @@ pub mod numbers;
 pub mod observables;
 mod perturbation;
 mod pfaffian;
+mod summands;
 mod tensor_matrix;
 
 use std::sync::Arc;

@@ -1,17 +1,38 @@
-//! Clebsch variables of so(3)*: Hopf's map of ℂ² as coordinates with a constant tensor.
+//! Clebsch variables of linear tensors: quadratic momentum maps as coordinates with a constant tensor.
 //!
-//! With z = (q₀, q₁, p₀, p₁) and {q_a, p_b} = −λ δ_ab the functions
+//! With {z_a, z_b} = Ω_ab the functions x_k = ½ zᵀS_k z have the brackets {x_i, x_j} = ½ zᵀ(S_iΩS_j − S_jΩS_i)z: those of a Lie
+//! algebra wherever the S_k span one under them. A Gauss method for H∘J commutes with every affine symmetry of Ω that J does not
+//! see. Where fibres of J are orbits of such symmetries, the step is one of x, and Poisson to round-off (R. McLachlan, K. Modin,
+//! O. Verdier, Collective symplectic integrators, Nonlinearity 27 (2014)).
 //!
-//! x₁ = ½(q₀q₁ + p₀p₁), x₂ = ½(q₀p₁ − p₀q₁), x₃ = ¼(q₀² + p₀² − q₁² − p₁²)
-//!
-//! have the brackets {x₁, x₂} = −λx₃ of so(3)*, cyclically, and 4|x| = |z|². Their fibres are the orbits of the turns
-//! q + ip ↦ e^{iφ}(q + ip), which a Gauss method commutes with: its step descends to a Poisson map of x
-//! (R. McLachlan, K. Modin, O. Verdier, Collective symplectic integrators, Nonlinearity 27 (2014)).
-//!
-//! - [`hopf`]: Hopf's map, its inverse and its slopes.
-//! - [`so3`]: [`So3Clebsch`], the part `clebsch`.
+//! - [`forms`]: lists of quadratic forms.
+//! - [`algebra`]: what an algebra is given by.
+//! - [`algebras`]: so(3), e(3), so(4), sp(2m).
+//! - [`constants`]: structure constants, of tensors and of forms.
+//! - [`relabel`]: which variable of a system is which of an algebra's.
+//! - [`representation`]: algebras by matrices that a user gives.
+//! - [`orbits`]: whether fibres are orbits of linear symmetries.
+//! - [`over`]: points over states where no section is known.
+//! - [`casimirs`]: quadratic Casimirs, and what rounding adds to them.
+//! - [`slowing`]: which multiples of them are taken off H.
+//! - [`least`]: least changes that do what is asked.
+//! - [`quadratic`]: [`QuadraticLift`], the lift.
+//! - [`part`]: [`Clebsch`], the part `clebsch`.
 
-pub mod hopf;
-pub mod so3;
+pub mod algebra;
+pub mod algebras;
+pub mod casimirs;
+pub mod constants;
+pub mod forms;
+pub mod least;
+pub mod orbits;
+pub mod over;
+pub mod part;
+pub mod quadratic;
+pub mod relabel;
+pub mod representation;
+pub mod slowing;
 
-pub use so3::So3Clebsch;
+pub use part::Clebsch;
+pub use quadratic::QuadraticLift;
+pub use representation::Matrices;

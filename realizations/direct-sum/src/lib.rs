@@ -3,10 +3,6 @@
 //! Where (S_k, α_k, β_k) realizes Π_k, the products α₁ × α₂ × … and β₁ × β₂ × … on S₁ × S₂ × … realize the sum: brackets of
 //! functions of different factors vanish. The summands are found in the tensor: coordinates that no entry joins are of
 //! different ones. A motion that depends on time is of this kind, its time and energy being a summand.
-//!
-//! - `blocks`: the summands of a tensor.
-
-mod blocks;
 
 use std::sync::Arc;
 
@@ -18,8 +14,6 @@ use leafwise_core::realization::{
 use leafwise_core::registry::RealizationPart;
 use leafwise_core::{BuildError, PoissonSystem, Registry, SystemFormulas};
 use leafwise_expression::{AlgebraError, Arithmetic, DifferentialAlgebra, Graph, Ring, Term};
-
-use crate::blocks::{blocks, restricted};
 
 static INFO: PartInfo = PartInfo {
     name: "direct-sum",
@@ -58,7 +52,7 @@ impl DirectSum {
     /// pairs (x, p).
     pub fn realize(system: &PoissonSystem, registry: &Registry) -> Result<Self, BuildError> {
         let formulas = system.formulas(INFO.name)?;
-        let blocks = blocks(formulas);
+        let blocks = formulas.summands();
         if blocks.len() < 2 {
             return Err(unfit(
                 "its tensor is no direct sum: its entries join all coordinates",
@@ -98,7 +92,7 @@ fn cheapest(
             .collect();
         names.join(", ")
     };
-    let summand = restricted(system, places)?;
+    let summand = system.summand(places)?;
     let exact = registry.exact_realization(&summand, false);
     let exact = exact.ok_or_else(|| {
         unfit(format!(

@@ -10,7 +10,7 @@ use leafwise_core::lift::{End, Lift};
 use leafwise_core::part::{PartInfo, PartKind, PartParameters};
 use leafwise_core::registry::RealizationPart;
 use leafwise_core::{
-    Accuracy, BuildError, PoissonSystem, RealizationData, StepError, SystemFormulas,
+    BuildError, LiftedRealization, PoissonSystem, RealizationData, StepError, SystemFormulas,
 };
 use leafwise_expression::graph::lift;
 use leafwise_expression::pairs::EXPONENTIAL_MINUS_1;
@@ -24,6 +24,7 @@ static INFO: PartInfo = PartInfo {
     domain: "all points, with the dynamics `collective`; a_ij of numbers and parameters",
     literature: "R. McLachlan, K. Modin, O. Verdier, Collective symplectic integrators, Nonlinearity 27 (2014); \
                  Hairer, Lubich, Wanner, Geometric Numerical Integration, section VII.2 and theorem VI.4.3",
+    is_lift: true,
     ..PartInfo::of(PartKind::Realization)
 };
 
@@ -43,33 +44,17 @@ impl Logarithms {
     /// # Errors
     /// [`BuildError::DoesNotFit`] with the first entry whose quotient by x_i x_j has a normal form
     /// with variables, [`BuildError::Algebra`] where an entry has no normal form.
-    pub fn realize(system: &PoissonSystem) -> Result<Self, BuildError> {
+    pub fn realize(system: &PoissonSystem) -> Result<LiftedRealization, BuildError> {
         let system = system.formulas(INFO.name)?.clone();
         let mut ring = Ring::new(system.dimension());
         let coefficients = LogCanonical::coefficients(&system, &mut ring)?;
-        Ok(Self {
+        let dimension = system.dimension();
+        let lift = Self {
             system,
             ring,
             coefficients,
-        })
-    }
-}
-
-impl RealizationData for Logarithms {
-    fn dimension(&self) -> usize {
-        self.system.dimension()
-    }
-
-    fn accuracy(&self) -> Accuracy {
-        Accuracy::Exact
-    }
-
-    fn describe(&self) -> String {
-        INFO.name.to_owned()
-    }
-
-    fn lift(&self) -> Option<Arc<dyn Lift>> {
-        Some(Arc::new(self.clone()))
+        };
+        Ok(LiftedRealization::new(INFO.name, dimension, lift))
     }
 }
 
@@ -98,34 +83,42 @@ impl Lift for Logarithms {
         sizes.fill(1.0);
     }
 
-    /// ż_i = −Σ_j a_ij x_j ∂_j H at x_j = x_j⁰ e^{z_j}.
-    fn field(
+    /// x_i⁰ e^{z_i}.
+    fn image(&self, graph: &mut Graph, z: &[Term], base: &[Term]) -> Result<Vec<Term>, BuildError> {
+        let pairs = base.iter().zip(z);
+        Ok(pairs.map(|(x, z)| grown(graph, x, z)).collect())
+    }
+
+    /// Σ_j a_ij x_j ∂_j H: ∂H holds 1/x where H holds ln x, and x ∂H does not.
+    fn covector(
         &self,
-        system: &SystemFormulas,
         graph: &mut Graph,
-        z: &[Term],
-        base: &[Term],
+        x: &[Term],
+        slopes: &[Term],
     ) -> Result<Vec<Term>, BuildError> {
-        let d = z.len();
-        let mut own = Graph::new();
-        let x: Vec<Term> = (0..d).map(|i| own.input(i)).collect();
-        let gradient = system.gradient(&mut own, &x)?;
-        // ∂H holds 1/x where H holds ln x, and x ∂H does not.
-        let pairs = x.iter().zip(&gradient);
-        let slopes: Vec<Term> = pairs.map(|(x, g)| own.multiply_reduced(x, g)).collect();
-        let one = own.one();
+        let pairs = x.iter().zip(slopes);
+        let slopes: Vec<Term> = pairs.map(|(x, g)| graph.multiply_reduced(x, g)).collect();
+        let one = graph.one();
         let outputs = self.coefficients.iter();
         let outputs: Vec<_> = outputs.map(|a| vec![(one.clone(), a.clone())]).collect();
-        let coefficients = lift(&mut own, &self.ring, &outputs, &x)?;
-        let mut rows = vec![Vec::new(); d];
+        let coefficients = lift(graph, &self.ring, &outputs, x)?;
+        let mut rows = vec![Vec::new(); x.len()];
         for ((i, j), a) in self.system.tensor().keys().zip(&coefficients) {
-            rows[*i].push((-Rational::one(), own.multiply(a, &slopes[*j])));
-            rows[*j].push((Rational::one(), own.multiply(a, &slopes[*i])));
+            rows[*i].push((Rational::one(), graph.multiply(a, &slopes[*j])));
+            rows[*j].push((-Rational::one(), graph.multiply(a, &slopes[*i])));
         }
-        let field: Vec<Term> = rows.iter().map(|row| own.combine(row)).collect();
-        let pairs = base.iter().zip(z);
-        let x: Vec<Term> = pairs.map(|(x, z)| grown(graph, x, z)).collect();
-        Ok(graph.import(&own, &field, &x)?)
+        Ok(rows.iter().map(|row| graph.combine(row)).collect())
+    }
+
+    /// ż_i = −Σ_j a_ij x_j ∂_j H.
+    fn field(
+        &self,
+        graph: &mut Graph,
+        _z: &[Term],
+        _base: &[Term],
+        covector: &[Term],
+    ) -> Result<Vec<Term>, BuildError> {
+        Ok(covector.iter().map(|row| graph.negate(row)).collect())
     }
 
     /// x_i⁰ (e^{z_i} − 1).

@@ -1,12 +1,8 @@
-//! Gauss steps in Clebsch variables are Poisson maps of so(3)*.
+//! so(3)*: a body that turns freely.
 
-use std::sync::Arc;
-
-use leafwise_clebsch::{So3Clebsch, hopf};
-use leafwise_collective::{Collective, SymplecticIntegrator};
-use leafwise_core::{
-    BuildError, Correction, Integrator, Method, PoissonSystem, RealizationData, StepMap, Structure,
-};
+use leafwise_clebsch::algebras::rotations::{algebra, section};
+use leafwise_clebsch::casimirs::grown;
+use leafwise_core::{BuildError, Integrator, PoissonSystem, StepMap, Structure};
 use leafwise_tests::gauss::flow;
 use leafwise_tests::library;
 use leafwise_tests::methods::run;
@@ -17,12 +13,7 @@ use leafwise_tests::systems::from_formulas;
 use proptest::collection::vec;
 use proptest::prelude::*;
 
-fn gauss(system: &PoissonSystem, stages: usize) -> Method {
-    let integrator = SymplecticIntegrator::Gauss(stages);
-    let dynamics = Collective::new(integrator, Correction::Bisection).expect("stages");
-    let realization: Arc<dyn RealizationData> = Arc::new(So3Clebsch::new(system).expect("so(3)*"));
-    Method::compose(system, realization, Arc::new(dynamics)).expect("a method")
-}
+use super::common::{gauss, realize};
 
 /// A body with products of inertia in a quartic field, λ = −k of the parameters.
 fn body() -> PoissonSystem {
@@ -39,13 +30,18 @@ proptest! {
     #[test]
     fn the_section_is_one(x in vec(-3.0..3.0_f64, 3), exponent in -200..200_i32) {
         let x: Vec<f64> = x.iter().map(|x| x * libm::exp2(f64::from(exponent))).collect();
-        let z = hopf::section(&x);
+        let z = section(&x);
         let size = largest(&x);
-        let found = hopf::image_of(&z);
+        let forms = algebra().forms;
+        let (mut found, mut sizes) = ([0.0; 3], [0.0; 3]);
+        forms.add_image(1.0, &z, &mut found, &mut sizes);
         // A root, a length and four products.
         prop_assert!(distance(&found, &x) <= 16.0 * UNIT_ROUNDOFF * size, "{x:?}: {found:?}");
         let square: f64 = z.iter().map(|z| z * z).sum();
-        let rows = hopf::slopes_of(&z);
+        let mut rows = [[0.0; 4]; 3];
+        for (k, row) in rows.iter_mut().enumerate() {
+            forms.add_slopes(k, 1.0, &z, row);
+        }
         for i in 0..3 {
             for j in 0..3 {
                 let product: f64 = (0..4).map(|a| rows[i][a] * rows[j][a]).sum();
@@ -76,7 +72,8 @@ proptest! {
         let (z, delta) = (wide(z), wide(delta));
         let exact: i128 = (0..4).map(|i| i128::from(delta[i]) * i128::from(2 * z[i] + delta[i])).sum();
         let real = |v: [i64; 4]| v.map(|v| v as f64 / tail as f64);
-        let found = hopf::grown(&real(z), &[0.0; 4], &real(delta));
+        let square: Vec<_> = (0..4).map(|i| (i, i, 1.0)).collect();
+        let found = grown(&square, &real(z), &[0.0; 4], &real(delta));
         let expected = exact as f64 / (tail as f64 * tail as f64);
         prop_assert!((found - expected).abs() <= 2.0 * UNIT_ROUNDOFF * expected.abs(), "{found:e} {expected:e}");
     }
@@ -158,7 +155,7 @@ fn a_resumed_run_has_the_same_bits() {
 #[test]
 fn other_tensors_are_refused() {
     let other = from_formulas(&["x", "y"], &[], &[("x,y", "1")], "x + y", &[]);
-    let refused = So3Clebsch::new(&other).map(|_| ());
+    let refused = realize(&other).map(|_| ());
     assert!(
         matches!(refused, Err(BuildError::DoesNotFit { .. })),
         "{refused:?}"

@@ -1,0 +1,9 @@
+//! Gauss steps in Clebsch variables are Poisson maps.
+
+use leafwise_logarithms as _;
+
+mod algebras;
+mod common;
+mod representations;
+mod rotations;
+mod sums;
