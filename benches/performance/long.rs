@@ -29,6 +29,9 @@ struct System<const D: usize> {
     hamilton_jacobi: &'static [(usize, f64)],
     /// Numbers of steps a unit of time of the compositions of a splitting.
     splittings: &'static [(&'static str, f64)],
+    /// The realization by coordinates with a constant tensor, and numbers of stages with steps a unit of time.
+    lift: &'static str,
+    lifted: &'static [(usize, f64)],
     /// Those of the Gauss methods of orders 4 and 6.
     gauss: [f64; 2],
 }
@@ -139,6 +142,15 @@ impl<const D: usize> System<D> {
             let title = format!("{realization} + HJ {order}");
             found.extend(self.ours(&title, &method, steps, format!("{rate} steps")));
         }
+        for (stages, rate) in self.lifted {
+            let realization = self.lift;
+            let method = format!(
+                "realization = \"{realization}\"\ndynamics = {{ name = \"collective\", stages = {stages} }}"
+            );
+            let steps = (rate * between) as usize;
+            let title = format!("{realization} + Gauss of {stages} stages");
+            found.extend(self.ours(&title, &method, steps, format!("{rate} steps")));
+        }
         for tolerance in [1e-6, 1e-9, 1e-12, 1e-15] {
             let method = format!("stepper = {{ name = \"taylor\", tolerance = {tolerance:e} }}");
             let setting = format!("tolerance {tolerance:.0e}");
@@ -219,6 +231,8 @@ const BODY: System<3> = System {
     realization: "so3-exponential",
     hamilton_jacobi: &[(6, 4.0), (10, 4.0)],
     splittings: &[("blanes-moan-4", 2.0), ("blanes-moan-6", 4.0)],
+    lift: "clebsch",
+    lifted: &[(4, 2.0), (8, 1.0)],
     gauss: [4.0, 4.0],
 };
 
@@ -232,6 +246,8 @@ const VOLTERRA: System<3> = System {
     realization: "log-canonical",
     hamilton_jacobi: &[(6, 8.0)],
     splittings: &[("blanes-moan-4", 8.0), ("kahan-li-8", 8.0)],
+    lift: "logarithms",
+    lifted: &[(8, 2.5), (8, 5.0)],
     gauss: [16.0, 16.0],
 };
 
@@ -259,6 +275,8 @@ const TOP: System<6> = System {
     realization: "lie-poisson",
     hamilton_jacobi: &[(4, 4.0)],
     splittings: &[("blanes-moan-4", 4.0), ("blanes-moan-6", 4.0)],
+    lift: "clebsch",
+    lifted: &[(8, 1.0), (8, 2.0)],
     gauss: [4.0, 4.0],
 };
 

@@ -6,7 +6,6 @@
 //! VI.4.3). Where it takes fibres of J to fibres, as it does where they are orbits of affine symmetries of K and Ω, the step
 //! descends to a Poisson map of M, to round-off: the collective integrators of McLachlan, Modin and Verdier (Nonlinearity 27 (2014)) and
 //! of section 4.3 of Cabrera, Martín de Diego and Vaquero.
-
 //!
 //! - [`ConstantLift`]: x itself, where its tensor is constant.
 //! - [`Slowing`]: Casimirs taken off H.
