@@ -41,7 +41,7 @@ pub fn explain(run: &ComposedRun, start: Instant) -> Result<Vec<String>, BuildEr
             .map(|(label, text)| (label.to_owned(), text)),
     );
     for part in &run.plan.parts {
-        if let Some(reason) = part.reason {
+        if let Some(reason) = &part.reason {
             rows.push((
                 "Chosen".to_owned(),
                 format!("{}, since {reason}", part.name),
