@@ -2,6 +2,7 @@
 
 mod advice;
 mod at_once;
+mod automatic;
 mod branches;
 mod checkpoint;
 mod closed_form;

@@ -193,14 +193,31 @@ pub fn tables<P: Problem + 'static>(targets: &[(f64, &[usize])]) -> String {
     text
 }
 
-/// The methods without structure that choose their steps, beside each other and beside Hamilton–Jacobi of high orders.
-pub fn adaptive<P: Problem + 'static>() -> String {
+/// The table of a problem for each of three errors, without the slow.
+fn beside_one_another<P: Problem + 'static>(
+    all: &[Box<dyn Contestant>],
+    baselines: &[String],
+) -> String {
     let (reference, apart) = reference::<P>();
     let mut text = format!(
         "{}, T = {}; the reference is known to {apart:.0e}.\n\n",
         P::TITLE,
         P::TIME
     );
+    for target in [1e-4, 1e-8, 1e-12] {
+        let entries: Vec<Entry<'_>> = all
+            .iter()
+            .filter_map(|contestant| reach(contestant.as_ref(), &reference, target))
+            .collect();
+        let (entries, _) = without_slow(entries, baselines);
+        let race = race(&entries, baselines);
+        text.push_str(&format!("Error {target:.0e}:\n\n{race}\n"));
+    }
+    text
+}
+
+/// The methods without structure that choose their steps, beside each other and beside Hamilton–Jacobi of high orders.
+pub fn adaptive<P: Problem + 'static>() -> String {
     let mut all: Vec<Box<dyn Contestant>> = vec![
         Box::new(OdeSolvers::<P>(PhantomData)),
         Box::new(HandDop853::<P>(PhantomData)),
@@ -209,26 +226,11 @@ pub fn adaptive<P: Problem + 'static>() -> String {
     ];
     let baselines = [0, 1, 2].map(|at: usize| all[at].name());
     all.extend(hamilton_jacobi::<P>(&[8, 10, 12]));
-    for target in [1e-4, 1e-8, 1e-12] {
-        let entries: Vec<Entry<'_>> = all
-            .iter()
-            .filter_map(|contestant| reach(contestant.as_ref(), &reference, target))
-            .collect();
-        let (entries, _) = without_slow(entries, &baselines);
-        let race = race(&entries, &baselines);
-        text.push_str(&format!("Error {target:.0e}:\n\n{race}\n"));
-    }
-    text
+    beside_one_another::<P>(&all, &baselines)
 }
 
 /// Gauss methods in coordinates with a constant tensor, beside `taylor` and other Poisson maps.
 pub fn lifts<P: Problem + 'static>() -> String {
-    let (reference, apart) = reference::<P>();
-    let mut text = format!(
-        "{}, T = {}; the reference is known to {apart:.0e}.\n\n",
-        P::TITLE,
-        P::TIME
-    );
     let most = MOST_STEPS * P::TIME;
     let mut all: Vec<Box<dyn Contestant>> = vec![
         Box::new(Adaptive::<P>::new("taylor")),
@@ -254,16 +256,7 @@ pub fn lifts<P: Problem + 'static>() -> String {
             all.push(Box::new(Ours::<P>::new(name, Kind::StepMap, &method, most)));
         }
     }
-    for target in [1e-4, 1e-8, 1e-12] {
-        let entries: Vec<Entry<'_>> = all
-            .iter()
-            .filter_map(|contestant| reach(contestant.as_ref(), &reference, target))
-            .collect();
-        let (entries, _) = without_slow(entries, &baselines);
-        let race = race(&entries, &baselines);
-        text.push_str(&format!("Error {target:.0e}:\n\n{race}\n"));
-    }
-    text
+    beside_one_another::<P>(&all, &baselines)
 }
 
 /// Entries that take more than this many times what the first baseline takes are not measured further.

@@ -25,10 +25,12 @@
 //! - [`lifted_realization`]: realizations that are such coordinates.
 //! - [`lattice`]: long lattices in O(N) time and memory a step.
 //! - [`part`], [`part_description`], [`origin`], [`registry`]: parts by name, built in or loaded.
+//! - [`automatic`]: what a choice left open takes.
 //! - [`diagnostics`]: realization error, tensor defect, fitted slopes, Jacobi and Casimir checks.
 //! - [`gradient`]: derivatives of trajectories, forwards and backwards.
 //! - [`error`]: typed failures.
 
+pub mod automatic;
 pub mod bisection;
 pub mod chart;
 pub mod closed_form;

@@ -170,6 +170,8 @@ pub struct Compared {
     pub rank: u32,
     /// The settings it is tried with.
     pub settings: &'static [Settings],
+    /// Of a dynamic approximation, the settings it is tried with over realizations with a [lift](crate::RealizationData::lift).
+    pub over_lifts: &'static [Settings],
 }
 
 impl Compared {
@@ -178,6 +180,7 @@ impl Compared {
         Self {
             rank,
             settings: &[&[]],
+            over_lifts: &[],
         }
     }
 }

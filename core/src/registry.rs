@@ -2,16 +2,12 @@
 //! what is loaded at run time.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
 use thiserror::Error;
 
 use crate::error::BuildError;
-use crate::method::Method;
 use crate::origin::Origin;
 use crate::part::{Auto, Family, PartInfo, PartKind, PartParameters};
-use crate::realization::RealizationData;
-use crate::system::PoissonSystem;
 
 pub use crate::parts::{
     CompositionPart, DynamicsPart, Part, RealizationPart, StepperPart, SystemPart,
@@ -84,16 +80,6 @@ pub enum RegistryError {
         /// Where it comes from.
         offered: Box<Origin>,
     },
-}
-
-/// An exact realization of a system, found by its tensor.
-pub struct Exact {
-    /// The realization.
-    pub realization: Arc<dyn RealizationData>,
-    /// What its part declares.
-    pub info: &'static PartInfo,
-    /// Why it is taken.
-    pub reason: &'static str,
 }
 
 #[derive(Clone)]
@@ -169,82 +155,6 @@ impl Registry {
         let mut listing: Vec<_> = entries.map(|e| (e.part.info(), &e.origin)).collect();
         listing.sort_by_key(|(info, _)| info.kind);
         listing
-    }
-
-    /// The exact realizations that a choice left open tries, and why each is taken.
-    pub fn exact_realizations(&self) -> Vec<(&'static PartInfo, &'static str)> {
-        let mut exact: Vec<(u32, &'static PartInfo, &'static str)> = self
-            .parts()
-            .into_iter()
-            .filter_map(|info| match info.auto {
-                Some(Auto::Exact { rank, reason }) => Some((rank, info, reason)),
-                _ => None,
-            })
-            .collect();
-        exact.sort_by_key(|(rank, ..)| *rank);
-        exact
-            .into_iter()
-            .map(|(_, info, reason)| (info, reason))
-            .collect()
-    }
-
-    /// The first exact realization, by rank, that fits the system's tensor, and why it is taken; of a
-    /// long lattice, one that can be swept.
-    pub fn exact_realization(&self, system: &PoissonSystem, is_long: bool) -> Option<Exact> {
-        let mut exact = self.exact_realizations().into_iter();
-        exact.find_map(|(info, reason)| {
-            let part = self.realization(info.name).ok()?;
-            let realization = part.build(system, &PartParameters::new()).ok()?;
-            (!is_long || realization.stages().is_some()).then_some(Exact {
-                realization,
-                info,
-                reason,
-            })
-        })
-    }
-
-    /// The lift of a system's tensor by the first part that is one, at its defaults, and fits; `but` is not asked.
-    pub fn lift(&self, system: &PoissonSystem, but: &str) -> Option<Arc<dyn RealizationData>> {
-        let mut parts = self.parts().into_iter();
-        parts.find_map(|info| {
-            let is_asked = info.is_lift && info.name != but;
-            let part = self.realization(info.name).ok().filter(|_| is_asked)?;
-            part.build(system, &PartParameters::new()).ok()
-        })
-    }
-
-    /// The method of a scene whose realization is `auto`, of order m: the dynamic approximation that
-    /// serves every system, with forces that of order 2 which takes them, over [`exact_realization`](Self::exact_realization) or, where none fits,
-    /// over the realization that serves every system, of order m too.
-    ///
-    /// # Errors
-    /// [`BuildError::UnknownPart`] where the registry has no such part, [`BuildError::Parameter`] for
-    /// an odd order, [`BuildError::NotMade`] for an order above 2 of a system with forces, and those of [`Method::compose`].
-    pub fn automatic(&self, system: &PoissonSystem, m: u32) -> Result<Method, BuildError> {
-        let order = PartParameters::new().with("order", i64::from(m));
-        let dynamics = if system.has_forces() {
-            let part = self.of_forces()?;
-            if m != 2 {
-                return Err(BuildError::NotMade {
-                    part: part.name,
-                    reason: format!(
-                        "it is of order 2, not {m}: take 2, and a composition for more"
-                    ),
-                });
-            }
-            self.dynamics(part.name)?.build(&PartParameters::new())?
-        } else {
-            let part = self.of_order(PartKind::Dynamics)?;
-            self.dynamics(part.name)?.build(&order)?
-        };
-        let realization = match self.exact_realization(system, false) {
-            Some(exact) => exact.realization,
-            None => {
-                let general = self.of_order(PartKind::Realization)?;
-                self.realization(general.name)?.build(system, &order)?
-            }
-        };
-        Method::compose(system, realization, dynamics)
     }
 
     /// The realization or the dynamic approximation that serves every system, to an order.

@@ -97,6 +97,10 @@ fn the_standard_methods_of_a_rigid_body_are_compared_and_the_front_is_theirs() {
     ] {
         assert!(names.contains(&name), "{name} in {names:?}");
     }
+    // Coordinates with a constant tensor, by Gauss methods of four orders.
+    let lifts = names.iter().filter(|name| name.starts_with("clebsch"));
+    let expected = [2, 4, 8, 16].map(|stages| format!("clebsch + collective {stages}"));
+    assert!(lifts.eq(&expected), "{names:?}");
     let own: Vec<_> = comparison.methods.iter().filter(|m| m.is_own).collect();
     assert_eq!(own.len(), 1);
     assert_eq!(own[0].name, "karasev-truncated 6 + hamilton-jacobi 2");

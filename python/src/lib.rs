@@ -1,6 +1,7 @@
 //! The Python package `leafwise`: scenes, runs as arrays, and the program's commands.
 //!
 //! - [`scene`]: scenes, composed and stepped without the interpreter's lock;
+//! - [`read`]: scenes as read, composed and checked;
 //! - [`recorded`]: what a run leaves, as arrays;
 //! - [`ensemble`]: what an ensemble leaves, as arrays;
 //! - [`sweep`]: what a sweep leaves;
@@ -22,6 +23,7 @@ mod gradient;
 mod integrator;
 mod kept;
 mod progress;
+mod read;
 mod recorded;
 mod retraced;
 mod scene;

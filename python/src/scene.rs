@@ -1,44 +1,37 @@
 //! Scenes, composed and stepped without the interpreter's lock.
 
 use std::num::NonZeroUsize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::Duration;
 
 use leafwise::core::Registry;
 use leafwise::run::ensemble::{
-    ComposedEnsemble, Members, Workforce, compose_ensemble, compose_members, join_shards,
-    merge_shards, run_ensemble, run_shard,
+    Members, Workforce, join_shards, merge_shards, run_ensemble, run_shard,
 };
 use leafwise::run::shards::{MergeError, Shard, Shards, Whole};
-use leafwise::run::{Asked, Event, Retraced as States, RunOptions, RunOutcome, run_in_memory};
-use leafwise::scene::document::{Direction, Located, ObservableSpec, Place, Source};
-use leafwise::scene::{ComposedRun, SceneChecks, SceneDocument};
+use leafwise::run::{Asked, Retraced as States, RunOutcome, run_in_memory};
+use leafwise::scene::{ComposedRun, SceneDocument};
 use leafwise_cli::failure::Failure;
 use leafwise_cli::scene::SceneText;
 use numpy::PyReadonlyArray2;
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 
-use crate::command::with_plugins;
 use crate::ensemble::{Ensemble, Left};
 use crate::error::{LeafwiseError, exception, is_interruption, of_scene};
-use crate::functions::Functions;
 use crate::gradient::Map;
 use crate::integrator::Integrator;
 use crate::kept::{Kept, are_values, compose};
 use crate::progress::PythonProgress;
+use crate::read::{AskedEvent, Read, options, record_invariants};
 use crate::recorded::Recorded;
 use crate::retraced::Retraced;
-use crate::sweep::{AskedSweep, Sweep, sweep_shard};
+use crate::sweep::{Sweep, sweep_shard};
 
 type Overrides = Vec<(String, String)>;
 
 /// A parameter's name with its value.
 type Parameters = Vec<(String, f64)>;
-
-/// A surface, the direction in which it is crossed, and the number of the crossing that ends the run.
-type AskedEvent = (String, String, Option<u64>);
 
 /// Coordinates, Casimirs, parameters with their values, and the method in words.
 type Description = (Vec<String>, Vec<String>, Vec<(String, f64)>, Vec<String>);
@@ -54,90 +47,6 @@ pub(crate) struct Scene {
     system: Option<Arc<Py<PyAny>>>,
     /// The method, which scenes share that were made from this one with other values.
     kept: Kept,
-}
-
-/// A scene with the parts that it names.
-struct Read {
-    document: SceneDocument,
-    registry: Registry,
-    functions: Option<Functions>,
-}
-
-impl Read {
-    /// A sweep of it.
-    fn asked(&self, allow_non_poisson: bool, out: PathBuf) -> AskedSweep<'_> {
-        AskedSweep {
-            document: &self.document,
-            registry: &self.registry,
-            options: options(out, allow_non_poisson),
-        }
-    }
-
-    fn new(text: SceneText, system: Option<&Arc<Py<PyAny>>>) -> PyResult<Self> {
-        let mut parts = with_plugins()?;
-        let functions = system.map(|system| Functions::new(Arc::clone(system)));
-        if let Some(functions) = &functions {
-            functions.join(&mut parts.registry)?;
-        }
-        let name = text.name.clone();
-        let base = Path::new(&name).parent().unwrap_or(Path::new("."));
-        let document = parts.document(text, base);
-        Ok(Self {
-            document: document.map_err(|failure| exception(&failure))?,
-            registry: parts.registry,
-            functions,
-        })
-    }
-
-    /// The system and the method.
-    fn composed(&self) -> PyResult<ComposedRun> {
-        let composed = compose(&self.document, &self.registry);
-        self.unless_raised(composed.map_err(|refusal| exception(&Failure::from(refusal))))
-    }
-
-    /// What is looked for beside the scene's own section.
-    fn events(&self, run: &ComposedRun, asked: &[AskedEvent]) -> PyResult<Vec<Event>> {
-        let events = asked.iter().map(|(text, direction, last)| {
-            let direction = match direction.as_str() {
-                "up" => Direction::Up,
-                "down" => Direction::Down,
-                _ => Direction::Both,
-            };
-            let section = run.section(&self.document, text, direction);
-            let section = section.map_err(|refusal| exception(&Failure::from(refusal)))?;
-            let last = *last;
-            Ok(Event { section, last })
-        });
-        events.collect()
-    }
-
-    /// The ensemble with these members, or those of its own table.
-    fn ensemble(&self, members: &Members, files: &Path) -> PyResult<ComposedEnsemble> {
-        let ensemble = match *members == Members::default() {
-            true => compose_ensemble(&self.document, &self.registry, files),
-            false => compose_members(&self.document, &self.registry, members),
-        };
-        self.unless_raised(ensemble.map_err(|refusal| exception(&Failure::from(refusal))))
-    }
-
-    /// Refuses a system that a run refuses: a bracket that is not Poisson, a Casimir that is none.
-    fn check(&self, composed: &ComposedRun, allow_non_poisson: bool) -> PyResult<()> {
-        let checks = SceneChecks::of(&composed.system, &composed.near);
-        let checks =
-            self.unless_raised(checks.map_err(|error| exception(&Failure::from(error))))?;
-        match checks.refusal(&self.document, &composed.system, allow_non_poisson) {
-            Some(refusal) => Err(exception(&Failure::from(refusal))),
-            None => Ok(()),
-        }
-    }
-
-    /// What a function of the system has raised goes before what came of it.
-    fn unless_raised<T>(&self, found: PyResult<T>) -> PyResult<T> {
-        match self.functions.as_ref().and_then(Functions::raised) {
-            Some(error) => Err(error),
-            None => found,
-        }
-    }
 }
 
 impl Scene {
@@ -213,26 +122,6 @@ impl Scene {
             registry: self.registry.clone(),
             functions: None,
         })
-    }
-}
-
-/// Energy and Casimirs among what is recorded.
-fn record_invariants(document: &mut SceneDocument) {
-    let casimirs = document.system.casimirs.iter();
-    let names = casimirs.map(|(name, _)| name.value.clone());
-    let names: Vec<String> = std::iter::once("energy".to_owned()).chain(names).collect();
-    let recorded = &mut document.run.record.observables;
-    let place = Place {
-        source: Source::Scene,
-        span: 0..0,
-    };
-    for name in names {
-        if recorded.iter().all(|known| known.heading() != name) {
-            recorded.push(ObservableSpec {
-                name: None,
-                formula: Located::new(name, place.clone()),
-            });
-        }
     }
 }
 
@@ -609,16 +498,6 @@ fn members(
     Members {
         states: states.map(|states| states.as_array().iter().copied().collect()),
         parameters,
-    }
-}
-
-fn options(directory: PathBuf, allow_non_poisson: bool) -> RunOptions {
-    RunOptions {
-        directory,
-        force: false,
-        allow_non_poisson,
-        command: String::new(),
-        checkpoint_every: Duration::MAX,
     }
 }
 

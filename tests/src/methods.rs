@@ -69,6 +69,25 @@ pub fn run(
     Ok(integrator.state().to_vec())
 }
 
+/// Asserts that a run restored from its checkpoint after 20 steps takes 20 more with the same bits.
+///
+/// # Panics
+/// Where it does not, and where a step fails.
+pub fn assert_resumes(system: &PoissonSystem, map: &dyn StepMap, time_step: f64, initial: &[f64]) {
+    const STEPS: usize = 20;
+    let parameters = system.parameter_values();
+    let start = || Integrator::new(map, &parameters, 1.0, time_step, initial);
+    let (mut whole, mut resumed) = (start(), start());
+    (0..STEPS).for_each(|_| whole.step().expect("a step"));
+    let kept = whole.checkpoint();
+    resumed.restore(&kept).expect("its own checkpoint");
+    for _ in 0..STEPS {
+        whole.step().expect("a step");
+        resumed.step().expect("a step");
+        assert_eq!(whole.state(), resumed.state());
+    }
+}
+
 /// One cold step from `x`: its increment.
 ///
 /// # Errors

@@ -1,7 +1,7 @@
 //! A measured order with a tolerance that follows from the points.
 
 use leafwise_core::diagnostics::{Slope, fit_slope};
-use leafwise_core::{PoissonSystem, StepMap};
+use leafwise_core::{PoissonSystem, StepMap, Structure};
 
 use crate::gauss::flow;
 use crate::methods::run;
@@ -71,6 +71,34 @@ pub fn of_even_order(
     };
     let points: Vec<_> = steps.iter().map(error).collect();
     measure(&points, 100.0 * UNIT_ROUNDOFF * largest(&end), 2.0)
+}
+
+/// Asserts that Gauss methods in the coordinates of a lift, `gauss(s)` of s stages, declare order 2s, exactness and
+/// self-adjointness, and have this order: each s with the time and the numbers of steps that it is fitted to.
+///
+/// # Panics
+/// Where one does not.
+pub fn assert_gauss_orders<M: StepMap>(
+    system: &PoissonSystem,
+    gauss: impl Fn(usize) -> M,
+    initial: &[f64],
+    fits: &[(usize, f64, [usize; 4])],
+) {
+    for (stages, time, steps) in fits {
+        let method = gauss(*stages);
+        let properties = method.properties();
+        let expected = (2 * stages, Structure::Exact, Some(true));
+        let declared = (
+            properties.order,
+            properties.structure,
+            properties.self_adjoint,
+        );
+        assert_eq!(declared, expected, "{stages} stages");
+        let found = of_even_order(system, &method, initial, *time, steps);
+        let found = found.unwrap_or_else(|| panic!("{stages}: too few errors above round-off"));
+        let order = 2.0 * *stages as f64;
+        assert!(found.is(order, 2.0), "{stages} stages: measured {found}");
+    }
 }
 
 impl MeasuredOrder {

@@ -58,6 +58,12 @@ static INFO: PartInfo = PartInfo {
             &[("stages", ParameterDefault::Integer(2))],
             &[("stages", ParameterDefault::Integer(3))],
         ],
+        over_lifts: &[
+            &[("stages", ParameterDefault::Integer(2))],
+            &[("stages", ParameterDefault::Integer(4))],
+            &[("stages", ParameterDefault::Integer(8))],
+            &[("stages", ParameterDefault::Integer(16))],
+        ],
     }),
     surveyed: &[
         &[

@@ -26,11 +26,11 @@ static INFO: PartInfo = PartInfo {
     takes_forces: true,
     serves_numbers: Some(ServesNumbers { rank: 5, limit: "" }),
     compared: Some(Compared {
-        rank: 7,
         settings: &[
             &[("stages", ParameterDefault::Integer(2))],
             &[("stages", ParameterDefault::Integer(3))],
         ],
+        ..Compared::at(7)
     }),
     reference: Some(&[("stages", ParameterDefault::Integer(8))]),
     surveyed: &[

@@ -46,8 +46,8 @@ static INFO: PartInfo = PartInfo {
     ],
     family: Some(Family::Splitting),
     compared: Some(Compared {
-        rank: 1,
         settings: &[&[], &[(BODIES, ParameterDefault::Text(WHOLE))]],
+        ..Compared::at(1)
     }),
     reference: Some(&[]),
     ..PartInfo::of(PartKind::Stepper)

@@ -4,15 +4,14 @@ use std::sync::Arc;
 
 use leafwise_collective::{Collective, SymplecticIntegrator};
 use leafwise_core::{
-    BuildError, Correction, DynamicApproximation, Integrator, Method, PoissonSystem,
-    RealizationData, StepError, StepMap, Structure,
+    BuildError, Correction, DynamicApproximation, Method, PoissonSystem, RealizationData, StepError,
 };
 use leafwise_hamilton_jacobi::HamiltonJacobi;
 use leafwise_logarithms::Logarithms;
 use leafwise_tests::gauss::flow;
-use leafwise_tests::methods::{increment, run};
+use leafwise_tests::methods::{assert_resumes, increment, run};
 use leafwise_tests::numbers::{UNIT_ROUNDOFF, distance};
-use leafwise_tests::orders::of_even_order;
+use leafwise_tests::orders::assert_gauss_orders;
 use leafwise_tests::structure::structure_error;
 use leafwise_tests::systems::from_formulas;
 use leafwise_tests::{Problem, library};
@@ -127,25 +126,12 @@ fn gauss_methods_have_order_2s() {
     let Problem {
         system, initial, ..
     } = library("lotka-volterra-periodic");
-    for (stages, steps) in [
-        (1, [20, 40, 80, 160]),
-        (2, [10, 20, 40, 80]),
-        (4, [8, 12, 16, 24]),
-    ] {
-        let method = gauss(&system, stages);
-        let properties = method.properties();
-        let expected = (2 * stages, Structure::Exact, Some(true));
-        let declared = (
-            properties.order,
-            properties.structure,
-            properties.self_adjoint,
-        );
-        assert_eq!(declared, expected);
-        let found = of_even_order(&system, &method, &initial, 2.0, &steps);
-        let found = found.unwrap_or_else(|| panic!("{stages}: too few errors above round-off"));
-        let order = 2.0 * stages as f64;
-        assert!(found.is(order, 2.0), "{stages}: measured {found}");
-    }
+    let fits = [
+        (1, 2.0, [20, 40, 80, 160]),
+        (2, 2.0, [10, 20, 40, 80]),
+        (4, 2.0, [8, 12, 16, 24]),
+    ];
+    assert_gauss_orders(&system, |stages| gauss(&system, stages), &initial, &fits);
     // Of order 16 two errors are above round-off: they fall by more than those of order 15 would.
     let end = flow(&system, &initial, 2.0, 64);
     let [first, second] = [3, 4].map(|steps| {
@@ -181,18 +167,7 @@ fn a_resumed_run_has_the_same_bits() {
     let Problem {
         system, initial, ..
     } = library("lotka-volterra-periodic");
-    let method = gauss(&system, 8);
-    let parameters = system.parameter_values();
-    let mut whole = Integrator::new(&method, &parameters, 1.0, 0.3, &initial);
-    (0..20).for_each(|_| whole.step().expect("a step"));
-    let kept = whole.checkpoint();
-    let mut resumed = Integrator::new(&method, &parameters, 1.0, 0.3, &initial);
-    resumed.restore(&kept).expect("its own checkpoint");
-    for _ in 0..20 {
-        whole.step().expect("a step");
-        resumed.step().expect("a step");
-        assert_eq!(whole.state(), resumed.state());
-    }
+    assert_resumes(&system, &gauss(&system, 8), 0.3, &initial);
 }
 
 /// A step that no iteration contracts, and one whose stages have no value, are typed errors.

@@ -19,8 +19,8 @@ const AUTO: &str = "auto";
 
 /// What it takes as a realization, and as dynamics.
 const AUTO_MEANS: [&str; 2] = [
-    "an exact closed form that fits the tensor, the most special one; where there is none, karasev-collocated, which is \
-     exact to round-off for any tensor, or karasev-truncated on a long lattice. `run --explain` says what it took \
+    "an exact closed form that fits the tensor, the most special one; where there is none, the realization exact to round-off \
+     whose steps take the fewest operations, or karasev-truncated on a long lattice. `run --explain` says what it took \
      and why",
     "hamilton-jacobi of order 4, of order 2 over a system of numbers",
 ];

@@ -135,7 +135,7 @@ pub fn execute(
                 "{} is coordinates in which the tensor is constant: it has no alpha and beta to evaluate",
                 method.realization().describe()
             ),
-            "name another realization, with --set method.realization=auto",
+            "name another realization, with --set method.realization=karasev-collocated",
         ));
     }
     if run.extension.is_some() {

@@ -3,17 +3,22 @@
 use std::time::Instant;
 
 use leafwise::core::dynamics::Generating;
-use leafwise::core::{BuildError, Integrator, Method};
+use leafwise::core::{BuildError, Integrator, Method, Registry};
 use leafwise::expression::{Execution, Graph, Kernel, StepSize, Term};
+use leafwise::run::advice::cheaper_over_lifts;
 use leafwise::scene::compose::ComposedRun;
 
 use crate::table::{duration, words};
 
-/// Lines about the method; takes one step to measure the time since `start`.
+/// Lines about the method, and about a cheaper one; takes one step to measure the time since `start`.
 ///
 /// # Errors
 /// [`BuildError`] where a formula has no code.
-pub fn explain(run: &ComposedRun, start: Instant) -> Result<Vec<String>, BuildError> {
+pub fn explain(
+    run: &ComposedRun,
+    registry: &Registry,
+    start: Instant,
+) -> Result<Vec<String>, BuildError> {
     let plan = &run.plan;
     let parameters = run.system.parameter_values();
     let map = run.method.map();
@@ -41,7 +46,7 @@ pub fn explain(run: &ComposedRun, start: Instant) -> Result<Vec<String>, BuildEr
             .map(|(label, text)| (label.to_owned(), text)),
     );
     for part in &run.plan.parts {
-        if let Some(reason) = part.reason {
+        if let Some(reason) = &part.reason {
             rows.push((
                 "Chosen".to_owned(),
                 format!("{}, since {reason}", part.name),
@@ -72,6 +77,8 @@ pub fn explain(run: &ComposedRun, start: Instant) -> Result<Vec<String>, BuildEr
     );
     rows.push(("Scene text to first step".to_owned(), first_step));
     rows.extend(machine_code(run));
+    let cheaper = cheaper_over_lifts(run, registry);
+    rows.extend(cheaper.map(|cheaper| ("Cheaper".to_owned(), cheaper.to_string())));
     let rows: Vec<Vec<String>> = rows
         .into_iter()
         .map(|(label, text)| vec![format!("  {label}"), text])

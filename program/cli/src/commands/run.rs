@@ -51,7 +51,7 @@ pub fn execute(
         compose(&document, &parts.registry)
     })?;
     if arguments.explain {
-        for line in explain(&composed, start)? {
+        for line in explain(&composed, &parts.registry, start)? {
             console.prose(&line);
         }
         console.prose("");

@@ -17,8 +17,8 @@ pub(super) fn advice(probe: &mut Probe<'_>) -> Option<Advice> {
     if defect <= ROUND_OFF {
         return None;
     }
-    let (exact, choice) = exact_realization(probe.system(), probe.registry, false)?;
     let dynamics = probe.dynamics_again().ok()?;
+    let (exact, choice) = exact_realization(probe.system(), probe.registry, &dynamics, false)?;
     let method = Method::compose(probe.system(), exact, dynamics).ok()?;
     let states = || probe.places.iter().map(|place| place.x.as_slice());
     let now = Trial::of(probe.run, probe.method, states())?;

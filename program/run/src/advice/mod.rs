@@ -1,6 +1,7 @@
 //! Where a scene asks for more than it uses or for less than it needs, measured at states of the
 //! run; each with the one line to change.
 //!
+//! - `lifts`: coordinates in which a run takes a fraction of the operations, no warning;
 //! - `probe`: the method at those states;
 //! - `truncation`: a truncation order above what a step can feel;
 //! - `dynamics`: terms of the generating function below the realization's own error;
@@ -31,6 +32,7 @@ mod dynamics;
 mod energy;
 mod exact;
 mod leaves;
+mod lifts;
 mod probe;
 mod rounding;
 mod sizes;
@@ -50,6 +52,7 @@ pub(crate) use constraints::off_constraints;
 pub(crate) use energy::EnergyError;
 use leafwise_scene::compose::ComposedRun;
 use leafwise_scene::document::SceneDocument;
+pub use lifts::{CheaperMethod, cheaper_over_lifts};
 use probe::Probe;
 
 /// One thing to change.

@@ -23,7 +23,7 @@ pub struct PartChoice {
     pub is_automatic: bool,
     /// Why it was taken, where it was chosen by the tensor.
     #[serde(skip)]
-    pub reason: Option<&'static str>,
+    pub reason: Option<String>,
     /// Where its values come from, for a loaded part: `expressions` or `numbers`.
     #[serde(skip)]
     pub path: Option<&'static str>,

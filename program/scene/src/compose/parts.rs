@@ -63,7 +63,8 @@ impl Parts {
 /// Builds the parts that `[method]` names, for a system or for the long lattice that it stands for.
 ///
 /// A part that is absent or called `auto` is chosen: Hamilton–Jacobi of order 4 (2 for a system of
-/// numbers), the map along leaves where there are forces, and the first exact realization, by rank, that fits the tensor; where none does, or
+/// numbers), the map along leaves where there are forces, and the exact realization that fits the tensor and costs the fewest operations
+/// ([`Registry::exact_realization_under`]); where none does, or
 /// parameters are given with `auto`, Karasev's truncated after the dynamics' order, the smallest n for which Theorem 2 promises it.
 pub(super) fn parts(
     document: &SceneDocument,
@@ -218,7 +219,7 @@ fn pair(
     let is_open = request.named().is_none() && !request.has_parameters();
     let is_long = document.system.coordinates() > DENSE_LIMIT;
     if let Some((realization, choice)) = is_open
-        .then(|| exact_realization(system, registry, is_long))
+        .then(|| exact_realization(system, registry, &dynamics, is_long))
         .flatten()
     {
         choices.push(choice);
@@ -275,13 +276,15 @@ pub(super) fn what_fits(
     }
 }
 
-/// The first exact realization, by rank, that fits the tensor; on a long lattice, one that can be swept.
+/// The exact realization that a choice left open takes, by [`Registry::exact_realization_under`]; on a long lattice, one that can be
+/// swept.
 pub fn exact_realization(
     system: &PoissonSystem,
     registry: &Registry,
+    dynamics: &Arc<dyn DynamicApproximation>,
     is_long: bool,
 ) -> Option<(Arc<dyn RealizationData>, PartChoice)> {
-    let exact = registry.exact_realization(system, is_long)?;
+    let exact = registry.exact_realization_under(dynamics, system, is_long)?;
     let info = exact.info;
     let parameters = info.parameters.iter().map(|p| (p.name, p.default.into()));
     let choice = PartChoice {

@@ -44,7 +44,7 @@ pub(super) struct Catalogue<'a> {
 }
 
 /// The methods for a scene, built: its own, every exact realization and Karasev's series under Hamilton–Jacobi,
-/// collective integrators, compositions, splitting, baselines. With `orders`, only methods of these declared
+/// collective integrators, those of lifts among them, compositions, splitting, baselines. With `orders`, only methods of these declared
 /// orders beside the scene's own, and Hamilton–Jacobi at each of them. `progress` receives each method before
 /// it is built; it is not where that returns `false`, the scene's own apart.
 pub fn catalogue(
@@ -83,6 +83,7 @@ impl Catalogue<'_> {
         if let Some(realization) = &cheapest {
             self.collective(realization);
         }
+        self.lifts();
         if let Some(realization) = cheapest {
             let made = self.hamiltonians()[0];
             for order in [2, 4] {
@@ -268,6 +269,19 @@ impl Catalogue<'_> {
         }
     }
 
+    /// Dynamics in coordinates in which the tensor is constant.
+    fn lifts(&mut self) {
+        let own = self.bench.own();
+        if matches!(own.method, Stepping::Lattice(_)) || own.system.has_forces() {
+            return;
+        }
+        for tried in self.bench.registry().over_lifts(&own.system) {
+            let realization = PartUse::named(tried.realization.name);
+            let dynamics = with(tried.dynamics, &tried.settings);
+            self.add(MethodTable::pair(realization, dynamics));
+        }
+    }
+
     /// Compositions of a base that raise its order.
     fn compositions(&mut self, base: &MethodTable, order: usize) {
         for part in self.composition_parts() {
@@ -325,12 +339,17 @@ impl Catalogue<'_> {
 /// A part with each of the settings at which it is compared.
 fn compared(part: &PartInfo) -> Vec<PartUse> {
     let settings = part.compared.map_or(&[][..], |compared| compared.settings);
-    let of = |settings: &Settings| {
-        let named = PartUse::named(part.name);
-        let settings = settings.iter();
-        settings.fold(named, |part, (name, value)| part.with(name, *value))
-    };
-    settings.iter().map(of).collect()
+    settings
+        .iter()
+        .map(|settings| with(part, settings))
+        .collect()
+}
+
+/// A part with its settings.
+fn with(part: &PartInfo, settings: &Settings) -> PartUse {
+    let named = PartUse::named(part.name);
+    let settings = settings.iter();
+    settings.fold(named, |part, (name, value)| part.with(name, *value))
 }
 
 /// What a Hamilton–Jacobi series is made from.

@@ -2,12 +2,12 @@
 
 use leafwise_clebsch::algebras::rotations::{algebra, section};
 use leafwise_clebsch::casimirs::grown;
-use leafwise_core::{BuildError, Integrator, PoissonSystem, StepMap, Structure};
+use leafwise_core::{BuildError, Integrator, PoissonSystem};
 use leafwise_tests::gauss::flow;
 use leafwise_tests::library;
-use leafwise_tests::methods::run;
+use leafwise_tests::methods::{assert_resumes, run};
 use leafwise_tests::numbers::{UNIT_ROUNDOFF, distance, largest};
-use leafwise_tests::orders::of_even_order;
+use leafwise_tests::orders::assert_gauss_orders;
 use leafwise_tests::structure::structure_error;
 use leafwise_tests::systems::from_formulas;
 use proptest::collection::vec;
@@ -83,25 +83,12 @@ proptest! {
 fn gauss_methods_have_order_2s() {
     let system = body();
     let initial = [0.4, 1.1, -0.8];
-    for (stages, time, steps) in [
+    let fits = [
         (1, 2.0, [20, 40, 80, 160]),
         (2, 2.0, [10, 20, 40, 80]),
         (4, 4.0, [12, 16, 20, 26]),
-    ] {
-        let method = gauss(&system, stages);
-        let properties = method.properties();
-        let expected = (2 * stages, Structure::Exact, Some(true));
-        let declared = (
-            properties.order,
-            properties.structure,
-            properties.self_adjoint,
-        );
-        assert_eq!(declared, expected);
-        let found = of_even_order(&system, &method, &initial, time, &steps);
-        let found = found.unwrap_or_else(|| panic!("{stages}: too few errors above round-off"));
-        let order = 2.0 * stages as f64;
-        assert!(found.is(order, 2.0), "{stages}: measured {found}");
-    }
+    ];
+    assert_gauss_orders(&system, |stages| gauss(&system, stages), &initial, &fits);
     let end = flow(&system, &initial, 2.0, 64);
     let found = run(&system, &gauss(&system, 16), (1.0, 0.5), 4, &initial).expect("steps");
     assert!(distance(&found, &end) <= 1e-13, "{found:?}, {end:?}");
@@ -137,19 +124,7 @@ fn a_body_at_rest_rests() {
 #[test]
 fn a_resumed_run_has_the_same_bits() {
     let system = body();
-    let method = gauss(&system, 8);
-    let parameters = system.parameter_values();
-    let start = || Integrator::new(&method, &parameters, 1.0, 0.2, &[0.4, 1.1, -0.8]);
-    let (mut whole, mut resumed) = (start(), start());
-    (0..20).for_each(|_| whole.step().expect("a step"));
-    resumed
-        .restore(&whole.checkpoint())
-        .expect("its own checkpoint");
-    for _ in 0..20 {
-        whole.step().expect("a step");
-        resumed.step().expect("a step");
-        assert_eq!(whole.state(), resumed.state());
-    }
+    assert_resumes(&system, &gauss(&system, 8), 0.2, &[0.4, 1.1, -0.8]);
 }
 
 #[test]

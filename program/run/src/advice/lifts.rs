@@ -1,0 +1,160 @@
+//! Coordinates in which the tensor is constant, where long steps in them err no more and take a fraction of the operations.
+
+use leafwise_core::automatic::OverLift;
+use leafwise_core::part::Family;
+use leafwise_core::{Integrator, Method, PartParameters, Registry, StepMap};
+use leafwise_scene::compose::ComposedRun;
+use leafwise_scene::document::{MethodTable, PartUse};
+
+use super::probe::{distance, size};
+use super::{LARGEST, number};
+
+/// The longest step that is tried, in steps of the run, and how often it is taken.
+const LONGEST: u64 = 16;
+const TIMES: u64 = 4;
+
+/// The tolerance of the solution that errors are measured against, and how many times that its errors may add up to.
+const TOLERANCE: f64 = 1e-13;
+const FAR: f64 = 100.0;
+
+/// Worth a word is what takes half of the operations or less.
+const WORTH: u64 = 2;
+
+/// A method that errs no more than the run's over its first steps, for a fraction of the operations.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CheaperMethod {
+    /// The method.
+    pub method: MethodTable,
+    /// Its step.
+    pub time_step: f64,
+    /// Its operations over those of the run's method.
+    pub part: f64,
+    /// Its largest error over the first steps, and that of the run's method.
+    pub errors: [f64; 2],
+}
+
+/// `a fifth of the operations`, with what was measured.
+impl std::fmt::Display for CheaperMethod {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        const PARTS: [&str; 9] = [
+            "half",
+            "a third",
+            "a quarter",
+            "a fifth",
+            "a sixth",
+            "a seventh",
+            "an eighth",
+            "a ninth",
+            "a tenth",
+        ];
+        let (method, step) = (&self.method, self.time_step);
+        let [error, own] = self.errors.map(number);
+        let whole = libm::round(1.0 / self.part) as usize;
+        let part = whole.checked_sub(2).and_then(|at| PARTS.get(at));
+        let part = part.map_or_else(|| format!("1/{whole}"), |part| (*part).to_owned());
+        write!(
+            f,
+            "{method} with time-step = {step:?} takes {part} of the operations: over the first {} steps it errs by \
+             {error}, this method by {own}",
+            TIMES * LONGEST
+        )
+    }
+}
+
+/// The cheapest method in coordinates in which the tensor is constant, where it takes half of the operations of the run's or less and
+/// errs no more, or by less than 1e-11 of the state; `None` for a long lattice, with noise, and for a run of fewer steps than are looked at.
+pub fn cheaper_over_lifts(run: &ComposedRun, registry: &Registry) -> Option<CheaperMethod> {
+    let (plan, steps) = (&run.plan, TIMES * LONGEST);
+    let is_short = plan.until.is_none() && plan.steps < steps;
+    if run.dimension() > LARGEST || run.method.noise().is_some() || is_short {
+        return None;
+    }
+    let tried = registry.over_lifts(&run.system);
+    if tried.is_empty() {
+        return None;
+    }
+    let near = registry.reference(Family::Explicit).ok()?;
+    let near = near
+        .0
+        .build(&run.system, &near.1.with("tolerance", TOLERANCE));
+    let exact = orbit(run, near.ok()?.as_ref(), 1.0, u64::MAX)?;
+    let own = orbit(run, run.method.map(), 1.0, u64::MAX)?;
+    let error = |orbit: &Orbit| {
+        let states = orbit.states.iter().zip(&exact.states);
+        states.fold(0.0_f64, |most, (x, exact)| most.max(distance(x, exact)))
+    };
+    let largest = exact.states.iter().map(|x| size(x)).fold(0.0, f64::max);
+    let own_error = error(&own);
+    let allowed = own_error.max(FAR * TOLERANCE * largest);
+    let mut most = own.operations? / WORTH;
+    let mut best = None;
+    for tried in tried {
+        let Some(map) = built(run, registry, &tried) else {
+            continue;
+        };
+        let mut length = LONGEST as f64;
+        while length >= 0.5 {
+            let orbit = orbit(run, &map, length, most);
+            let found = orbit.and_then(|orbit| Some((error(&orbit), orbit.operations?)));
+            // Shorter steps take more operations.
+            if let Some((error, operations)) = found.filter(|(error, _)| *error <= allowed) {
+                most = operations;
+                best = Some((tried, length, error, operations));
+                break;
+            }
+            length /= 2.0;
+        }
+    }
+    let (tried, length, error, operations) = best?;
+    let settings = tried.settings.iter();
+    let dynamics = settings.fold(
+        PartUse::named(tried.dynamics.name),
+        |part, (name, value)| part.with(name, *value),
+    );
+    let step = length * plan.epsilon * plan.h;
+    Some(CheaperMethod {
+        method: MethodTable::pair(PartUse::named(tried.realization.name), dynamics),
+        time_step: format!("{step:.12e}").parse().unwrap_or(step),
+        part: operations as f64 / own.operations? as f64,
+        errors: [error, own_error],
+    })
+}
+
+fn built(run: &ComposedRun, registry: &Registry, tried: &OverLift) -> Option<Method> {
+    let realization = registry.realization(tried.realization.name).ok()?;
+    let realization = realization
+        .build(&run.system, &PartParameters::new())
+        .ok()?;
+    let dynamics = registry.dynamics(tried.dynamics.name).ok()?;
+    let dynamics = dynamics.build(&PartParameters::of(tried.settings)).ok()?;
+    Method::compose(&run.system, realization, dynamics).ok()
+}
+
+/// The states of a run's first steps, one for each of the longest, and the operations that they took.
+struct Orbit {
+    states: Vec<Vec<f64>>,
+    operations: Option<u64>,
+}
+
+/// By steps of `length` of the run's each; `None` where one fails, and from `most` operations on.
+fn orbit(run: &ComposedRun, map: &dyn StepMap, length: f64, most: u64) -> Option<Orbit> {
+    let (values, plan) = (run.system.parameter_values(), &run.plan);
+    let h = length * plan.h;
+    let mut integrator = Integrator::new(map, &values, plan.epsilon, h, &plan.initial);
+    let between = (LONGEST as f64 / length) as u64;
+    let mut states = Vec::new();
+    for _ in 0..TIMES {
+        for _ in 0..between {
+            integrator.step().ok()?;
+            let operations = integrator.statistics().operations;
+            if operations.is_some_and(|operations| operations >= most) {
+                return None;
+            }
+        }
+        states.push(integrator.state().to_vec());
+    }
+    Some(Orbit {
+        states,
+        operations: integrator.statistics().operations,
+    })
+}

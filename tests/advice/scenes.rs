@@ -1,0 +1,109 @@
+//! What is wrong with a scene whatever its method.
+
+use leafwise::prelude::*;
+use leafwise::run::advice::AdviceKind;
+use leafwise::run::{Asked, Quiet, run_in_memory};
+use leafwise_tests::scenes::{composed, document};
+
+use super::{scene_end, told_of_kind};
+
+/// A pendulum by constraints, started beside them: the state that is named instead lies on them to round-off, and is the
+/// nearest one to first order. Round-off of a start is no news.
+#[test]
+fn a_start_off_the_constraints_is_told_with_one_on_them() {
+    let text = |initial: &str| {
+        format!(
+            "[system]\nvariables = [\"x\", \"y\", \"px\", \"py\"]\nconvention = \"{{x,H}}\"\n\
+             bracket = {{ \"x,px\" = 1, \"y,py\" = 1 }}\nconstraints = [\"x^2+y^2-1\", \"x*px+y*py\"]\n\
+             hamiltonian = \"(px^2+py^2)/2 + y\"\n\
+             [method]\nrealization = \"auto\"\ndynamics = {{ name = \"hamilton-jacobi\", order = 4 }}\ntime-step = 0.1\n\
+             [run]\ninitial = {initial}\nsteps = 10\n"
+        )
+    };
+    for (off, distance) in [("[1, 0.5, 0, 1]", 0.5), ("[0.6, 0.8001, 0.8, -0.6]", 2e-4)] {
+        let found = told_of_kind(&text(off), AdviceKind::OffConstraint).expect("told");
+        assert!(found.message.contains("x^2+y^2-1 = "), "{}", found.message);
+        let (_, state) = found.change.split_once(" = ").expect("a line");
+        assert_eq!(
+            told_of_kind(&text(state), AdviceKind::OffConstraint),
+            None,
+            "{state}"
+        );
+        let (from, to) = (composed(&text(off)), composed(&text(state)));
+        let apart = from.plan.initial.iter().zip(&to.plan.initial);
+        let apart = apart.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(apart <= distance, "{apart} {state}");
+    }
+    for on in [
+        "[0.6, 0.8, 0.8, -0.6]",
+        "[1, 0, 0, 1]",
+        // cos 1, sin 1, and half a turn's momentum.
+        "[0.5403023058681398, 0.8414709848078965, -0.8414709848078965, 0.5403023058681398]",
+    ] {
+        assert_eq!(
+            told_of_kind(&text(on), AdviceKind::OffConstraint),
+            None,
+            "{on}"
+        );
+    }
+    // What is 1e-16 of terms of 1 has no relative deviation.
+    let run = composed(&text("[0.6, 0.8, 0.8, -0.6]"));
+    let document = document(&text("[0.6, 0.8, 0.8, -0.6]"), &[]);
+    let recorded = run_in_memory(
+        &document,
+        &run,
+        &Registry::with_builtin(),
+        Asked::default(),
+        &mut Quiet,
+    );
+    for constraint in &recorded.expect("a run").report.invariants[1..] {
+        assert_eq!(constraint.relative, None, "{constraint:?}");
+    }
+}
+
+/// {a, b} = 1 without a convention: b is the momentum where H is a square of it alone, or by its name. The convention that
+/// is named instead turns the motion round.
+#[test]
+fn backward_time_is_told_whatever_the_names_are() {
+    let text = |names: [&str; 2], hamiltonian: &str, sign: &str, more: &str| {
+        let [a, b] = names;
+        format!(
+            "[system]\nvariables = [\"{a}\", \"{b}\"]\nbracket = {{ \"{a},{b}\" = \"{sign}1\" }}\nhamiltonian = \"{hamiltonian}\"\n\
+             {more}\n[method]\nrealization = \"auto\"\ntime-step = 0.01\n[run]\ninitial = [1, 0.5]\nsteps = 10\n"
+        )
+    };
+    for (names, hamiltonian, position) in [
+        (["theta", "L"], "L^2/2 - cos(theta)", 0),
+        (["phi", "J"], "J^2/3 + cos(phi)", 0),
+        (["x", "v"], "(x^2 + v^2)/2", 0),
+        (["x", "p"], "p^2/2 + x^4", 0),
+        (["q", "v"], "(q^2 + v^2)/2", 0),
+    ] {
+        let found = told_of_kind(&text(names, hamiltonian, "", ""), AdviceKind::BackwardTime);
+        let found = found.unwrap_or_else(|| panic!("{names:?}"));
+        let moved = |text: &str| scene_end(text)[position] - 1.0;
+        let forward = text(names, hamiltonian, "", &found.change);
+        assert!(moved(&text(names, hamiltonian, "", "")) < 0.0, "{names:?}");
+        assert!(moved(&forward) > 0.0, "{names:?}");
+        assert_eq!(told_of_kind(&forward, AdviceKind::BackwardTime), None);
+        let turned = text(names, hamiltonian, "-", "");
+        assert_eq!(told_of_kind(&turned, AdviceKind::BackwardTime), None);
+    }
+    // The momentum first: {L, theta} = −1.
+    let turned = text(["L", "theta"], "L^2/2 - cos(theta)", "-", "");
+    assert!(told_of_kind(&turned, AdviceKind::BackwardTime).is_some());
+    // Neither is a momentum: a vortex, a guiding centre, squares of both.
+    for hamiltonian in [
+        "-ln(x^2 + y^2)/2",
+        "x^2/2 + y^2/3",
+        "x*y",
+        "exp(x) + exp(y)",
+    ] {
+        let text = text(["x", "y"], hamiltonian, "", "");
+        assert_eq!(
+            told_of_kind(&text, AdviceKind::BackwardTime),
+            None,
+            "{hamiltonian}"
+        );
+    }
+}
