@@ -1,5 +1,7 @@
 //! Coefficients of Runge–Kutta methods.
 
+use std::sync::OnceLock;
+
 use crate::quadrature::{GaussLegendre, legendre};
 
 /// The coefficients c_i, b_i, a_ij of an s-stage Runge–Kutta method.
@@ -56,16 +58,20 @@ impl Tableau {
     /// that follows are z + τ Σ_j e_ij F(Z_j) by the collocation polynomial of this one.
     ///
     /// # Panics
-    /// When `stages` is 0.
-    pub(super) fn gauss_onward(stages: usize) -> Vec<f64> {
-        let rule = GaussLegendre::new(stages);
-        let mut matrix = integrals(&rule, 1.0);
-        for row in matrix.chunks_exact_mut(stages) {
-            for (entry, weight) in row.iter_mut().zip(&rule.weights) {
-                *entry -= weight;
+    /// When `stages` is 0 or more than [`Tableau::MOST_STAGES`].
+    pub(super) fn gauss_onward(stages: usize) -> &'static [f64] {
+        static KNOWN: [OnceLock<Vec<f64>>; Tableau::MOST_STAGES] =
+            [const { OnceLock::new() }; Tableau::MOST_STAGES];
+        KNOWN[stages - 1].get_or_init(|| {
+            let rule = GaussLegendre::new(stages);
+            let mut matrix = integrals(&rule, 1.0);
+            for row in matrix.chunks_exact_mut(stages) {
+                for (entry, weight) in row.iter_mut().zip(&rule.weights) {
+                    *entry -= weight;
+                }
             }
-        }
-        matrix
+            matrix
+        })
     }
 
     /// s.

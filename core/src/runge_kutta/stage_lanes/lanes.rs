@@ -69,7 +69,7 @@ impl<const W: usize> Lanes<W> {
             matrix: columns(&tableau.matrix),
             full: columns(&tableau.matrix),
             ways: vec![[0.0; W]; if follows { n } else { 0 }],
-            onward: columns(&Tableau::gauss_onward(s)),
+            onward: columns(Tableau::gauss_onward(s)),
             weights,
             slopes: vec![[0.0; W]; count * n],
             is_known: vec![false; count],
