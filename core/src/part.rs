@@ -135,7 +135,7 @@ pub type Settings = &'static [(&'static str, ParameterDefault)];
 /// What a choice left open takes a realization or a dynamic approximation for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Auto {
-    /// Exact where it fits: of those that fit the lowest rank is taken.
+    /// Exact where it fits: of those that fit, [`exact_realization`](crate::Registry::exact_realization) takes one.
     Exact {
         /// Cheap ones come first.
         rank: u32,
