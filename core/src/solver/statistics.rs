@@ -10,7 +10,8 @@ pub struct SolverStatistics {
     /// Operations of all kernels, weighted as [`OperationCount::work`] says, and of the linear
     /// algebra around them: eliminations, substitutions, sums over stages or nodes. Norms,
     /// extrapolation and the compensated sum, a few operations a coordinate and step, are left
-    /// out. `None` when a part does not count its own.
+    /// out. Four operations on the stages of a Gauss method side by side in the lanes of vectors count as one, since they take its
+    /// time. `None` when a part does not count its own.
     ///
     /// [`OperationCount::work`]: leafwise_expression::OperationCount::work
     pub operations: Option<u64>,

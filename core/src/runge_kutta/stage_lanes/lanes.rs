@@ -21,6 +21,9 @@ pub(super) enum From {
     Standing,
 }
 
+/// So many operations on stages side by side count as one: they take the time of one of a kernel for one point.
+const TOGETHER: usize = 4;
+
 /// W lanes, the first s of which are stages; the others stay at z.
 pub(super) struct Lanes<const W: usize> {
     pub(super) kernel: Arc<Kernel>,
@@ -43,7 +46,7 @@ pub(super) struct Lanes<const W: usize> {
     pub(super) full: Box<Columns<W>>,
     pub(super) ways: Vec<[f64; W]>,
     pub(super) evaluations: u64,
-    /// Operations of one evaluation and its sums.
+    /// Operations of one evaluation and its sums, as they count.
     pub(super) work: u64,
 }
 
@@ -76,7 +79,10 @@ impl<const W: usize> Lanes<W> {
             inverse_sizes: vec![0.0; n],
             follows,
             evaluations: 0,
-            work: s as u64 * kernel.step_operations().work() + (2 * s * s * n + 6 * s * n) as u64,
+            work: {
+                let of_stage = kernel.step_operations().work() + (2 * s * n + 6 * n) as u64;
+                (s as u64 * of_stage).div_ceil(TOGETHER.min(W) as u64)
+            },
             kernel,
             workspace,
         })
