@@ -41,12 +41,13 @@ static INFO: PartInfo = PartInfo {
         ParameterInfo {
             name: "symplectic-form",
             summary: "the antisymmetric matrix that a symplectic representation keeps; none for the cotangent lift",
-            default: ParameterDefault::Text(""),
+            default: ParameterDefault::Formulas(&[]),
         },
         ParameterInfo {
             name: "copies",
-            summary: "of the representation's coordinates, 1 to 16, with signs where it is symplectic",
-            default: ParameterDefault::Integer(1),
+            summary: "of the representation's coordinates, with signs where it is symplectic: 1 to 16, 0 the fewest that reach every state near a \
+                      general one",
+            default: ParameterDefault::Integer(0),
         },
     ],
     is_lift: true,
@@ -202,7 +203,7 @@ fn build(
     if !given.representation.trim().is_empty() {
         return Ok(Arc::new(Clebsch::represent(system, &given)?));
     }
-    if given.copies != 1 || !given.symplectic_form.is_empty() {
+    if given.copies != 0 || !given.symplectic_form.is_empty() {
         return Err(BuildError::NotMade {
             part: NAME,
             reason:
@@ -218,7 +219,7 @@ fn build(
 
 fn copies(parameters: &PartParameters) -> Result<usize, BuildError> {
     let copies = parameters.get(&INFO, "copies")?;
-    let is_allowed = (1..=MOST_COPIES).contains(&copies);
+    let is_allowed = (0..=MOST_COPIES).contains(&copies);
     usize::try_from(copies)
         .ok()
         .filter(|_| is_allowed)
@@ -226,7 +227,7 @@ fn copies(parameters: &PartParameters) -> Result<usize, BuildError> {
             part: NAME,
             parameter: "copies".to_owned(),
             value: copies.to_string(),
-            expected: format!("it is 1 to {MOST_COPIES}"),
+            expected: format!("it is 1 to {MOST_COPIES}, or 0 for the fewest that serve"),
         })
 }
 

@@ -20,7 +20,7 @@ pub struct Matrices {
     pub representation: String,
     /// ω of a symplectic representation, in rows; empty for the cotangent lift of any.
     pub symplectic_form: String,
-    /// How many copies there are.
+    /// How many copies there are; 0 for the fewest whose J is onto near a general point and has orbits for fibres.
     pub copies: usize,
 }
 
@@ -85,7 +85,14 @@ pub fn algebra(
     };
     let forms = Forms::new(v, forms);
     let unit = check_brackets(system, tensor, &forms, &omega, &matrices)?;
-    let copies = given.copies;
+    let copies = match given.copies {
+        0 => {
+            let most = WIDEST[1] / v;
+            let fitting = (1..=most).find(|copies| check_fibres(&forms, &omega, *copies).is_ok());
+            fitting.unwrap_or(1)
+        }
+        copies => copies,
+    };
     if d > WIDEST[0] || v * copies > WIDEST[1] {
         return Err(wrong(
             "copies",

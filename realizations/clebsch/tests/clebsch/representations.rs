@@ -92,11 +92,11 @@ fn steps_in_a_representation_are_poisson_maps() {
     for (system, realization, x) in [
         (
             &gl2,
-            represent(&gl2, &matrices, "", 2),
+            represent(&gl2, &matrices, "", 0),
             vec![0.4, -0.3, 0.6, 0.2],
         ),
         (&sl2, represent(&sl2, SL2, form, 2), vec![0.4, -0.3, 0.6]),
-        (&sl2, represent(&sl2, SL2, form, 2), vec![0.1, 0.7, -0.6]),
+        (&sl2, represent(&sl2, SL2, form, 0), vec![0.1, 0.7, -0.6]),
         (&sl2, represent(&sl2, SL2, form, 2), vec![0.1, -0.7, 0.6]),
         (&sl2, represent(&sl2, SL2, "", 1), vec![0.4, 0.3, 0.6]),
         (&body, represent(&body, TURNS, "", 1), vec![0.4, -0.3, 0.6]),
