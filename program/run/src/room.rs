@@ -63,12 +63,13 @@ fn size(bytes: u128) -> String {
 /// # Errors
 /// [`NoRoom`].
 pub fn with_room(rows: u64, width: usize) -> Result<Vec<f64>, NoRoom> {
+    let bytes = bytes(rows, width);
+    let is_large = bytes >= 8 * LARGE as u128;
     let no_room = NoRoom {
         rows: Some(rows),
         width,
-        free: free(),
+        free: if is_large { free() } else { None },
     };
-    let bytes = bytes(rows, width);
     if no_room.free.is_some_and(|free| bytes > u128::from(free)) {
         return Err(no_room);
     }

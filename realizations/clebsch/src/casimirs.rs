@@ -104,8 +104,21 @@ impl Held {
     /// What rounding has added to the Casimirs over an increment, some 1e-16 of them whose mean would show, is taken off by the
     /// smallest change of it.
     pub fn hold(&self, x: &[f64], low: &[f64], increment: &mut [f64]) {
-        let mut rows = Rows::<MOST, WIDEST>::new(self.squares.len(), x.len());
-        let mut growth = [0.0; MOST];
+        match (self.squares.len(), x.len()) {
+            (0, _) => {}
+            (1..=2, 0..=6) => self.hold_in::<2, 6>(x, low, increment),
+            _ => self.hold_in::<MOST, WIDEST>(x, low, increment),
+        }
+    }
+
+    fn hold_in<const C: usize, const D: usize>(
+        &self,
+        x: &[f64],
+        low: &[f64],
+        increment: &mut [f64],
+    ) {
+        let mut rows = Rows::<C, D>::new(self.squares.len(), x.len());
+        let mut growth = [0.0; C];
         for ((square, row), growth) in self.squares.iter().zip(&mut rows.rows).zip(&mut growth) {
             *growth = grown(square, x, low, increment);
             for (i, j, c) in square {
@@ -122,24 +135,40 @@ impl Held {
     }
 }
 
-/// C(x + low + δ) − C(x + low), rounded once or so.
+/// C(x + low + δ) − C(x + low), rounded once or so: Σ c ((x_i + δ_i) δ_j + x_j δ_i).
 pub fn grown(square: &[(usize, usize, f64)], x: &[f64], low: &[f64], delta: &[f64]) -> f64 {
     let (mut sum, mut rest) = (0.0, 0.0);
     for &(i, j, c) in square {
-        let products = match i == j {
-            true => [(2.0 * x[i], delta[i]), (delta[i], delta[i]), (0.0, 0.0)],
-            false => [(x[i], delta[j]), (x[j], delta[i]), (delta[i], delta[j])],
-        };
-        for (a, b) in products {
+        let (moved, cut) = two_sum(x[i], delta[i]);
+        let mut add = |a: f64, b: f64| {
             let (product, error) = two_product(a, b);
-            let (product, scaling) = two_product(c, product);
+            let (product, scaling) = scaled(c, product);
             let (next, lost) = two_sum(sum, product);
             sum = next;
             rest += lost + scaling + c * error;
+        };
+        if i == j {
+            // 2x + δ = x + (x + δ), both parts of which are known.
+            let (both, error) = two_sum(x[i], moved);
+            add(both, delta[i]);
+            rest += c * (error + cut) * delta[i];
+        } else {
+            add(moved, delta[j]);
+            add(x[j], delta[i]);
+            rest += c * cut * delta[j];
         }
         rest += c * (low[i] * delta[j] + low[j] * delta[i]);
     }
     sum + rest
+}
+
+/// c a as a sum of two doubles; of c = ±1, the most frequent, at once.
+fn scaled(c: f64, a: f64) -> (f64, f64) {
+    if c.abs() == 1.0 {
+        (c * a, 0.0)
+    } else {
+        two_product(c, a)
+    }
 }
 
 /// a b as a sum of two doubles (T. J. Dekker, Numerische Mathematik 18 (1971)).

@@ -137,8 +137,9 @@ fn what_has_none_is_refused_where_it_stands() {
         assert!(said.err.contains(message), "{message}\n{}", said.err);
     }
     let here = Place::with(&PENDULUM.replace(", \"shadow-energy\"", ""));
-    // Where no step can be made, nothing is said of it.
-    let long = set(&here, "shadow", &["method.time-step=50"]);
+    // Where no step can be made, nothing is said of it: y − (t²/4) y² = 3/2 has no solution.
+    let falls = "system.hamiltonian=\"p^2/2 - q^3/3\"";
+    let long = set(&here, "shadow", &[falls, "method.time-step=50"]);
     assert_eq!(long.code, Some(1), "{}", long.out);
     long.says(&["failed: the solution of the step's equation"]);
     let said = set(
