@@ -37,7 +37,7 @@ fn a_lift_that_takes_half_of_the_operations_or_less_is_named() {
             3.2,
         ),
         (
-            body("stepper = { name = \"gauss\", stages = 4 }\ntime-step = 0.1"),
+            body("stepper = { name = \"gauss\", stages = 2 }\ntime-step = 0.1"),
             6.4,
         ),
     ] {

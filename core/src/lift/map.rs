@@ -223,7 +223,7 @@ impl LiftedSteps {
         };
         let solved = match self.stages.solve(at, start, z) {
             Ok(solved) => solved,
-            Err(unsettled) if unsettled.correction.is_nan() => {
+            Err(unsettled) if !unsettled.correction.is_finite() => {
                 return Err(StepError::NonFinite {
                     what: "a stage of the lifted motion",
                 });
