@@ -163,7 +163,7 @@ impl Branch {
         found: &[f64],
         evaluate: &mut impl FnMut(f64, &[f64], &mut [f64], &mut [f64]) -> Result<(), StepError>,
     ) -> Result<(), Option<StepError>> {
-        let confirmed = self.go(begin, [0.0, 1.0], evaluate);
+        let confirmed = self.go(begin, [0.0, 1.0], true, evaluate);
         if confirmed.is_ok() && self.ends_at(found) {
             return Ok(());
         }
@@ -184,7 +184,7 @@ impl Branch {
         self.correct(begin, goal, evaluate)?;
         std::mem::swap(&mut self.point, &mut self.at_once);
         self.point.copy_from_slice(&self.part);
-        let by_way = self.go(begin, [reached, goal], evaluate);
+        let by_way = self.go(begin, [reached, goal], false, evaluate);
         if by_way.is_ok() && self.ends_at(&self.at_once) {
             return Ok(());
         }
@@ -193,17 +193,18 @@ impl Branch {
     }
 
     /// From the solution at `from` by quarters of the way to that at `goal`. Each but the first begins where the one before
-    /// leads straight on.
+    /// leads `straight_on`, or has ended: unknowns that begin to move have no size that a straight line could be judged by.
     fn go(
         &mut self,
         begin: [&[f64]; 2],
         [from, goal]: [f64; 2],
+        straight_on: bool,
         evaluate: &mut impl FnMut(f64, &[f64], &mut [f64], &mut [f64]) -> Result<(), StepError>,
     ) -> Result<(), Option<StepError>> {
         for quarter in [0.25, 0.5, 0.75, 1.0] {
             std::mem::swap(&mut self.before, &mut self.last);
             self.last.copy_from_slice(&self.point);
-            if quarter > 0.25 {
+            if straight_on && quarter > 0.25 {
                 for (u, before) in self.point.iter_mut().zip(&self.before) {
                     *u += *u - before;
                 }
