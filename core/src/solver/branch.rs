@@ -163,7 +163,7 @@ impl Branch {
         found: &[f64],
         evaluate: &mut impl FnMut(f64, &[f64], &mut [f64], &mut [f64]) -> Result<(), StepError>,
     ) -> Result<(), Option<StepError>> {
-        let confirmed = self.go(begin, [0.0, 1.0], true, evaluate);
+        let confirmed = self.go(begin, [0.0, 1.0], &[0.25, 0.5, 0.75, 1.0], evaluate);
         if confirmed.is_ok() && self.ends_at(found) {
             return Ok(());
         }
@@ -171,7 +171,7 @@ impl Branch {
         confirmed.and(Err(None))
     }
 
-    /// From the solution at `reached` to that at `goal`, at once and by quarters. Where the force turns over on the way,
+    /// From the solution at `reached` to that at `goal`, at once and by way of the middle. Where the force turns over on the way,
     /// corrections may fall fast towards another solution, but hardly towards the same one by both ways.
     fn advance(
         &mut self,
@@ -184,7 +184,7 @@ impl Branch {
         self.correct(begin, goal, evaluate)?;
         std::mem::swap(&mut self.point, &mut self.at_once);
         self.point.copy_from_slice(&self.part);
-        let by_way = self.go(begin, [reached, goal], false, evaluate);
+        let by_way = self.go(begin, [reached, goal], &[0.5, 1.0], evaluate);
         if by_way.is_ok() && self.ends_at(&self.at_once) {
             return Ok(());
         }
@@ -192,24 +192,24 @@ impl Branch {
         by_way.and(Err(None))
     }
 
-    /// From the solution at `from` by quarters of the way to that at `goal`. Each but the first begins where the one before
-    /// leads `straight_on`, or has ended: unknowns that begin to move have no size that a straight line could be judged by.
+    /// From the solution at `from` by `parts` of the way to that at `goal`. Of quarters each but the first begins where the one
+    /// before leads straight on.
     fn go(
         &mut self,
         begin: [&[f64]; 2],
         [from, goal]: [f64; 2],
-        straight_on: bool,
+        parts: &[f64],
         evaluate: &mut impl FnMut(f64, &[f64], &mut [f64], &mut [f64]) -> Result<(), StepError>,
     ) -> Result<(), Option<StepError>> {
-        for quarter in [0.25, 0.5, 0.75, 1.0] {
+        for (at, part) in parts.iter().enumerate() {
             std::mem::swap(&mut self.before, &mut self.last);
             self.last.copy_from_slice(&self.point);
-            if straight_on && quarter > 0.25 {
+            if parts.len() > 2 && at > 0 {
                 for (u, before) in self.point.iter_mut().zip(&self.before) {
                     *u += *u - before;
                 }
             }
-            self.correct(begin, from + quarter * (goal - from), evaluate)?;
+            self.correct(begin, from + part * (goal - from), evaluate)?;
         }
         Ok(())
     }
