@@ -10,6 +10,7 @@ use super::{End, Lift};
 use crate::bisection::LagrangianBisection;
 use crate::error::{BuildError, StepError};
 use crate::evaluator::Evaluator;
+use crate::runge_kutta::smooth_map::MapAt;
 use crate::runge_kutta::stage_lanes::{StageLanes, Start, stage_lanes};
 use crate::runge_kutta::{SmoothMap, SmoothMapEvaluator, Tableau};
 use crate::solver::{
@@ -183,8 +184,12 @@ struct LiftedSteps {
 impl LiftedSteps {
     fn new(map: &LiftedMap, parameters: &[f64], time_step: f64, count: usize) -> Self {
         let (n, all) = (map.lift.dimension(), map.code.field.inputs());
-        let field = map.code.field.evaluator(parameters, 1.0, 1.0);
-        let stages = stage_lanes(&field, &map.tableau, time_step, count, true);
+        let field = MapAt {
+            map: &map.code.field,
+            parameters,
+            steps: [1.0; 2],
+        };
+        let stages = stage_lanes(field, &map.tableau, time_step, count, true);
         Self {
             lift: Arc::clone(&map.lift),
             code: Arc::clone(&map.code),

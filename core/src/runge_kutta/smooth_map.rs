@@ -156,6 +156,32 @@ impl SmoothMap {
     }
 }
 
+/// A map at fixed parameters, ε and h.
+#[derive(Clone, Copy)]
+pub(crate) struct MapAt<'a> {
+    /// The map.
+    pub map: &'a SmoothMap,
+    /// Its parameters.
+    pub parameters: &'a [f64],
+    /// ε and h.
+    pub steps: [f64; 2],
+}
+
+impl MapAt<'_> {
+    /// The kernel of F, and a workspace of it for so many points side by side; none of a map of numbers.
+    pub(super) fn side_by_side(self, points: usize) -> Option<(Arc<Kernel>, Workspace)> {
+        let Source::Kernels { value, .. } = &self.map.source else {
+            return None;
+        };
+        let mut workspace = value.workspace(points);
+        let own = |value: &f64| std::iter::repeat_n(*value, points);
+        let parameters: Vec<f64> = self.parameters.iter().flat_map(own).collect();
+        let [epsilon, h] = self.steps.map(|step| vec![step; points]);
+        value.prepare(&mut workspace, &parameters, &epsilon, &h);
+        Some((Arc::clone(value), workspace))
+    }
+}
+
 struct KernelEvaluator {
     value: PointKernel,
     jacobian: Option<PointKernel>,
@@ -200,17 +226,13 @@ impl SmoothMapEvaluator {
         &self.map
     }
 
-    /// The kernel of F, and a workspace of it for so many points side by side; none of a map of numbers.
-    pub(super) fn side_by_side(&self, points: usize) -> Option<(Arc<Kernel>, Workspace)> {
-        let Source::Kernels { value, .. } = &self.map.source else {
-            return None;
-        };
-        let mut workspace = value.workspace(points);
-        let own = |value: &f64| std::iter::repeat_n(*value, points);
-        let parameters: Vec<f64> = self.parameters.iter().flat_map(own).collect();
-        let [epsilon, h] = self.steps.map(|step| vec![step; points]);
-        value.prepare(&mut workspace, &parameters, &epsilon, &h);
-        Some((Arc::clone(value), workspace))
+    /// The map with the numbers that it is evaluated for.
+    pub(super) fn at(&self) -> MapAt<'_> {
+        MapAt {
+            map: &self.map,
+            parameters: &self.parameters,
+            steps: self.steps,
+        }
     }
 
     /// F at several points in one call; where that fails, one by one: the points that fail are handed over,

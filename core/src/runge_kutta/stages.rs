@@ -102,7 +102,7 @@ impl StageSolver {
         let Coefficients { tableau, time_step } = &self.coefficients;
         if tableau.split == 0 {
             let count = self.trajectories.len();
-            self.lanes = stage_lanes(&self.field, &tableau.second, *time_step, count, false);
+            self.lanes = stage_lanes(self.field.at(), &tableau.second, *time_step, count, false);
         }
         self
     }

@@ -7,7 +7,7 @@ use leafwise_expression::{Kernel, Workspace};
 
 use super::solution::Start;
 use super::sums::{Columns, block, block_mut, by_blocks, sum_of_lanes, sums};
-use crate::runge_kutta::smooth_map::SmoothMapEvaluator;
+use crate::runge_kutta::smooth_map::MapAt;
 use crate::runge_kutta::tableau::Tableau;
 
 /// The start of the stages of a solve.
@@ -52,15 +52,9 @@ pub(super) struct Lanes<const W: usize> {
 
 impl<const W: usize> Lanes<W> {
     pub(super) fn new(
-        (field, tableau, time_step, count, follows): (
-            &SmoothMapEvaluator,
-            &Tableau,
-            f64,
-            usize,
-            bool,
-        ),
+        (field, tableau, time_step, count, follows): (MapAt<'_>, &Tableau, f64, usize, bool),
     ) -> Option<Self> {
-        let (s, n) = (tableau.stages(), field.map().outputs());
+        let (s, n) = (tableau.stages(), field.map.outputs());
         let (kernel, workspace) = field.side_by_side(W)?;
         let columns = |matrix: &[f64]| Columns::of(matrix, s, time_step);
         let mut weights = [0.0; W];

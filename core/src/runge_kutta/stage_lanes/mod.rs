@@ -14,7 +14,7 @@ mod sums;
 #[cfg(test)]
 mod tests;
 
-use super::smooth_map::SmoothMapEvaluator;
+use super::smooth_map::MapAt;
 use super::tableau::Tableau;
 use lanes::Lanes;
 use path::SMOOTH;
@@ -23,7 +23,7 @@ pub(crate) use solution::{StageLanes, Start};
 /// Solves of `count` trajectories with a Gauss method; none where F has no kernel. F reads Z, then what it reads beside. Where a
 /// solution is not found at once it `follows` the step from z by parts, or leaves it to another solver.
 pub(crate) fn stage_lanes(
-    field: &SmoothMapEvaluator,
+    field: MapAt<'_>,
     tableau: &Tableau,
     time_step: f64,
     count: usize,

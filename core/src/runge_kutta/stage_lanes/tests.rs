@@ -29,7 +29,7 @@ fn field() -> SmoothMap {
 fn lanes<const W: usize>(stages: usize, stiffness: f64, time_step: f64) -> Lanes<W> {
     let field = field().evaluator(&[stiffness], 1.0, 1.0);
     let tableau = Tableau::gauss(stages);
-    Lanes::new((&field, &tableau, time_step, 1, true)).expect("a field with code")
+    Lanes::new((field.at(), &tableau, time_step, 1, true)).expect("a field with code")
 }
 
 fn start(z: &[f64]) -> Start<'_> {
@@ -221,7 +221,7 @@ fn stages_found_at_long_steps_are_those_of_the_path() {
             drawn.new_tree(&mut runner).expect("a case").current();
         let field = || bodies[potential].evaluator(&[], 1.0, 1.0);
         let tableau = Tableau::gauss(stages);
-        let mut lanes = stage_lanes(&field(), &tableau, time_step, 1, true).expect("code");
+        let mut lanes = stage_lanes(field().at(), &tableau, time_step, 1, true).expect("code");
         for _ in 0..40 {
             let (mut change, mut expected) = (vec![0.0; 2], vec![0.0; 2]);
             let mut newton = StageSolver::new(field(), tableau.clone(), time_step, 1);
