@@ -1,7 +1,7 @@
 """Leafwise beside SciPy, heyoka and diffrax: code, first results, times at equal errors, drifts.
 
     pip install './python[rivals]'
-    python python/benches/rivals/table.py [--json FILE] [--rounds 15] [PROBLEM ...]
+    python python/benches/rivals/table.py [--json FILE] [--rounds 15] [--libraries Leafwise,heyoka] [PROBLEM ...]
 
 Each method takes the coarsest setting (of four steps an octave; of four tolerances a decade, heyoka of two) from which
 on three in a row reach the error, in the maximum norm at the end; of the methods of one library the cheapest is shown.
@@ -91,11 +91,12 @@ def drift(values: Any) -> float:
     return float(np.abs(values - values[0]).max())
 
 
-def measure(name: str, rounds: int) -> list[dict[str, Any]]:
+def measure(name: str, rounds: int, libraries: list[str]) -> list[dict[str, Any]]:
     problem = PROBLEMS[name]
-    modules = {library: importlib.import_module(module) for library, module in LIBRARIES.items()}
+    modules = {library: importlib.import_module(LIBRARIES[library]) for library in libraries}
     modules = {library: module for library, module in modules.items() if name in module.METHODS}
-    reference = np.asarray(modules["heyoka"].reference(name, problem), dtype=np.float64)
+    heyoka = importlib.import_module(LIBRARIES["heyoka"])
+    reference = np.asarray(heyoka.reference(name, problem), dtype=np.float64)
     rows, candidates = [], {}
     for library, module in modules.items():
         for method, own in module.METHODS[name].items():
@@ -156,11 +157,12 @@ def main() -> None:
     parser.add_argument("problems", nargs="*", choices=[[], *PROBLEMS], default=[])
     parser.add_argument("--json", type=Path)
     parser.add_argument("--rounds", type=int, default=15)
+    parser.add_argument("--libraries", type=lambda names: names.split(","), default=list(LIBRARIES))
     asked = parser.parse_args()
     warnings.simplefilter("ignore")
     found = {}
     for name in asked.problems or PROBLEMS:
-        found[name] = measure(name, asked.rounds)
+        found[name] = measure(name, asked.rounds, asked.libraries)
         print(shown(name, found[name]), end="\n\n", flush=True)
     if asked.json:
         asked.json.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
