@@ -171,44 +171,18 @@ impl Forms {
         }
     }
 
+    /// The products c z_a z_b of a form.
+    #[inline]
+    pub fn products(&self, k: usize) -> &[(f64, usize, usize)] {
+        &self.products[self.ranges[k].clone()]
+    }
+
     /// Adds `sign` S_k z to a row of derivatives.
     pub fn add_slopes(&self, k: usize, sign: f64, z: &[f64], row: &mut [f64]) {
-        for (factor, a, b) in &self.products[self.ranges[k].clone()] {
+        for (factor, a, b) in self.products(k) {
             row[*a] += sign * factor * z[*b];
             row[*b] += sign * factor * z[*a];
         }
-    }
-
-    /// c where DJ DJᵀ = c |z|² times the identity: where S_i S_j + S_j S_i = 2c δ_ij.
-    pub fn orthogonality(&self) -> Option<f64> {
-        let (n, d) = (self.coordinates, self.rows.len());
-        let matrices: Vec<_> = (0..d).map(|k| self.matrix(k)).collect();
-        let twice = Rational::from_integer(2);
-        let mut c: Option<Rational> = None;
-        for i in 0..d {
-            for j in 0..=i {
-                let (first, second) = (&matrices[i], &matrices[j]);
-                let sum = sum(
-                    &product(n, first, second),
-                    &product(n, second, first),
-                    &Rational::one(),
-                );
-                for (at, entry) in sum.iter().enumerate() {
-                    if i != j || at % (n + 1) != 0 {
-                        if !entry.is_zero() {
-                            return None;
-                        }
-                        continue;
-                    }
-                    let own = entry.checked_div(&twice)?;
-                    match &c {
-                        Some(c) if *c != own => return None,
-                        _ => c = Some(own),
-                    }
-                }
-            }
-        }
-        c.map(|c| c.to_f64()).filter(|c| *c > 0.0)
     }
 }
 

@@ -15,10 +15,12 @@
 //! - [`over`]: points over states where no section is known.
 //! - [`casimirs`]: quadratic Casimirs, and what rounding adds to them.
 //! - [`slowing`]: which multiples of them are taken off H.
+//! - [`across`]: the way to a fibre nearby, where that takes no matrix.
 //! - [`least`]: least changes that do what is asked.
 //! - [`quadratic`]: [`QuadraticLift`], the lift.
 //! - [`part`]: [`Clebsch`], the part `clebsch`.
 
+pub mod across;
 pub mod algebra;
 pub mod algebras;
 pub mod casimirs;

@@ -5,6 +5,7 @@ use leafwise_core::{BuildError, StepError};
 use leafwise_expression::graph::lift;
 use leafwise_expression::{Arithmetic, Graph, Polynomial, Rational, Ring, Term};
 
+use crate::across::Across;
 use crate::algebra::Algebra;
 use crate::casimirs::{Held, Square, quadratic_casimirs};
 use crate::constants::LinearTensor;
@@ -27,7 +28,8 @@ pub struct QuadraticLift {
     ring: Ring,
     unit: Polynomial,
     omega: Vec<Rational>,
-    orthogonality: Option<f64>,
+    /// The way to the fibre of an x nearby, where that takes no matrix.
+    across: Option<Across>,
     casimirs: Vec<Square>,
     held: Held,
 }
@@ -55,7 +57,9 @@ impl QuadraticLift {
             ring: tensor.ring.clone(),
             unit: tensor.unit.clone(),
             omega: omega.collect(),
-            orthogonality: forms.orthogonality(),
+            across: (algebra.copies == 1 && !algebra.is_signed)
+                .then(|| Across::of(&forms, algebra.groups))
+                .flatten(),
             held: Held::of(&casimirs),
             casimirs,
             forms,
@@ -79,7 +83,8 @@ impl QuadraticLift {
         signs.zip(z.chunks_exact(self.forms.coordinates()))
     }
 
-    /// Moves the z of a base point by DJᵀ(DJ DJᵀ)⁻¹(x + low − J(z)); whether J(z) was near.
+    /// Moves the z of a base point by a δ with DJ δ = x + low − J(z), the shortest where blocks of DJ are not orthogonal;
+    /// whether J(z) was near.
     fn move_across<const D: usize, const N: usize>(
         &self,
         (x, low): (&[f64], &[f64]),
@@ -97,22 +102,16 @@ impl QuadraticLift {
                 return false;
             }
         }
-        let mut rows = Rows::<D, N>::new(d, self.width());
-        self.write_slopes(base, &mut rows.rows[..d]);
-        match self.orthogonality {
-            Some(c) => {
-                let (z, _) = self.split(base);
-                let square: f64 = z.iter().map(|z| z * z).sum();
-                if square > 0.0 {
-                    rest.iter_mut().for_each(|rest| *rest /= c * square);
-                }
-            }
-            None => {
-                rows.factor();
-                rows.solve(&mut rest);
-            }
+        let width = self.width();
+        if let Some(across) = &self.across {
+            across.add::<N>(&self.forms, &rest, &mut base[..width]);
+            return true;
         }
-        rows.add_combination(&rest[..d], &mut base[..self.width()]);
+        let mut rows = Rows::<D, N>::new(d, width);
+        self.write_slopes(base, &mut rows.rows[..d]);
+        rows.factor();
+        rows.solve(&mut rest);
+        rows.add_combination(&rest[..d], &mut base[..width]);
         true
     }
 
@@ -213,11 +212,12 @@ impl Lift for QuadraticLift {
         let (z, _) = self.split(base);
         let mut from = 0;
         for end in self.algebra.groups.iter().copied().chain([n]) {
-            let of_group = |copy: &[f64]| {
-                let own = copy[from..end].iter();
-                own.fold(0.0_f64, |most, z| most.max(z.abs()))
-            };
-            let size = z.chunks_exact(n).map(of_group).fold(0.0_f64, f64::max);
+            let mut size = 0.0;
+            for copy in z.chunks_exact(n) {
+                for z in &copy[from..end] {
+                    size = if z.abs() > size { z.abs() } else { size };
+                }
+            }
             for copy in sizes.chunks_exact_mut(n) {
                 copy[from..end].fill(size);
             }
@@ -246,7 +246,7 @@ impl Lift for QuadraticLift {
             forms: &self.forms,
             omega: &self.omega,
             casimirs: &self.casimirs,
-            is_round: self.orthogonality.is_some(),
+            is_round: self.across.as_ref().is_some_and(Across::is_round),
         };
         Ok(taken(&motion, slowing, places))
     }

@@ -25,8 +25,9 @@ const SWAY: f64 = 8.0;
 /// A start that is off by more than this part of the way from z may lead to another solution.
 const FAR: f64 = 0.5;
 
-/// What later corrections would add is forgotten below this part of a coordinate: 1/64 of a unit roundoff.
-const NEGLIGIBLE: f64 = f64::EPSILON / 128.0;
+/// What later corrections would add is forgotten below this part of a coordinate: 1/8 of a unit roundoff. Energies drift as they do
+/// with 1/1024 of it.
+const NEGLIGIBLE: f64 = f64::EPSILON / 16.0;
 
 /// One solve from one start.
 pub(super) struct Solve<'own, const W: usize> {
@@ -64,6 +65,10 @@ impl<const W: usize> RegisterWork for Solve<'_, W> {
         } = self;
         lanes.begin::<R>(at, from, start);
         let is_cold = from == From::State;
+        let mut is_zero = true;
+        for z in start.point {
+            is_zero &= *z == 0.0;
+        }
         // The last two corrections, how many as small as round-off did not fall, and what the next one may be.
         let [mut before, mut last] = [f64::NAN; 2];
         let mut stalled = 0;
@@ -78,9 +83,11 @@ impl<const W: usize> RegisterWork for Solve<'_, W> {
                 _ => false,
             };
             let mut way = 0.0;
-            let size = match is_measured {
-                true => lanes.correct_measuring::<R>(start, &mut way),
-                false => lanes.correct::<R>(start.point),
+            let size = match (is_measured, is_zero) {
+                (false, true) => lanes.correct::<R, true>(start.point),
+                (false, false) => lanes.correct::<R, false>(start.point),
+                (true, true) => lanes.correct_measuring::<R, true>(start, &mut way),
+                (true, false) => lanes.correct_measuring::<R, false>(start, &mut way),
             };
             // With δ_k = r δ_{k−1} and r ≤ 1/2 the rest is δ_k r/(1 − r) ≤ 2 δ_k²/δ_{k−1}. Rates alternate where
             // eigenvalues are pairs.

@@ -110,7 +110,7 @@ impl<const W: usize> Lanes<W> {
                     let (z, slopes) = (block::<_, K>(z, c), block(slopes, c));
                     let stages: &mut [_; K] = block_mut(stages, c);
                     for first in (0..W).step_by(R::LANES) {
-                        let begun: [R; K] = sums(z, &self.onward, slopes, first);
+                        let begun: [R; K] = sums::<R, W, K, false>(z, &self.onward, slopes, first);
                         for c in 0..K {
                             begun[c].store(&mut stages[c][first..]);
                         }
@@ -140,9 +140,9 @@ impl<const W: usize> Lanes<W> {
         zero == 0.0
     }
 
-    /// Corrects the stages by the slopes; returns the largest component in units of its coordinate.
+    /// Corrects the stages by the slopes, of a z that may be 0; returns the largest component in units of its coordinate.
     #[inline(always)]
-    pub(super) fn correct<R: Register>(&mut self, z: &[f64]) -> f64 {
+    pub(super) fn correct<R: Register, const IS_ZERO: bool>(&mut self, z: &[f64]) -> f64 {
         let (stages, slopes) = self.kernel.rows_mut::<W>(&mut self.workspace);
         let n = z.len();
         let mut most = R::splat(0.0);
@@ -151,7 +151,7 @@ impl<const W: usize> Lanes<W> {
             let inverse: &[f64; K] = block(&self.inverse_sizes, c);
             let stages: &mut [_; K] = block_mut(stages, c);
             for first in (0..W).step_by(R::LANES) {
-                let next: [R; K] = sums(z, &self.matrix, slopes, first);
+                let next: [R; K] = sums::<R, W, K, IS_ZERO>(z, &self.matrix, slopes, first);
                 for c in 0..K {
                     let correction = next[c] - R::load(&stages[c][first..]);
                     most = (correction.abs() * R::splat(inverse[c])).larger(most);
@@ -164,7 +164,7 @@ impl<const W: usize> Lanes<W> {
 
     /// Does the same, and measures the coordinates anew; `whole` is the largest way from z, in the same units.
     #[inline(always)]
-    pub(super) fn correct_measuring<R: Register>(
+    pub(super) fn correct_measuring<R: Register, const IS_ZERO: bool>(
         &mut self,
         start: Start<'_>,
         whole: &mut f64,
@@ -180,11 +180,15 @@ impl<const W: usize> Lanes<W> {
             let mut corrections = [[0.0; W]; K];
             let mut ways = [R::splat(0.0); K];
             for first in (0..W).step_by(R::LANES) {
-                let next: [R; K] = sums(z, &self.matrix, slopes, first);
+                let next: [R; K] = sums::<R, W, K, IS_ZERO>(z, &self.matrix, slopes, first);
                 for c in 0..K {
                     let correction = next[c] - R::load(&stages[c][first..]);
                     correction.store(&mut corrections[c][first..]);
-                    ways[c] = (next[c] - R::splat(z[c])).abs().larger(ways[c]);
+                    let way = match IS_ZERO {
+                        true => next[c],
+                        false => next[c] - R::splat(z[c]),
+                    };
+                    ways[c] = way.abs().larger(ways[c]);
                     next[c].store(&mut stages[c][first..]);
                 }
             }

@@ -22,11 +22,12 @@ impl<const W: usize> Columns<W> {
 /// Sums that do not wait for one another, of every fourth column.
 const PARTS: usize = 4;
 
-/// z_c + Σ_j m_j f_cj of K coordinates c over the lanes of a register from `first` on. A column is read once for all K.
+/// z_c + Σ_j m_j f_cj of K coordinates c over the lanes of a register from `first` on, the sums alone where z `IS_ZERO`. A column is
+/// read once for all K.
 ///
 /// Loops alone here and wherever it is called: closures and iterators are compiled for the baseline where they are not inlined.
 #[inline(always)]
-pub(super) fn sums<R: Register, const W: usize, const K: usize>(
+pub(super) fn sums<R: Register, const W: usize, const K: usize, const IS_ZERO: bool>(
     z: &[f64; K],
     columns: &Columns<W>,
     slopes: &[[f64; W]; K],
@@ -51,7 +52,9 @@ pub(super) fn sums<R: Register, const W: usize, const K: usize>(
             2 => a + b,
             _ => (a + b) + (c_ + d),
         };
-        all[c] = R::splat(z[c]) + all[c];
+        if !IS_ZERO {
+            all[c] = R::splat(z[c]) + all[c];
+        }
     }
     all
 }

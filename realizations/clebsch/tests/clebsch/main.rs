@@ -2,6 +2,7 @@
 
 use leafwise_logarithms as _;
 
+mod across;
 mod algebras;
 mod common;
 mod representations;
