@@ -5,6 +5,7 @@ mod comparisons;
 mod ensembles;
 mod events;
 mod failing_runs;
+mod gallery;
 mod guide;
 mod invalid_scenes;
 mod kills;

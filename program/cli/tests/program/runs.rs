@@ -1,6 +1,6 @@
 //! Runs from the command line: objects, directories, overrides.
 
-use crate::support::{BODY, Place, gallery};
+use crate::support::{BODY, Place};
 
 #[test]
 fn a_run_prints_the_fixed_names_and_a_table() {
@@ -209,36 +209,6 @@ fn explain_counts_the_operations_of_every_kernel() {
         .find_map(|word| word.parse().ok())
         .expect("a number of operations");
     assert!(count <= 200, "{line}");
-}
-
-/// As a user runs them: the whole of each, seconds together.
-#[test]
-fn every_scene_of_the_gallery_passes_its_check_and_runs_to_its_end() {
-    let scenes = gallery();
-    assert!(scenes.len() >= 12);
-    for scene in scenes {
-        let here = Place::new();
-        let path = scene.to_str().expect("UTF-8");
-        let said = here.leafwise(&["check", path]);
-        assert_eq!(said.code, Some(0), "{path}\n{}{}", said.out, said.err);
-        let text = std::fs::read_to_string(&scene).expect("a scene");
-        let steps = text.lines().find_map(|line| {
-            let (key, value) = line.split_once('=')?;
-            (key.trim() == "steps").then(|| value.trim().parse::<u64>().expect("a number"))
-        });
-        let said = here.leafwise(&["run", path, "--json"]);
-        assert_eq!(said.code, Some(0), "{path}\n{}", said.err);
-        assert_eq!(said.json()["outcome"], "done", "{path}");
-        // A scene that runs until a time takes as many as it takes.
-        if steps.is_some() {
-            assert_eq!(said.json()["steps"].as_u64(), steps, "{path}");
-        }
-        if text.contains("[ensemble]") {
-            let said = here.leafwise(&["ensemble", path, "--out", "members", "--json"]);
-            assert_eq!(said.code, Some(0), "{path}\n{}", said.err);
-            assert_eq!(said.json()["failed"], 0, "{path}");
-        }
-    }
 }
 
 /// Recorded formulas are drawn under their names; of several bodies, the orbit of the first.
