@@ -1,5 +1,6 @@
 //! Lifts of a direct sum's summands side by side.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use leafwise_expression::{Arithmetic, Graph, Polynomial, Term};
@@ -46,7 +47,7 @@ impl LiftSum {
     }
 
     /// Each summand with where its own of a base point lies.
-    fn bases(&self) -> impl Iterator<Item = (&Summand, std::ops::Range<usize>)> {
+    fn bases(&self) -> impl Iterator<Item = (&Summand, Range<usize>)> {
         let mut at = 0;
         self.summands.iter().map(move |summand| {
             let from = at;
@@ -61,37 +62,53 @@ impl LiftSum {
 }
 
 impl Summand {
+    /// Where its coordinates lie side by side.
+    fn range(&self) -> Option<Range<usize>> {
+        let first = *self.places.first()?;
+        let mut pairs = self.places.iter().zip(first..);
+        pairs
+            .all(|(at, next)| *at == next)
+            .then(|| first..first + self.places.len())
+    }
+
     /// Its share of a list over all coordinates.
     fn of<T: Clone>(&self, all: &[T]) -> Vec<T> {
         self.places.iter().map(|at| all[*at].clone()).collect()
     }
 }
 
-/// A summand's share of numbers over all coordinates.
-struct Share {
+/// Room for a summand's share of numbers over all coordinates.
+struct Room {
     small: [f64; SMALL],
     large: Vec<f64>,
-    count: usize,
 }
 
-impl Share {
-    fn of(summand: &Summand, all: &[f64]) -> Self {
+impl Room {
+    const EMPTY: Self = Self {
+        small: [0.0; SMALL],
+        large: Vec::new(),
+    };
+
+    /// The numbers of a summand.
+    fn gather(&mut self, summand: &Summand, all: &[f64]) -> &mut [f64] {
         let count = summand.places.len();
-        let large = if count > SMALL { count } else { 0 };
-        let mut share = Self {
-            small: [0.0; SMALL],
-            large: vec![0.0; large],
-            count,
+        let numbers = match self.small.get_mut(..count) {
+            Some(small) => small,
+            None => {
+                self.large.resize(count, 0.0);
+                &mut self.large
+            }
         };
-        let pairs = share.numbers().iter_mut().zip(&summand.places);
+        let pairs = numbers.iter_mut().zip(&summand.places);
         pairs.for_each(|(own, at)| *own = all[*at]);
-        share
+        numbers
     }
 
-    fn numbers(&mut self) -> &mut [f64] {
-        match self.large.is_empty() {
-            true => &mut self.small[..self.count],
-            false => &mut self.large,
+    /// The same, without a copy where they lie side by side.
+    fn share<'a>(&'a mut self, summand: &Summand, all: &'a [f64]) -> &'a [f64] {
+        match summand.range() {
+            Some(range) => &all[range],
+            None => self.gather(summand, all),
         }
     }
 }
@@ -124,11 +141,9 @@ impl Lift for LiftSum {
                 z: &end.z[from..of_z],
                 base: &end.base[at.clone()],
             });
-            let [mut x, mut low] = [x, low].map(|all| Share::of(summand, all));
-            let base = &mut base[at];
-            summand
-                .lift
-                .place(x.numbers(), low.numbers(), before, base)?;
+            let (mut of_x, mut of_low) = (Room::EMPTY, Room::EMPTY);
+            let (x, low) = (of_x.share(summand, x), of_low.share(summand, low));
+            summand.lift.place(x, low, before, &mut base[at])?;
         }
         Ok(())
     }
@@ -231,10 +246,16 @@ impl Lift for LiftSum {
 
     fn hold(&self, x: &[f64], low: &[f64], increment: &mut [f64]) {
         for summand in &self.summands {
-            let [mut x, mut low, mut own] =
-                [x, low, &*increment].map(|all| Share::of(summand, all));
-            summand.lift.hold(x.numbers(), low.numbers(), own.numbers());
-            for (at, own) in summand.places.iter().zip(own.numbers()) {
+            let (mut of_x, mut of_low) = (Room::EMPTY, Room::EMPTY);
+            let (x, low) = (of_x.share(summand, x), of_low.share(summand, low));
+            if let Some(range) = summand.range() {
+                summand.lift.hold(x, low, &mut increment[range]);
+                continue;
+            }
+            let mut room = Room::EMPTY;
+            let own = room.gather(summand, increment);
+            summand.lift.hold(x, low, own);
+            for (at, own) in summand.places.iter().zip(own) {
                 increment[*at] = *own;
             }
         }

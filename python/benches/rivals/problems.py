@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
 SITES = 1024
+#: Sizes of the wide problems.
+BODIES = int(os.environ.get("BODIES", "10"))
+SPECIES = int(os.environ.get("SPECIES", "20"))
 
 
 class Problem(NamedTuple):
@@ -22,10 +26,6 @@ class Problem(NamedTuple):
     """Of states (n, d), shape (n,)."""
     casimir: Callable[[Any], Any]
     """Of states (n, d), shape (n,)."""
-
-
-BODIES = 10
-SPECIES = 20
 
 
 def bodies():
@@ -83,6 +83,20 @@ PROBLEMS = {
         initial=1 + 0.3 * np.sin(2.1 * np.arange(SPECIES) + 0.4),
         time=20.0,
         energy=lambda x: (x - food_web()[1] * np.log(x)).sum(1),
+        casimir=lambda x: np.zeros(len(x)),
+    ),
+    "henon_heiles": Problem(
+        title="Hénon–Heiles, T = 200",
+        initial=np.array([0.0, 0.1, 0.3872983346207417, 0.1]),
+        time=200.0,
+        energy=lambda x: (x**2).sum(1) / 2 + x[:, 0] ** 2 * x[:, 1] - x[:, 1] ** 3 / 3,
+        casimir=lambda x: np.zeros(len(x)),
+    ),
+    "magnetic": Problem(
+        title="A charge in a magnetic field and a well, T = 100",
+        initial=np.array([1.0, 0.5, -0.5, 0.3, 0.2, 0.4]),
+        time=100.0,
+        energy=lambda x: (x**2).sum(1) / 2,
         casimir=lambda x: np.zeros(len(x)),
     ),
     "volterra_lattice": Problem(

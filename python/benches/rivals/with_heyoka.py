@@ -63,6 +63,28 @@ def food_web():
     ], 1 + 0.3 * np.sin(2.1 * np.arange(SPECIES) + 0.4)
 
 
+def henon_heiles():
+    """User's code."""
+    q1, q2, p1, p2 = hy.make_vars("q1", "q2", "p1", "p2")
+    slope = [(q1, p1), (q2, p2), (p1, -q1 - 2 * q1 * q2), (p2, -q2 - q1 * q1 + q2 * q2)]
+    return slope, [0.0, 0.1, 0.3872983346207417, 0.1]
+
+
+def magnetic():
+    """User's code."""
+    x, y, z, p1, p2, p3 = hy.make_vars("x", "y", "z", "p1", "p2", "p3")
+    b1, b2, b3 = y, -z, x * x
+    slope = [
+        (x, p1),
+        (y, p2),
+        (z, p3),
+        (p1, p3 * b2 - p2 * b3 - x),
+        (p2, p1 * b3 - p3 * b1 - y),
+        (p3, p2 * b1 - p1 * b2 - z),
+    ]
+    return slope, [1.0, 0.5, -0.5, 0.3, 0.2, 0.4]
+
+
 def volterra_lattice():
     """User's code."""
     x = hy.make_vars(*[f"x{i}" for i in range(1024)])
@@ -72,7 +94,7 @@ def volterra_lattice():
 
 def solve(slope, x0, time, tolerance):
     """User's code."""
-    taylor = hy.taylor_adaptive(slope, x0, tol=tolerance, compact_mode=len(x0) > 100)
+    taylor = hy.taylor_adaptive(slope, x0, tol=tolerance, compact_mode=len(x0) > 200)
     taylor.propagate_until(time)
     return taylor.state
 
@@ -89,7 +111,7 @@ class Solver:
         slope, initial = globals()[name]()
         self.initial, self.begin, self.time = np.array(initial, dtype=kind), kind(0), kind(problem.time)
         self.taylor = hy.taylor_adaptive(
-            slope, list(self.initial), tol=kind(setting), compact_mode=len(self.initial) > 100, fp_type=kind
+            slope, list(self.initial), tol=kind(setting), compact_mode=len(self.initial) > 200, fp_type=kind
         )
 
     def end(self):

@@ -80,6 +80,29 @@ def food_web(method):
     )
 
 
+def henon_heiles(method):
+    """User's code."""
+    return lw.Scene(
+        system={
+            "variables": ["q1", "q2", "p1", "p2"],
+            "bracket": {"q1,p1": "1", "q2,p2": "1"},
+            "convention": "{x,H}",
+            "hamiltonian": "(p1^2 + p2^2)/2 + (q1^2 + q2^2)/2 + q1^2*q2 - q2^3/3",
+        },
+        method=method,
+        run={"initial": [0.0, 0.1, 0.3872983346207417, 0.1], "steps": 1},
+    )
+
+
+def magnetic(method):
+    """User's code."""
+    return lw.Scene(
+        system={"library": "magnetic"},
+        method=method,
+        run={"initial": [1.0, 0.5, -0.5, 0.3, 0.2, 0.4], "steps": 1},
+    )
+
+
 def volterra_lattice(method):
     """User's code."""
     return lw.Scene(
@@ -124,12 +147,20 @@ def lifts(realization):
     }
 
 
+GAUSS = {f"gauss {stages}": {"stepper": {"name": "gauss", "stages": stages}, "time-step": 0.1} for stages in (4, 8)}
+
 METHODS = {
     "rigid_body": HAMILTON_JACOBI | SPLITTINGS | lifts("clebsch"),
     "lotka_volterra": HAMILTON_JACOBI | SPLITTINGS | lifts("logarithms"),
     "heavy_top": SPLITTINGS | lifts("clebsch"),
     "coupled_bodies": SPLITTINGS | lifts("clebsch"),
     "food_web": {"splitting, blanes-moan-4": SPLITTINGS["splitting, blanes-moan-4"]} | lifts("logarithms"),
+    "henon_heiles": HAMILTON_JACOBI | SPLITTINGS | GAUSS,
+    "magnetic": SPLITTINGS
+    | {
+        name: method | {"realization": {"name": "karasev-truncated", "order": 3}}
+        for name, method in HAMILTON_JACOBI.items()
+    },
     "volterra_lattice": {
         "Hamilton–Jacobi 2": {
             "realization": {"name": "karasev-truncated", "order": 2},
