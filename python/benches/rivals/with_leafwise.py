@@ -175,7 +175,7 @@ METHODS = {
 class Solver:
     """Runs with one method at one number of steps; a finer setting has 2^(1/4) times as many."""
 
-    SETTINGS = [round(10 * 2 ** (k / 4)) for k in range(60)]
+    SETTINGS = sorted({round(3 * 2 ** (k / 4)) for k in range(67)})
 
     def __init__(self, problem, name, method, setting):
         self.scene = globals()[name](method).set(**{"method.time-step": problem.time / setting})
