@@ -47,6 +47,6 @@ pub use differential::DifferentialAlgebra;
 pub use evaluate::VariableIn;
 pub use expression::{Expression, Function};
 pub use graph::{Graph, StepSize, Term};
-pub use kernel::{Execution, Kernel, MachineCodeSize, OperationCount, Workspace};
+pub use kernel::{Aligned, Execution, Kernel, MachineCodeSize, OperationCount, Workspace};
 pub use operators::Quantity;
 pub use rational::Rational;

@@ -12,6 +12,7 @@
 //! - [`reach`]: how far templates look, as they are written.
 //! - [`locality`]: which lattice is written out in the place of a long one.
 //! - [`stages`]: how a realization writes its maps as stages.
+//! - `fields`: what stages read and write.
 //! - `stencil`: the code of one class of sites in one stage, and its sweep over them.
 //! - [`program`]: stages compiled to stencils.
 //! - [`map`](mod@map): step maps of long lattices.
@@ -23,6 +24,7 @@
 //! - `poles`: what no step crosses.
 
 pub mod cells;
+mod fields;
 pub mod geometry;
 pub mod implicit;
 pub mod locality;
@@ -37,15 +39,18 @@ mod source;
 pub mod stages;
 mod stencil;
 mod stepper;
+#[cfg(test)]
+mod tests;
 
 pub use cells::Cells;
+pub use fields::Fields;
 pub use geometry::{LatticeGeometry, Proxy};
 pub use implicit::{ImplicitSweeps, ProxyCode};
 pub use locality::proxy_of;
 pub use map::LatticeMap;
 pub use method::LatticeMethod;
 pub use observables::LatticeObservables;
-pub use program::{Fields, LatticeProgram, Prepared};
+pub use program::{LatticeProgram, Prepared};
 pub use reach::TemplateReach;
 pub use source::LatticeSource;
 pub use stages::{Field, StageBuilder, StageCode, StageEnds};

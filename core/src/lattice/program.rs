@@ -1,7 +1,8 @@
 //! Stages compiled to stencils, and their sweeps over the sites.
 
-use leafwise_expression::{Kernel, Workspace};
+use leafwise_expression::{Execution, Kernel, Workspace};
 
+use super::fields::Fields;
 use super::geometry::{LatticeGeometry, Proxy, site_classes};
 use super::stages::{Field, StageBuilder};
 use super::stencil::Stencil;
@@ -42,6 +43,7 @@ impl LatticeProgram {
             proxy.width,
             geometry.periodic,
         );
+        let offsets = geometry.offsets();
         let mut fields = builder.fields;
         let mut stages = Vec::with_capacity(builder.stages.len());
         for stage in &builder.stages {
@@ -52,12 +54,14 @@ impl LatticeProgram {
                 stencils.extend(stencil);
             }
             let aside = write_aside(&mut stencils, builder.fields);
+            let in_place = |stencil: Stencil| stencil.in_place(geometry, &offsets);
+            let stencils = stencils.into_iter().map(in_place).collect();
             fields = fields.max(builder.fields + aside.len());
             stages.push(Stage { stencils, aside });
         }
         Ok(Self {
             geometry: geometry.clone(),
-            offsets: geometry.offsets(),
+            offsets,
             fields,
             stages,
         })
@@ -118,40 +122,57 @@ impl LatticeProgram {
 
     /// Fields of zeros.
     pub fn empty_fields(&self) -> Fields {
-        Fields(vec![vec![0.0; self.geometry.dimension()]; self.fields])
+        Fields::zeros(self.fields, self.geometry.dimension())
     }
 
     /// What a stage computes of parameters and step sizes alone.
     pub fn prepare(&self, stage: usize, parameters: &[f64], epsilon: f64, h: f64) -> Prepared {
+        let execution = Execution::default_of_process();
+        self.prepare_for(execution, stage, parameters, [epsilon, h])
+    }
+
+    /// The same with kernels that run in a given way.
+    pub(super) fn prepare_for(
+        &self,
+        execution: Execution,
+        stage: usize,
+        parameters: &[f64],
+        sizes: [f64; 2],
+    ) -> Prepared {
         let stencils = self.stages[stage].stencils.iter();
-        Prepared(
-            stencils
-                .map(|s| s.prepare(parameters, epsilon, h))
-                .collect(),
-        )
+        let prepare = |stencil: &Stencil| stencil.prepare(execution, parameters, sizes);
+        Prepared(stencils.map(prepare).collect())
     }
 
     /// Runs one stage.
     pub fn run_stage(&self, stage: usize, prepared: &mut Prepared, fields: &mut Fields) {
+        self.sweep(stage, prepared, fields);
+    }
+
+    /// The same; returns at how many sites in place.
+    pub(super) fn sweep(
+        &self,
+        stage: usize,
+        prepared: &mut Prepared,
+        fields: &mut Fields,
+    ) -> usize {
         let Stage { stencils, aside } = &self.stages[stage];
+        let mut in_place = 0;
         for (stencil, workspace) in stencils.iter().zip(&mut prepared.0) {
-            stencil.sweep(&self.geometry, &self.offsets, workspace, &mut fields.0);
+            in_place += stencil.sweep(&self.geometry, &self.offsets, workspace, fields);
         }
         for &(written, original) in aside {
-            let [from, to] = fields
-                .0
-                .get_disjoint_mut([written, original])
-                .expect("two different fields");
             for stencil in stencils {
                 for &(field, family) in &stencil.outputs {
                     if field == written {
                         let start = self.offsets[family];
                         let range = start + stencil.class.start..start + stencil.class.end;
-                        to[range.clone()].copy_from_slice(&from[range]);
+                        fields.copy(Field(written), Field(original), range);
                     }
                 }
             }
         }
+        in_place
     }
 
     /// An evaluator for all stages with these parameters and step sizes.
@@ -216,22 +237,6 @@ fn write_aside(stencils: &mut [Stencil], fields: usize) -> Vec<(usize, usize)> {
 /// Stages' kernels with their coefficients for one choice of parameters and step sizes.
 #[derive(Clone, Debug)]
 pub struct Prepared(Vec<Workspace>);
-
-/// The numbers a program works on.
-#[derive(Clone, Debug)]
-pub struct Fields(Vec<Vec<f64>>);
-
-impl Fields {
-    /// A field's values.
-    pub fn get(&self, field: Field) -> &[f64] {
-        &self.0[field.0]
-    }
-
-    /// A field's values, to be written.
-    pub fn get_mut(&mut self, field: Field) -> &mut [f64] {
-        &mut self.0[field.0]
-    }
-}
 
 /// The fields and prepared kernels of one trajectory.
 #[derive(Clone, Debug)]

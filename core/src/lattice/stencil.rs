@@ -1,9 +1,12 @@
 //! The code of one class of sites in one stage, and its sweep over them.
 
-use leafwise_expression::{Graph, Kernel, Workspace};
+use std::ops::Range;
 
+use leafwise_expression::{Aligned, Execution, Graph, Kernel, Workspace};
+
+use super::fields::{Fields, stride};
 use super::geometry::{LatticeGeometry, Proxy, SiteClass};
-use super::stages::Written;
+use super::stages::{Field, Written};
 use crate::error::BuildError;
 
 /// Sites are evaluated this many at a time, as lanes of one kernel.
@@ -28,6 +31,8 @@ pub(super) struct Stencil {
     pub(super) taps: Vec<Tap>,
     /// (field, family) of each output.
     pub(super) outputs: Vec<(usize, usize)>,
+    /// The sites whose inputs and outputs all stand in their families, none beyond an end: the kernel takes them in place.
+    inside: Range<usize>,
 }
 
 impl Stencil {
@@ -84,9 +89,38 @@ impl Stencil {
         Ok(Some(Self {
             class,
             kernel,
+            inside: 0..0,
             taps,
             outputs,
         }))
+    }
+
+    /// The same with a kernel that reads and writes the fields where they stand.
+    pub(super) fn in_place(mut self, geometry: &LatticeGeometry, offsets: &[usize]) -> Self {
+        if self.sites() < FEW {
+            return self;
+        }
+        let stride = stride(geometry.dimension());
+        let start = |field: usize, family: usize| (field * stride + offsets[family]) as isize;
+        let taps = self.taps.iter();
+        let inputs = taps.map(|tap| start(tap.field, tap.family) + tap.shift);
+        let outputs = self.outputs.iter();
+        let outputs = outputs.map(|&(field, family)| start(field, family));
+        let (inputs, outputs): (Vec<isize>, Vec<isize>) = (inputs.collect(), outputs.collect());
+        let (mut first, mut end) = (self.class.start, self.class.end);
+        let read = self.taps.iter().map(|tap| (tap.family, tap.shift));
+        let written = self.outputs.iter().map(|(_, family)| (*family, 0));
+        for (family, shift) in read.chain(written) {
+            let length = geometry.families[family].1;
+            first = first.max(0_usize.saturating_add_signed(-shift));
+            end = end.min(length.saturating_add_signed(-shift));
+        }
+        // What is written first starts a cache line.
+        let offset = offsets[self.outputs[0].1];
+        first = (offset + first).next_multiple_of(Aligned::LINE) - offset;
+        self.inside = first.min(end)..end;
+        self.kernel = self.kernel.at_distances(&inputs, &outputs);
+        self
     }
 
     /// How many sites it serves.
@@ -94,31 +128,58 @@ impl Stencil {
         self.class.end - self.class.start
     }
 
-    /// A workspace for a sweep.
-    pub(super) fn prepare(&self, parameters: &[f64], epsilon: f64, h: f64) -> Workspace {
+    /// A workspace for a sweep with these parameters, ε and h.
+    pub(super) fn prepare(
+        &self,
+        execution: Execution,
+        parameters: &[f64],
+        sizes: [f64; 2],
+    ) -> Workspace {
         let lanes = if self.sites() < FEW { 1 } else { BLOCK };
-        let mut workspace = self.kernel.workspace(lanes);
+        let mut workspace = self.kernel.workspace_for(lanes, execution);
         let spread = |value: &f64| std::iter::repeat_n(*value, lanes);
         let parameters: Vec<f64> = parameters.iter().flat_map(spread).collect();
-        let sizes = (vec![epsilon; lanes], vec![h; lanes]);
+        let [epsilon, h] = sizes.map(|size| vec![size; lanes]);
         self.kernel
-            .prepare(&mut workspace, &parameters, &sizes.0, &sizes.1);
+            .prepare(&mut workspace, &parameters, &epsilon, &h);
         workspace
     }
 
-    /// Evaluates the code at each site of the class.
+    /// Evaluates the code at each site of the class; returns at how many of them in place.
     pub(super) fn sweep(
         &self,
         geometry: &LatticeGeometry,
         offsets: &[usize],
         workspace: &mut Workspace,
-        fields: &mut [Vec<f64>],
+        fields: &mut Fields,
+    ) -> usize {
+        let inside = self.inside.clone();
+        let numbers = fields.all_mut();
+        let in_place = self.kernel.evaluate_along(workspace, numbers, inside);
+        let first = match in_place {
+            0 => self.class.start,
+            _ => self.inside.start,
+        };
+        for sites in [self.class.start..first, first + in_place..self.class.end] {
+            self.sweep_by_copies(geometry, offsets, workspace, fields, sites);
+        }
+        in_place
+    }
+
+    /// Evaluates the code at sites of the class on copies of its inputs and outputs.
+    fn sweep_by_copies(
+        &self,
+        geometry: &LatticeGeometry,
+        offsets: &[usize],
+        workspace: &mut Workspace,
+        fields: &mut Fields,
+        sites: Range<usize>,
     ) {
         let lanes = workspace.lanes();
-        for site in (self.class.start..self.class.end).step_by(lanes) {
-            let count = lanes.min(self.class.end - site);
+        for site in sites.clone().step_by(lanes) {
+            let count = lanes.min(sites.end - site);
             for (input, tap) in self.taps.iter().enumerate() {
-                let field = &fields[tap.field][offsets[tap.family]..];
+                let field = &fields.get(Field(tap.field))[offsets[tap.family]..];
                 load(
                     workspace.input_mut(input),
                     field,
@@ -131,7 +192,7 @@ impl Stencil {
             self.kernel.evaluate_in_place(workspace);
             for (output, &(field, family)) in self.outputs.iter().enumerate() {
                 let values = self.kernel.output(workspace, output);
-                let to = &mut fields[field][offsets[family] + site..][..count];
+                let to = &mut fields.get_mut(Field(field))[offsets[family] + site..][..count];
                 match (to.first_chunk_mut::<BLOCK>(), values.first_chunk::<BLOCK>()) {
                     (Some(to), Some(values)) => *to = *values,
                     _ => to.copy_from_slice(&values[..count]),

@@ -8,16 +8,19 @@ const ALIGNMENT: usize = 64;
 /// A fixed number of doubles of which the first starts a cache line: no register of lanes then
 /// lies across two (on AVX-512 that doubled an instruction's time).
 #[derive(Debug)]
-pub(super) struct Aligned {
+pub struct Aligned {
     buffer: Vec<f64>,
     start: usize,
     length: usize,
 }
 
 impl Aligned {
+    /// The numbers of a cache line.
+    pub const LINE: usize = ALIGNMENT / size_of::<f64>();
+
     /// `length` times `value`.
-    pub(super) fn filled(length: usize, value: f64) -> Self {
-        let buffer = vec![value; length + ALIGNMENT / size_of::<f64>()];
+    pub fn filled(length: usize, value: f64) -> Self {
+        let buffer = vec![value; length + Self::LINE];
         let offset = buffer.as_ptr().align_offset(ALIGNMENT);
         // `align_offset` may decline to answer, which costs nothing but time.
         let start = offset.min(buffer.len() - length);

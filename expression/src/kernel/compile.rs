@@ -33,6 +33,8 @@ pub struct Kernel {
     /// The machine code of the coefficient kernel, and of the step kernel.
     pub(super) compiled_coefficients: Arc<Compiled>,
     pub(super) compiled: Arc<Compiled>,
+    /// That of the step kernel along an array.
+    pub(super) along: Option<Arc<Compiled>>,
 }
 
 impl Kernel {
@@ -90,6 +92,7 @@ impl Kernel {
             strays,
             compiled_coefficients: Arc::default(),
             compiled: Arc::default(),
+            along: None,
         }
     }
 

@@ -1,10 +1,12 @@
 //! When a kernel is compiled to machine code, and what was.
 
 use std::fmt;
+use std::ops::Range;
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, TryLockError};
 
 use super::MachineCode;
+use super::along::Distances;
 use super::code::Code;
 
 /// How kernels run. The results have the same bits either way.
@@ -54,6 +56,8 @@ pub(super) const REPORT: u32 = 64;
 #[derive(Debug, Default)]
 pub(super) struct Compiled {
     entries: Mutex<Vec<Entry>>,
+    /// Of code along an array.
+    distances: Option<Distances>,
 }
 
 #[derive(Debug)]
@@ -65,12 +69,26 @@ struct Entry {
 }
 
 impl Compiled {
+    /// Nothing yet, of code along an array.
+    pub(super) fn along(distances: Distances) -> Self {
+        Self {
+            distances: Some(distances),
+            ..Self::default()
+        }
+    }
+
+    /// Whether there is code along an array, and its inputs and outputs [fit](Distances::fit).
+    pub(super) fn fits(&self, places: &Range<usize>, length: usize) -> bool {
+        let distances = self.distances.as_ref();
+        distances.is_some_and(|distances| distances.fit(places, length))
+    }
+
     /// Machine code for `lanes` lanes if there is any, compiling it where `now` asks for it.
     pub(super) fn get(&self, code: &Code, lanes: usize, now: bool) -> Option<Arc<MachineCode>> {
         let mut entries = self.entries.lock().unwrap_or_else(PoisonError::into_inner);
         let entry = find(&mut entries, lanes);
         if now {
-            entry.compile(code);
+            entry.compile(code, self.distances.as_ref());
         }
         entry.machine.clone().flatten()
     }
@@ -105,7 +123,7 @@ impl Compiled {
         let entry = find(&mut entries, lanes);
         entry.evaluations += u64::from(evaluations);
         if entry.evaluations >= MachineCode::evaluations_to_pay(lanes) {
-            entry.compile(code);
+            entry.compile(code, self.distances.as_ref());
         }
         entry.machine.clone().flatten()
     }
@@ -141,9 +159,9 @@ fn find(entries: &mut Vec<Entry>, lanes: usize) -> &mut Entry {
 }
 
 impl Entry {
-    fn compile(&mut self, code: &Code) {
+    fn compile(&mut self, code: &Code, distances: Option<&Distances>) {
         self.machine
-            .get_or_insert_with(|| MachineCode::compile(code, self.lanes).map(Arc::new));
+            .get_or_insert_with(|| MachineCode::compile(code, self.lanes, distances).map(Arc::new));
     }
 }
 

@@ -3,6 +3,7 @@
 
 mod aligned;
 mod allocate;
+mod along;
 mod code;
 mod compile;
 mod draft;
@@ -17,6 +18,7 @@ mod no_jit;
 mod sequence;
 mod workspace;
 
+pub use aligned::Aligned;
 pub use code::{Code, Instruction, OperationCount};
 pub use compile::Kernel;
 pub use execution::{Execution, MachineCodeSize};

@@ -1,5 +1,8 @@
 //! In place of the just-in-time compiler where there is none.
 
+use std::ops::Range;
+
+use super::along::Distances;
 use super::code::Code;
 
 /// Machine code: none.
@@ -15,7 +18,11 @@ impl MachineCode {
         false
     }
 
-    pub(super) fn compile(_code: &Code, _lanes: usize) -> Option<Self> {
+    pub(super) fn compile(
+        _code: &Code,
+        _lanes: usize,
+        _distances: Option<&Distances>,
+    ) -> Option<Self> {
         None
     }
 
@@ -28,6 +35,16 @@ impl MachineCode {
     }
 
     pub(super) fn run(&self, _slots: &mut [f64], _room: &mut Room) {
+        match *self {}
+    }
+
+    pub(super) fn run_along(
+        &self,
+        _slots: &mut [f64],
+        _room: &mut Room,
+        _array: &mut [f64],
+        _places: Range<usize>,
+    ) -> usize {
         match *self {}
     }
 

@@ -1,11 +1,12 @@
 //! Slots and coefficients of one caller of a kernel, and what it does with them.
 
+use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{Ordering, compiler_fence};
 
 use super::aligned::Aligned;
 use super::compile::Kernel;
-use super::execution::{Execution, MachineCodeSize, REPORT};
+use super::execution::{Compiled, Execution, MachineCodeSize, REPORT};
 use super::interpreter::run;
 use super::{MachineCode, Room};
 
@@ -22,8 +23,18 @@ pub struct Workspace {
     room: Aligned,
     coefficients: Option<Box<Machine>>,
     machine: Option<Machine>,
+    /// `None` before the first evaluation along an array.
+    along: Option<Box<AlongArray>>,
     /// Evaluations until the kernel is told of them; 0 where it never is.
     until_report: u32,
+}
+
+/// What evaluations along an array need.
+#[derive(Clone, Debug)]
+struct AlongArray {
+    machine: Option<Machine>,
+    /// Whether each coefficient is the same in all lanes, where that was looked at.
+    are_same: Option<bool>,
 }
 
 /// Machine code and the memory it works in.
@@ -77,6 +88,7 @@ impl Kernel {
             room: Aligned::filled(0, 0.0),
             coefficients: None,
             machine: machine.map(Machine::new),
+            along: None,
             until_report,
         }
     }
@@ -104,6 +116,7 @@ impl Kernel {
             (lanes, lanes),
             "one step size a lane"
         );
+        workspace.forget_sameness();
         let code = &self.coefficient_code;
         if workspace.room.len() != code.slots * lanes {
             workspace.room = Aligned::filled(code.slots * lanes, 0.0);
@@ -141,6 +154,7 @@ impl Kernel {
     /// When these are not as many, or of another number of lanes.
     pub fn prepare_from(&self, workspace: &mut Workspace, others: &[(&Self, &Workspace)]) {
         let lanes = workspace.lanes;
+        workspace.forget_sameness();
         let own = &mut workspace.slots[self.inputs * lanes..][..self.coefficients * lanes];
         let mut rest = own;
         for (other, from) in others {
@@ -291,7 +305,7 @@ impl Kernel {
     }
 
     /// Whether coefficients of so many lanes have machine code.
-    #[cfg(test)]
+    #[cfg(all(test, feature = "jit"))]
     pub(super) fn has_compiled_coefficients(&self, lanes: usize) -> bool {
         let sizes = self.compiled_coefficients.describe();
         sizes.iter().any(|size| size.lanes == lanes)
@@ -329,6 +343,39 @@ fn gather<const W: usize>(places: &[u32], slots: &[f64], outputs: &mut [f64]) {
 }
 
 impl Workspace {
+    /// Other coefficients may not be the same in all lanes.
+    fn forget_sameness(&mut self) {
+        if let Some(along) = &mut self.along {
+            along.are_same = None;
+        }
+    }
+
+    /// Runs the step kernel along an array where it is machine code already; returns where it ended, if it did.
+    pub(super) fn run_along(
+        &mut self,
+        kernel: &Kernel,
+        compiled: &Compiled,
+        array: &mut [f64],
+        places: Range<usize>,
+    ) -> Option<usize> {
+        self.machine.as_ref()?;
+        let (lanes, slots) = (self.lanes, &mut self.slots);
+        let along = self.along.get_or_insert_with(|| {
+            let code = compiled.get(&kernel.step_code, lanes, true);
+            Box::new(AlongArray {
+                machine: code.map(Machine::new),
+                are_same: None,
+            })
+        });
+        let are_same = *along.are_same.get_or_insert_with(|| {
+            let rows = &slots[kernel.inputs * lanes..][..kernel.coefficients * lanes];
+            let mut rows = rows.chunks_exact(lanes);
+            rows.all(|row| row.iter().all(|own| own.to_bits() == row[0].to_bits()))
+        });
+        let Machine { code, room } = along.machine.as_mut().filter(|_| are_same)?;
+        Some(code.run_along(slots, room, array, places))
+    }
+
     /// The number of lanes.
     pub fn lanes(&self) -> usize {
         self.lanes

@@ -24,6 +24,8 @@ pub(super) struct Limit {
     pub(super) row: u32,
     /// What it is to be below.
     pub(super) bound: f64,
+    /// The row that holds this bound.
+    pub(super) bound_row: u32,
 }
 
 /// Operations with the numbers that they read beside slots.
@@ -32,6 +34,8 @@ pub(super) struct Assignment {
     pub(super) operations: Vec<Operation>,
     pub(super) own: Vec<f64>,
     pub(super) limits: Vec<Limit>,
+    /// The outputs of the code.
+    pub(super) outputs: Vec<Source>,
 }
 
 /// The values of a pair of functions, and which of them results of the code are already.
@@ -63,7 +67,9 @@ impl Assignment {
             current[instruction.output() as usize] = result;
         }
         for &slot in &code.outputs {
-            if let Some(result) = current[slot as usize].result() {
+            let source = current[slot as usize];
+            own.outputs.push(source);
+            if let Some(result) = source.result() {
                 own.operations[result].output = Some(Location::Slot(slot));
             }
         }
@@ -124,8 +130,12 @@ impl Assignment {
         if let Some(limit) = known {
             return limit.row;
         }
-        let row = self.row(0.0) as u32;
-        self.limits.push(Limit { row, bound });
+        let [row, bound_row] = [0.0, bound].map(|value| self.row(value) as u32);
+        self.limits.push(Limit {
+            row,
+            bound,
+            bound_row,
+        });
         row
     }
 

@@ -2,7 +2,7 @@
 
 /// Memory with a function in it, freed on drop.
 pub(super) trait Executable: Send + Sync {
-    /// Where the function starts: `fn(slots, scratch)` in the platform's C convention.
+    /// Where the function starts: `fn(slots, scratch, first, end) -> reached` in the platform's C convention.
     fn start(&self) -> *const u8;
 }
 

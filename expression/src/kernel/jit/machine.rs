@@ -1,6 +1,8 @@
 //! One compiled kernel.
 
 use std::fmt;
+use std::ops::Range;
+use std::ptr::null_mut;
 use std::time::Instant;
 
 use super::assignment::{Arguments, has_formulas};
@@ -13,6 +15,7 @@ use super::portable;
 use super::program::Program;
 use crate::analytic::AnalyticFunction;
 use crate::kernel::aligned::Aligned;
+use crate::kernel::along::Distances;
 use crate::kernel::code::{Code, Instruction};
 
 /// The largest program in bytes of slots: offsets have 31 bits.
@@ -54,6 +57,16 @@ impl Backend {
         }
     }
 
+    /// How many places of an array it takes at a time.
+    fn places(self) -> usize {
+        match self {
+            #[cfg(all(target_arch = "x86_64", not(windows)))]
+            Self::Avx(width) => width.lanes(),
+            #[cfg(any(target_arch = "aarch64", windows, leafwise_portable))]
+            Self::Portable => 1,
+        }
+    }
+
     /// Whether it has fused products.
     pub(super) fn fuses(self) -> bool {
         match self {
@@ -89,10 +102,13 @@ impl Backend {
         program: &Program,
         lanes: usize,
         functions: &[AnalyticFunction],
+        distances: Option<&Distances>,
     ) -> Option<Written> {
         match self {
             #[cfg(all(target_arch = "x86_64", not(windows)))]
-            Self::Avx(width) => avx::write(program, lanes, width, functions),
+            Self::Avx(width) => avx::write(program, lanes, width, functions, distances),
+            #[cfg(any(target_arch = "aarch64", windows, leafwise_portable))]
+            Self::Portable if distances.is_some() => None,
             #[cfg(any(target_arch = "aarch64", windows, leafwise_portable))]
             Self::Portable => portable::write(program, lanes, functions),
         }
@@ -105,8 +121,8 @@ fn calls(instruction: &Instruction) -> bool {
     matches!(Action::of(*instruction), Action::Call(_))
 }
 
-/// `fn(slots, scratch)`.
-type Entry = unsafe extern "C" fn(*mut f64, *mut f64);
+/// `fn(slots, scratch, first, end) -> reached`: the last three mean nothing in code that moves along no array.
+type Entry = unsafe extern "C" fn(*mut f64, *mut f64, *mut f64, *mut f64) -> *mut f64;
 
 /// One program as machine code.
 struct Compiled {
@@ -117,6 +133,8 @@ struct Compiled {
     scratch: Vec<f64>,
     /// Where in that memory the largest sizes since the last run that was not right stand, and what each is to be below.
     limits: Vec<(usize, f64)>,
+    /// How many places of an array it takes at a time, and what it reads and writes there; of code that moves along one.
+    along: Option<(usize, Distances)>,
     bytes: usize,
     /// What `entry` points into.
     _memory: Box<dyn Executable>,
@@ -130,18 +148,75 @@ impl Compiled {
     #[inline]
     fn run(&self, slots: &mut [f64], scratch: &mut [f64]) -> bool {
         assert!(
-            slots.len() == self.slots && scratch.len() == self.scratch.len(),
+            slots.len() == self.slots
+                && scratch.len() == self.scratch.len()
+                && self.along.is_none(),
             "the memory of another kernel"
         );
         // SAFETY: the code reads and writes the `self.slots` numbers from its first argument on and as many as
         // `self.scratch` has from its second one on; its memory lives as long as `self`.
-        unsafe { (self.entry)(slots.as_mut_ptr(), scratch.as_mut_ptr()) }
+        unsafe {
+            (self.entry)(
+                slots.as_mut_ptr(),
+                scratch.as_mut_ptr(),
+                null_mut(),
+                null_mut(),
+            )
+        };
         let mut limits = self.limits.iter();
         let is_right = limits.all(|&(at, bound)| scratch[at] < bound);
         if !is_right {
             self.forget_sizes(scratch);
         }
         is_right
+    }
+
+    /// How many places of an array it takes at a time; 0 where it moves along none.
+    fn at_once(&self) -> usize {
+        self.along.as_ref().map_or(0, |along| along.0)
+    }
+
+    /// Runs it at the places of an array one after the other; returns where it is then, and whether its results are right:
+    /// it ends where they are not, or where there are fewer places than it takes at a time.
+    ///
+    /// # Panics
+    /// When `slots` or `scratch` has another length than the code was compiled for, and when an input or output at one of
+    /// the places would not be in the array.
+    fn run_along(
+        &self,
+        slots: &mut [f64],
+        scratch: &mut [f64],
+        array: &mut [f64],
+        places: Range<usize>,
+    ) -> (usize, bool) {
+        let (at_once, distances) = self.along.as_ref().expect("code along an array");
+        assert!(
+            slots.len() == self.slots && scratch.len() == self.scratch.len(),
+            "the memory of another kernel"
+        );
+        let count = places.len() - places.len() % at_once;
+        if count == 0 {
+            return (places.start, true);
+        }
+        let end = places.start + count;
+        assert!(
+            distances.fit(&(places.start..end), array.len()),
+            "all inputs and outputs are in the array"
+        );
+        let array = array.as_mut_ptr();
+        // SAFETY: the places are in the array, as `fit` says.
+        let [first, last] = [places.start, end].map(|place| unsafe { array.add(place) });
+        // SAFETY: the code reads and writes slots and scratch memory as in `run`, and at each place from the third argument
+        // to before the fourth one what stands at the distances, in the array as `fit` says; there is at least one such
+        // place, and their number is a multiple of that which it takes at a time.
+        let reached =
+            unsafe { (self.entry)(slots.as_mut_ptr(), scratch.as_mut_ptr(), first, last) };
+        let reached = places.start + (reached.addr() - first.addr()) / size_of::<f64>();
+        let is_right = reached == end;
+        if !is_right {
+            self.forget_sizes(scratch);
+        }
+        (reached, is_right)
     }
 
     #[cold]
@@ -188,8 +263,13 @@ impl MachineCode {
         Backend::best(1).is_some()
     }
 
-    /// Compiles `code` for `lanes` lanes; `None` where the platform cannot or forbids it.
-    pub(crate) fn compile(code: &Code, lanes: usize) -> Option<Self> {
+    /// Compiles `code` for `lanes` lanes, along an array if there are distances; `None` where the platform cannot or
+    /// forbids it.
+    pub(crate) fn compile(
+        code: &Code,
+        lanes: usize,
+        distances: Option<&Distances>,
+    ) -> Option<Self> {
         let backend = match Backend::best(lanes)? {
             #[cfg(all(target_arch = "x86_64", not(windows)))]
             Backend::Avx(width) if code.instructions.iter().any(calls) => {
@@ -197,7 +277,7 @@ impl MachineCode {
             }
             backend => backend,
         };
-        Self::compile_by(backend, code, lanes)
+        Self::compile_by(backend, code, lanes, distances)
     }
 
     /// After how many evaluations the code has saved the time that it took to compile, for programs
@@ -213,7 +293,12 @@ impl MachineCode {
     }
 
     /// The same by a given backend.
-    pub(super) fn compile_by(backend: Backend, code: &Code, lanes: usize) -> Option<Self> {
+    pub(super) fn compile_by(
+        backend: Backend,
+        code: &Code,
+        lanes: usize,
+        distances: Option<&Distances>,
+    ) -> Option<Self> {
         let start = Instant::now();
         let slots = code.slots.checked_mul(lanes)?;
         if slots * size_of::<f64>() > MOST_BYTES {
@@ -229,8 +314,11 @@ impl MachineCode {
             .collect();
         let compile = |backend: Backend, arguments: Arguments| {
             let (registers, by_pairs) = (backend.registers(), backend.calls_pairs());
-            let program = Program::new(code, arguments, registers, by_pairs);
-            let written = backend.write(&program, lanes, &functions)?;
+            let mut program = Program::new(code, arguments, registers, by_pairs);
+            if let Some(distances) = distances {
+                program = program.along(distances);
+            }
+            let written = backend.write(&program, lanes, &functions, distances)?;
             #[cfg(test)]
             if REFUSES.get() {
                 return None;
@@ -242,6 +330,7 @@ impl MachineCode {
                 slots,
                 scratch: written.scratch,
                 limits: written.limits,
+                along: distances.map(|distances| (backend.places(), distances.clone())),
                 bytes: written.bytes,
                 _memory: written.memory,
             })
@@ -283,6 +372,42 @@ impl MachineCode {
             }
         }
         self.any.run(slots, &mut room.any);
+    }
+
+    /// Runs the program at the places of an array one after the other, each with the coefficients of one lane or
+    /// another; returns where it is then: at the end, but for less than it takes at a time.
+    ///
+    /// # Panics
+    /// When `slots` or `room` is that of another code, and when an input or output would not be in the array.
+    pub(crate) fn run_along(
+        &self,
+        slots: &mut [f64],
+        room: &mut Room,
+        array: &mut [f64],
+        places: Range<usize>,
+    ) -> usize {
+        let lanes = self.any.at_once();
+        let Range { start: mut at, end } = places;
+        loop {
+            let mut until = end;
+            if let Some(near) = &self.near {
+                if room.until_near == 0 {
+                    let is_right;
+                    (at, is_right) = near.run_along(slots, &mut room.near, array, at..end);
+                    if is_right {
+                        return at;
+                    }
+                    room.until_near = FAR;
+                }
+                until = end.min(at + room.until_near as usize * lanes);
+            }
+            let before = at;
+            (at, _) = self.any.run_along(slots, &mut room.any, array, at..until);
+            room.until_near -= room.until_near.min(((at - before) / lanes) as u32);
+            if until == end || at == before {
+                return at;
+            }
+        }
     }
 
     /// The length of the code.

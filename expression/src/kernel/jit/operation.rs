@@ -33,6 +33,8 @@ pub(super) enum Location {
     Place(u32),
     /// In a row of the program's own numbers.
     Own(u32),
+    /// In the array that the program moves along, so many numbers from its place.
+    Array(i32),
 }
 
 /// What an operation does with its operands a, b, c.

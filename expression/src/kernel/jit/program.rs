@@ -5,9 +5,10 @@ use std::cmp::Reverse;
 use rustc_hash::FxHashMap;
 
 use super::assignment::{Arguments, Assignment, Limit};
-use super::operation::{Action, Operation, Source};
+use super::operation::{Action, Location, Operation, Source};
 use super::schedule::schedule;
 use crate::analytic::Member;
+use crate::kernel::along::Distances;
 use crate::kernel::code::Code;
 
 /// Operations that read earlier results and slots.
@@ -21,6 +22,10 @@ pub(super) struct Program {
     pub(super) own: Vec<f64>,
     /// What it is for: results are those of the code where no limit is passed.
     pub(super) limits: Vec<Limit>,
+    /// The outputs of the code.
+    outputs: Vec<Source>,
+    /// What is written into the array once the operations are done, and how far from the place.
+    pub(super) copies: Vec<(Source, i32)>,
 }
 
 impl Program {
@@ -33,6 +38,7 @@ impl Program {
             operations,
             own,
             limits,
+            outputs,
         } = Assignment::new(code, arguments);
         let needs = registers_needed(&operations);
         let mut order = Vec::with_capacity(operations.len());
@@ -89,7 +95,41 @@ impl Program {
             slots: code.slots,
             own,
             limits,
+            outputs: outputs.into_iter().map(renamed).collect(),
+            copies: Vec::new(),
         }
+    }
+
+    /// The same along an array: an output stands there as soon as it is computed, unless an input that it replaces is
+    /// still to be read, or the results may turn out to be wrong.
+    pub(super) fn along(mut self, distances: &Distances) -> Self {
+        let mut last_reads = vec![0; distances.inputs.len()];
+        for (at, operation) in self.operations.iter().enumerate() {
+            for operand in operation.operands {
+                if let Source::Slot(slot) = operand
+                    && let Some(last) = last_reads.get_mut(slot as usize)
+                {
+                    *last = at;
+                }
+            }
+        }
+        for (&source, &distance) in self.outputs.iter().zip(&distances.outputs) {
+            let is_read_later = |at: usize| {
+                let mut inputs = distances.inputs.iter().zip(&last_reads);
+                inputs.any(|(input, last)| *input == distance && *last > at)
+            };
+            match source.result() {
+                Some(at)
+                    if self.limits.is_empty()
+                        && !is_read_later(at)
+                        && !matches!(self.operations[at].output, Some(Location::Array(_))) =>
+                {
+                    self.operations[at].output = Some(Location::Array(distance));
+                }
+                _ => self.copies.push((source, distance)),
+            }
+        }
+        self
     }
 }
 

@@ -1,5 +1,7 @@
 //! Every backend computes the bits of the interpreter, and gives its memory back.
 
+use std::cell::Cell;
+
 use proptest::prelude::*;
 
 #[cfg(all(target_arch = "x86_64", not(windows)))]
@@ -10,6 +12,7 @@ use crate::arithmetic::Arithmetic;
 use crate::expression::Function;
 use crate::graph::{Graph, StepSize};
 use crate::kernel::aligned::Aligned;
+use crate::kernel::along::Distances;
 use crate::kernel::code::{Code, Instruction};
 use crate::kernel::interpreter::run;
 use crate::kernel::{Execution, Kernel};
@@ -152,7 +155,7 @@ fn check(code: &Code, numbers: &[f64]) -> Result<(), TestCaseError> {
         run(code, &mut slots, lanes);
         let expected = outputs(code, &slots, lanes);
         for backend in backends(lanes) {
-            let machine = MachineCode::compile_by(backend, code, lanes);
+            let machine = MachineCode::compile_by(backend, code, lanes, None);
             let machine = machine.expect("this machine has a compiler");
             let mut room = machine.room();
             let mut slots = start.clone();
@@ -165,6 +168,120 @@ fn check(code: &Code, numbers: &[f64]) -> Result<(), TestCaseError> {
         }
     }
     Ok(())
+}
+
+/// So many of the slots that a program only reads are inputs, the others coefficients.
+const INPUTS: usize = 8;
+
+/// Where an input stands: in a row of the array that no output stands in, or in the row and place of an output; and how
+/// far from the place.
+type Seat = (bool, usize, isize);
+
+fn seats() -> impl Strategy<Value = Vec<Seat>> {
+    prop::collection::vec((any::<bool>(), 0_usize..12, -9_isize..10), INPUTS)
+}
+
+/// Results along an array are those at each of its places alone. Returns how many backends served the program.
+fn check_along(code: &Code, numbers: &[f64], seats: &[Seat]) -> Result<usize, TestCaseError> {
+    let (rows, margin, places) = (2, 9, 101);
+    let row = places + 2 * margin;
+    let start = |row_of: usize| (row_of * row + margin) as isize;
+    let outputs: Vec<isize> = (0..code.outputs.len())
+        .map(|output| start(rows + output))
+        .collect();
+    let inputs: Vec<isize> = seats
+        .iter()
+        .map(|&(is_replaced, choice, shift)| match is_replaced {
+            true => outputs[choice % outputs.len()],
+            false => start(choice % rows) + shift,
+        })
+        .collect();
+    let Some(distances) = Distances::new(code, &inputs, &outputs) else {
+        return Ok(0);
+    };
+    let length = (rows + outputs.len()) * row;
+    let array: Vec<f64> = numbers.iter().copied().cycle().take(length).collect();
+    let at = |place: usize, distance: isize| place.strict_add_signed(distance);
+    let bits = |x: f64| if x.is_nan() { f64::NAN } else { x }.to_bits();
+    let mut expected: Vec<u64> = array.iter().copied().map(bits).collect();
+    let mut slots = vec![f64::NAN; code.slots];
+    for place in 0..places {
+        slots[..FIXED as usize].copy_from_slice(&numbers[..FIXED as usize]);
+        for (slot, &input) in slots.iter_mut().zip(&inputs) {
+            *slot = array[at(place, input)];
+        }
+        run(code, &mut slots, 1);
+        for (&slot, &output) in code.outputs.iter().zip(&outputs) {
+            expected[at(place, output)] = bits(slots[slot as usize]);
+        }
+    }
+    let mut served = 0;
+    for lanes in [2, 4, 11, 32] {
+        let mut slots = Aligned::filled(code.slots * lanes, f64::NAN);
+        let coefficients = slots.chunks_exact_mut(lanes).zip(numbers);
+        coefficients
+            .take(FIXED as usize)
+            .skip(INPUTS)
+            .for_each(|(lanes, number)| lanes.fill(*number));
+        for backend in backends(lanes) {
+            let machine = MachineCode::compile_by(backend, code, lanes, Some(&distances));
+            let Some(machine) = machine else {
+                continue;
+            };
+            let mut room = machine.room();
+            let mut found = array.clone();
+            let mut reached = 0;
+            // Two runs one after the other: nothing of the first may be left over.
+            for end in [places / 2, places] {
+                reached = machine.run_along(&mut slots, &mut room, &mut found, reached..end);
+                prop_assert!((end - 31..=end).contains(&reached), "{:?}", backend);
+            }
+            let is_reached = |at: usize| {
+                let before_outputs = at < rows * row;
+                before_outputs || at % row < margin + reached || at % row >= margin + places
+            };
+            for at in (0..length).filter(|at| is_reached(*at)) {
+                prop_assert_eq!(bits(found[at]), expected[at], "{:?}, at {}", backend, at);
+            }
+            for at in (0..length).filter(|at| !is_reached(*at)) {
+                prop_assert_eq!(found[at].to_bits(), array[at].to_bits(), "{:?}", backend);
+            }
+            served += 1;
+        }
+    }
+    Ok(served)
+}
+
+/// Machine code along arrays in so many cases, at least one of which is served where our own assembler is.
+#[test]
+fn programs_along_an_array_keep_the_bits_of_the_interpreter() {
+    let config = || ProptestConfig {
+        failure_persistence: None,
+        ..ProptestConfig::with_cases(60)
+    };
+    let served = [0, 0].map(Cell::new);
+    let choice = (0_u8..46, any::<usize>(), any::<usize>(), any::<usize>());
+    proptest!(config(), |(
+        choices in prop::collection::vec(choice, 1..120),
+        chosen in prop::collection::vec(any::<usize>(), 1..12),
+        numbers in prop::collection::vec(number(), FIXED as usize * 37),
+        seats in seats(),
+    )| {
+        let code = code(&choices, &chosen);
+        let more = check_along(&code, &numbers, &seats)?;
+        served[0].update(|all| all + more);
+    });
+    proptest!(config(), |(
+        numbers in prop::collection::vec(argument(), FIXED as usize * 37),
+        seats in seats(),
+    )| {
+        let more = check_along(&paired_code(), &numbers, &seats)?;
+        served[1].update(|all| all + more);
+    });
+    #[cfg(all(target_arch = "x86_64", not(windows)))]
+    if Width::best(2).is_some() {
+        assert!(served.iter().all(|count| count.get() > 100), "{served:?}");
+    }
 }
 
 proptest! {
@@ -268,7 +385,7 @@ fn formulas_serve_arguments_near_zero_and_come_back() {
     let code = paired_code();
     for lanes in [1, 3, 8, 16, 37] {
         for backend in backends(lanes).into_iter().filter(|own| own.fuses()) {
-            let machine = MachineCode::compile_by(backend, &code, lanes).expect("a compiler");
+            let machine = MachineCode::compile_by(backend, &code, lanes, None).expect("a compiler");
             let mut room = machine.room();
             let mut slots = Aligned::filled(code.slots * lanes, 0.2);
             machine.run(&mut slots, &mut room);
@@ -371,6 +488,56 @@ fn coefficients_keep_their_bits_as_machine_code() {
     }
 }
 
+/// p·x, x so far from a place of an array as 1 and the product as 70.
+fn product_along() -> Kernel {
+    let mut graph = Graph::new();
+    let (x, parameter) = (graph.input(0), graph.parameter(0));
+    let product = graph.multiply(&parameter, &x);
+    Kernel::compile(&graph, &[product], 1, 1).at_distances(&[1], &[70])
+}
+
+/// Places have no lanes of their own: along an array goes machine code whose coefficients are the same in all.
+#[test]
+fn coefficients_along_an_array_are_the_same_in_all_lanes() {
+    let kernel = product_along();
+    let ones = [1.0; 32];
+    let along = |execution: Execution, parameters: [f64; 32]| {
+        let mut workspace = kernel.workspace_for(32, execution);
+        let mut array = [3.0; 140];
+        let mut count = || kernel.evaluate_along(&mut workspace, &mut array, 0..64);
+        let unprepared = count();
+        kernel.prepare(&mut workspace, &parameters, &ones, &ones);
+        let mut count = || kernel.evaluate_along(&mut workspace, &mut array, 0..64);
+        (unprepared, count(), array)
+    };
+    let (_, count, array) = along(Execution::Compiled, [2.0; 32]);
+    let is_product = |at: usize| (70..70 + count).contains(&at);
+    assert!((0..140).all(|at| array[at] == if is_product(at) { 6.0 } else { 3.0 }));
+    #[cfg(all(target_arch = "x86_64", not(windows)))]
+    assert_eq!(count, if Width::best(2).is_some() { 64 } else { 0 });
+    let mut apart = [2.0; 32];
+    apart[31] = 4.0;
+    assert_eq!(along(Execution::Compiled, apart).1, 0);
+    let (unprepared, count, array) = along(Execution::Interpreted, [2.0; 32]);
+    assert_eq!((unprepared, count, array), (0, 0, [3.0; 140]));
+}
+
+#[test]
+#[should_panic(expected = "in the array")]
+fn nothing_is_read_beyond_an_array() {
+    let kernel = product_along();
+    let mut workspace = kernel.workspace_for(32, Execution::Compiled);
+    kernel.evaluate_along(&mut workspace, &mut [0.0; 133], 0..64);
+}
+
+#[test]
+#[should_panic(expected = "in the array")]
+fn no_output_stands_where_another_place_reads() {
+    let kernel = product_along();
+    let mut workspace = kernel.workspace_for(32, Execution::Compiled);
+    kernel.evaluate_along(&mut workspace, &mut [0.0; 1000], 0..70);
+}
+
 /// Bytes of this process that can be executed.
 #[cfg(target_os = "linux")]
 fn executable_bytes() -> u64 {
@@ -393,7 +560,7 @@ fn dropped_code_gives_its_memory_back() {
     let before = executable_bytes();
     let rounds = 2_000;
     for _ in 0..rounds {
-        drop(MachineCode::compile(&code, 8).expect("a compiler"));
+        drop(MachineCode::compile(&code, 8, None).expect("a compiler"));
     }
     // Other tests of this process hold a few pages of their own.
     let held = executable_bytes().saturating_sub(before);

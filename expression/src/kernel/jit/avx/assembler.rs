@@ -16,6 +16,8 @@ impl Gpr {
     pub(super) const RSI: Self = Self(6);
     pub(super) const RDI: Self = Self(7);
     pub(super) const R12: Self = Self(12);
+    pub(super) const R13: Self = Self(13);
+    pub(super) const R14: Self = Self(14);
 }
 
 /// How many numbers an instruction works on.
@@ -160,6 +162,13 @@ fn has_one_operand(prefix: Prefix) -> bool {
     let own = [Opcode::SquareRoot, Opcode::Load, Opcode::Store].map(|opcode| opcode as u8);
     prefix.map == FIRST_MAP && (own.contains(&prefix.opcode) || prefix.opcode == COPY)
 }
+
+/// Of numbers with others, and the bits of its results, by registers and by flags.
+const COMPARE: u8 = 0xC2;
+const SIGNS_OF: u8 = 0x50;
+
+/// Not below, or one is no number.
+const NOT_BELOW: u8 = 5;
 
 /// Between registers.
 const COPY: u8 = 0x28;
@@ -389,6 +398,52 @@ impl Assembler {
         self.compare(a, b);
         self.bytes.extend([0x0F, 0x83, 0, 0, 0, 0]);
         Jump(self.bytes.len())
+    }
+
+    /// Jumps on where one number of `register` is not below that in memory, to where [`Assembler::land`] says, once for
+    /// each register that this one stands for. The numbers of the register `spare` are lost.
+    pub(super) fn jump_unless_all_below(
+        &mut self,
+        width: Width,
+        (register, spare): (u8, u8),
+        bounds: Memory,
+    ) -> Vec<Jump> {
+        let compare = Prefix {
+            kind: 1,
+            map: FIRST_MAP,
+            opcode: COMPARE,
+        };
+        let part = |part: u8| {
+            let Memory { base, offset } = bounds;
+            let offset = offset + i32::from(part) * EIGHT;
+            let register = register + part * width.registers() as u8;
+            (register, Operand::Memory(Memory { base, offset }))
+        };
+        let jump = |assembler: &mut Self| {
+            assembler.bytes.extend([0x0F, 0x85, 0, 0, 0, 0]);
+            Jump(assembler.bytes.len())
+        };
+        if matches!(width, Width::Eight | Width::Sixteen | Width::ThirtyTwo) {
+            let parts = (0..width.parts()).map(part);
+            return parts
+                .map(|(register, bounds)| {
+                    // Into the mask 1, whose bits kortestw looks at.
+                    self.evex(compare, 1, register, bounds);
+                    self.bytes.push(NOT_BELOW);
+                    self.bytes.extend([0xC5, 0xF8, 0x98, 0xC9]);
+                    jump(self)
+                })
+                .collect();
+        }
+        self.vex(width, compare, spare, register, Operand::Memory(bounds));
+        self.bytes.push(NOT_BELOW);
+        let signs = Prefix {
+            opcode: SIGNS_OF,
+            ..compare
+        };
+        self.vex(width, signs, Gpr::RAX.0, 0, Operand::Register(spare));
+        self.bytes.extend([0x85, 0xC0]);
+        vec![jump(self)]
     }
 
     /// The target of a jump is here.

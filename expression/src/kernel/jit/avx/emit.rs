@@ -1,9 +1,13 @@
-//! A planned program as bytes: `fn(slots: *mut f64, scratch: *mut f64)` in the System V convention.
+//! A planned program as bytes: `fn(slots, scratch, first, end) -> reached`, all `*mut f64`, in the System V convention.
+//!
+//! The last two are places of the array that it moves along, if any: from the first on it takes so many places at a time until
+//! it is at the end, or where its results are not right.
 
 use std::ops::Range;
 
-use super::assembler::{Assembler, Gpr, Memory, Opcode, Operand, Width};
+use super::assembler::{Assembler, Gpr, Jump, Memory, Opcode, Operand, Width};
 use crate::analytic::{AnalyticFunction, Member};
+use crate::kernel::along::Distances;
 use crate::kernel::code::Instruction;
 use crate::kernel::jit::functions;
 use crate::kernel::jit::operation::{Action, Location, Operation, Source};
@@ -41,23 +45,25 @@ pub(in crate::kernel::jit) fn own_row(row: u32, width: Width) -> Range<usize> {
     start..start + width.lanes()
 }
 
-/// The code of `program` for `lanes` lanes, `width` at a time.
+/// The code of `program` for `lanes` lanes, `width` at a time; along an array if there are distances.
 pub(in crate::kernel::jit) fn assemble(
     program: &Program,
     plan: &Plan,
-    lanes: usize,
-    width: Width,
+    (lanes, width): (usize, Width),
     analytic: &[AnalyticFunction],
+    distances: Option<&Distances>,
 ) -> Vec<u8> {
     let calls = program
         .operations
         .iter()
         .any(|operation| matches!(operation.action, Action::Call(_)));
-    // A call leaves RBX, RBP and R12 as they are.
-    let [slots, scratch, last] = if calls {
-        [Gpr::RBX, Gpr::RBP, Gpr::R12]
+    // A call leaves these as they are; an odd number of them aligns the stack for it.
+    let kept = [Gpr::RBX, Gpr::RBP, Gpr::R12, Gpr::R13, Gpr::R14];
+    let kept = &kept[..if distances.is_some() { 5 } else { 3 }];
+    let [slots, scratch, end, place] = if calls {
+        [Gpr::RBX, Gpr::RBP, Gpr::R12, Gpr::R13]
     } else {
-        [Gpr::RDI, Gpr::RSI, Gpr::RDX]
+        [Gpr::RDI, Gpr::RSI, Gpr::RCX, Gpr::RDX]
     };
     let mut emitter = Emitter {
         assembler: Assembler::default(),
@@ -67,12 +73,13 @@ pub(in crate::kernel::jit) fn assemble(
         width,
         slots,
         scratch,
+        place,
+        inputs: distances.map_or(&[], |distances| &distances.inputs),
         registers: vec![None; width.registers()],
         homes: vec![None; program.operations.len()],
     };
     if calls {
-        // Three of them also align the stack for the calls.
-        for register in [slots, scratch, last] {
+        for &register in kept {
             emitter.assembler.push(register);
         }
     }
@@ -80,18 +87,22 @@ pub(in crate::kernel::jit) fn assemble(
     let assembler = &mut emitter.assembler;
     assembler.address(slots, inside(Gpr::RDI, INSIDE));
     assembler.address(scratch, inside(Gpr::RSI, REST + INSIDE));
-    if lanes == width.lanes() {
+    if distances.is_some() {
+        assembler.address(place, inside(Gpr::RDX, 0));
+        assembler.address(end, inside(Gpr::RCX, 0));
+        emitter.sweep(plan, end);
+    } else if lanes == width.lanes() {
         emitter.steps(plan);
     } else {
         let to_last = (lanes - width.lanes()) as i32 * NUMBER;
-        assembler.address(last, inside(slots, to_last));
-        emitter.groups(plan, last);
+        assembler.address(end, inside(slots, to_last));
+        emitter.groups(plan, end);
     }
     if width.lanes() > 2 {
         emitter.assembler.zero_upper();
     }
     if calls {
-        for register in [last, scratch, slots] {
+        for &register in kept.iter().rev() {
             emitter.assembler.pop(register);
         }
     }
@@ -109,6 +120,10 @@ struct Emitter<'a> {
     slots: Gpr,
     /// [`INSIDE`] the program's own numbers in the scratch memory.
     scratch: Gpr,
+    /// The place of the array for the first lane.
+    place: Gpr,
+    /// How far from it the inputs stand, which the first slots are in the place of.
+    inputs: &'a [i32],
     registers: Vec<Option<Source>>,
     homes: Vec<Option<Location>>,
 }
@@ -128,6 +143,41 @@ impl Emitter<'_> {
         self.assembler.limit(self.slots, last);
         self.assembler.jump_back(start);
         self.assembler.land(done);
+    }
+
+    /// The steps for the first places, the next ones, …, until the end, or where a limit is passed: then nothing was
+    /// written for these places. Tells where that is.
+    fn sweep(&mut self, plan: &Plan, end: Gpr) {
+        let start = self.assembler.bytes.len();
+        self.steps(plan);
+        let (program, width) = (self.program, self.width);
+        let mut exits: Vec<Jump> = Vec::new();
+        for limit in &program.limits {
+            let [size, bounds] =
+                [limit.row, limit.bound_row].map(|row| self.address(Location::Own(row)));
+            self.assembler.load(width, 0, size);
+            let jumps = self.assembler.jump_unless_all_below(width, (0, 1), bounds);
+            exits.extend(jumps);
+        }
+        // No register is in use any more: as many copies as there are registers are on their way at once.
+        let registers = 0..width.registers() as u8;
+        for (&(source, distance), register) in program.copies.iter().zip(registers.cycle()) {
+            let [from, to] = [self.memory(source), self.address(Location::Array(distance))];
+            self.assembler.load(width, register, from);
+            self.assembler.store(width, register, to);
+        }
+        let place = |offset: i32| Memory {
+            base: self.place,
+            offset,
+        };
+        let assembler = &mut self.assembler;
+        assembler.address(self.place, place(width.lanes() as i32 * NUMBER));
+        exits.push(assembler.jump_unless_below(self.place, end));
+        assembler.jump_back(start);
+        for exit in exits {
+            assembler.land(exit);
+        }
+        assembler.address(Gpr::RAX, place(0));
     }
 
     fn steps(&mut self, plan: &Plan) {
@@ -171,7 +221,10 @@ impl Emitter<'_> {
     /// Where a number that has no register stands.
     fn memory(&self, source: Source) -> Memory {
         match source {
-            Source::Slot(slot) => self.address(Location::Slot(slot)),
+            Source::Slot(slot) => self.address(match self.inputs.get(slot as usize) {
+                Some(&distance) => Location::Array(distance),
+                None => Location::Slot(slot),
+            }),
             Source::Own(row) => self.address(Location::Own(row)),
             Source::Result(result) => {
                 let home = self.homes[result as usize];
@@ -183,6 +236,12 @@ impl Emitter<'_> {
     fn address(&self, home: Location) -> Memory {
         let row_bytes = self.width.lanes() as i32 * NUMBER;
         let (base, offset) = match home {
+            Location::Array(distance) => {
+                return Memory {
+                    base: self.place,
+                    offset: distance * NUMBER,
+                };
+            }
             Location::Slot(slot) => (self.slots, slot as i32 * self.slot_bytes),
             Location::Own(row) => (self.scratch, row as i32 * row_bytes),
             Location::Place(place) => {

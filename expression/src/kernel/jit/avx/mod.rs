@@ -12,6 +12,7 @@ use super::executable::{Executable, Written};
 use super::program::Program;
 use super::registers::Plan;
 use crate::analytic::AnalyticFunction;
+use crate::kernel::along::Distances;
 
 /// Writes the program into executable memory, `width` of the `lanes` lanes at a time; `None` where the
 /// platform forbids it.
@@ -20,9 +21,13 @@ pub(super) fn write(
     lanes: usize,
     width: Width,
     functions: &[AnalyticFunction],
+    distances: Option<&Distances>,
 ) -> Option<Written> {
+    if distances.is_some() && width == Width::One {
+        return None;
+    }
     let plan = Plan::new(program, width.registers() - 1);
-    let code = emit::assemble(program, &plan, lanes, width, functions);
+    let code = emit::assemble(program, &plan, (lanes, width), functions, distances);
     let mut memory = MmapMut::map_anon(code.len()).ok()?;
     memory.copy_from_slice(&code);
     Some(Written {

@@ -1,5 +1,6 @@
 //! A planned program as a function of the compiler's intermediate code, for any machine it knows:
-//! `fn(slots: *mut f64, scratch: *mut f64)`, one number or two an instruction.
+//! `fn(slots, scratch, first, end) -> reached`, one number or two an instruction, of which the last three mean nothing: it
+//! moves along no array.
 
 use cranelift_codegen::ir::condcodes::{FloatCC, IntCC};
 use cranelift_codegen::ir::{
@@ -18,7 +19,7 @@ use crate::kernel::jit::registers::{Plan, Step};
 
 const NUMBER: i64 = size_of::<f64>() as i64;
 
-const NO_OWN: &str = "programs for arguments near 0 are of the other backend";
+const NEITHER: &str = "programs for arguments near 0 and along arrays are of the other backend";
 
 /// How many registers for numbers a plan may use: all but what the compiler wants for itself.
 pub(super) const REGISTERS: usize = if cfg!(target_arch = "aarch64") {
@@ -32,11 +33,12 @@ pub(super) fn scratch_len(plan: &Plan, lanes: usize) -> usize {
     plan.places * lanes.min(2)
 }
 
-/// `fn(*mut f64, *mut f64)` in the platform's C convention.
+/// `fn(*mut f64, *mut f64, *mut f64, *mut f64) -> *mut f64` in the platform's C convention.
 pub(super) fn signature(isa: &dyn TargetIsa) -> Signature {
     let mut signature = Signature::new(isa.default_call_conv());
-    let parameters = [AbiParam::new(isa.pointer_type()); 2];
-    signature.params.extend(parameters);
+    let pointer = AbiParam::new(isa.pointer_type());
+    signature.params.extend([pointer; 4]);
+    signature.returns.push(pointer);
     signature
 }
 
@@ -81,7 +83,7 @@ pub(super) fn emit(
     } else {
         emitter.pairs();
     }
-    emitter.builder.ins().return_(&[]);
+    emitter.builder.ins().return_(&[slots]);
     emitter.builder.seal_all_blocks();
     emitter.builder.finalize(isa.frontend_config());
 }
@@ -179,7 +181,7 @@ impl Emitter<'_> {
         match source {
             Source::Slot(slot) => &mut self.slot_values[slot as usize],
             Source::Result(result) => &mut self.results[result as usize],
-            Source::Own(_) => unreachable!("{NO_OWN}"),
+            Source::Own(_) => unreachable!("{NEITHER}"),
         }
     }
 
@@ -230,7 +232,7 @@ impl Emitter<'_> {
                 return self.builder.ins().bitselect(mask, x, y);
             }
             Action::TimesPlus | Action::TimesFrom | Action::And => {
-                unreachable!("{NO_OWN}")
+                unreachable!("{NEITHER}")
             }
             Action::Call(instruction) => instruction,
         };
@@ -277,7 +279,7 @@ impl Emitter<'_> {
             Source::Result(result) => {
                 self.homes[result as usize].expect("a result without a register is stored")
             }
-            Source::Own(_) => unreachable!("{NO_OWN}"),
+            Source::Own(_) => unreachable!("{NEITHER}"),
         };
         let (base, offset) = self.address(home);
         let flags = MemFlagsData::new().with_notrap();
@@ -299,7 +301,7 @@ impl Emitter<'_> {
                 self.scratch,
                 i64::from(place) * i64::from(self.number.bytes()),
             ),
-            Location::Own(_) => unreachable!("{NO_OWN}"),
+            Location::Own(_) | Location::Array(_) => unreachable!("{NEITHER}"),
         };
         (
             base,

@@ -1,0 +1,158 @@
+//! Sweeps in place have the bits of sweeps by the interpreter, which takes copies.
+
+use std::cell::Cell;
+
+use leafwise_expression::{Arithmetic, Execution, Function, Term};
+use proptest::prelude::*;
+
+use super::{Cells, Field, LatticeGeometry, LatticeProgram, Proxy, StageBuilder};
+
+/// How far code looks at most.
+const REACH: usize = 3;
+
+/// Of a lattice: its length in cells beside so many blocks of 32, whether it is a ring, what each family lacks, and the
+/// sites of a cell.
+type Drawn = (usize, isize, bool, Vec<usize>, usize);
+
+fn drawn() -> impl Strategy<Value = Drawn> {
+    let lacking = prop::collection::vec(0_usize..3, 0..3);
+    (0_usize..4, -5_isize..6, any::<bool>(), lacking, 1_usize..4)
+}
+
+/// The lattice of cells, `None` where there is none.
+fn rows((blocks, more, periodic, lacking, period): &Drawn) -> Option<LatticeGeometry> {
+    let cells = (32 * blocks).checked_add_signed(*more)?;
+    let length = cells * period;
+    let lengths = lacking
+        .iter()
+        .map(|lacks| length.checked_sub(if *periodic { 0 } else { *lacks }));
+    let lengths: Option<Vec<usize>> = std::iter::once(Some(length)).chain(lengths).collect();
+    let families = ["x", "y", "z"].map(str::to_owned).into_iter().zip(lengths?);
+    let sites = LatticeGeometry {
+        families: families.collect(),
+        periodic: *periodic,
+    };
+    Some(Cells::new(sites, *period)?.rows().clone())
+}
+
+/// What is done with a number so far and another one, which stands in a field, a family and so far away.
+type Operation = (u8, usize, usize, isize);
+
+/// Values of one stage, and the field that takes them: a new one, or the state in some families.
+type Drafted = (Vec<Operation>, Option<usize>);
+
+fn stages() -> impl Strategy<Value = Vec<Drafted>> {
+    let reach = REACH as isize;
+    let shift = prop_oneof![1 => Just(0), 1 => -reach..=reach];
+    let operation = (0_u8..9, any::<usize>(), any::<usize>(), shift);
+    let operations = prop::collection::vec(operation, 1..8);
+    prop::collection::vec((operations, prop::option::of(any::<usize>())), 1..4)
+}
+
+/// Stages over a proxy, and the state.
+fn write(proxy: &LatticeGeometry, stages: &[Drafted]) -> (StageBuilder, Field) {
+    let mut builder = StageBuilder::new(proxy.dimension());
+    let (state, x) = builder.unwritten();
+    let mut fields = vec![x];
+    let offsets = proxy.offsets();
+    for (operations, updated) in stages {
+        let mut values = Vec::with_capacity(proxy.dimension());
+        for coordinate in 0..proxy.dimension() {
+            let (family, site) = proxy.locate(coordinate);
+            let read = |field: usize, other: usize, shift: isize| -> Option<Term> {
+                let other = (family + other) % proxy.families.len();
+                let length = proxy.families[other].1;
+                let at = match proxy.periodic {
+                    true => (site as isize + shift).rem_euclid(length as isize) as usize,
+                    false => site.checked_add_signed(shift)?,
+                };
+                let field = &fields[field % fields.len()];
+                (at < length).then(|| field[offsets[other] + at].clone())
+            };
+            let graph = &mut builder.graph;
+            let mut value = graph.parameter(0);
+            for &(kind, field, other, shift) in operations {
+                let Some(operand) = read(field, other, shift) else {
+                    continue;
+                };
+                value = match kind {
+                    0..=2 => graph.add(&value, &operand),
+                    3 | 4 => graph.multiply(&value, &operand),
+                    5 | 6 => graph.subtract(&operand, &value),
+                    7 => {
+                        let sine = graph.apply(Function::Sin, &operand).expect("code");
+                        graph.multiply(&sine, &value)
+                    }
+                    // An output that is an input.
+                    _ => operand,
+                };
+            }
+            let is_kept = updated.is_some_and(|chosen| (family + chosen) % 3 == 0);
+            values.push((!is_kept).then_some(value));
+        }
+        match updated {
+            Some(_) => builder.update(state, values),
+            None => {
+                let values = values.into_iter().flatten().collect();
+                fields.push(builder.store(values));
+            }
+        }
+        builder.finish_stage();
+    }
+    (builder, state)
+}
+
+/// All fields' bits after so many rounds, NaN being one number, and at how many sites stages went in place.
+fn evolve(
+    program: &LatticeProgram,
+    state: Field,
+    execution: Execution,
+    rounds: usize,
+) -> (Vec<u64>, usize) {
+    let stages = 0..program.stages();
+    let prepare = |stage| program.prepare_for(execution, stage, &[0.75], [1.0; 2]);
+    let mut prepared: Vec<_> = stages.map(prepare).collect();
+    let mut fields = program.empty_fields();
+    for (at, value) in fields.get_mut(state).iter_mut().enumerate() {
+        *value = ((at * 7919 + 31) % 1009) as f64 / 1009.0 - 0.5;
+    }
+    let mut in_place = 0;
+    for _ in 0..rounds {
+        for (stage, prepared) in prepared.iter_mut().enumerate() {
+            in_place += program.sweep(stage, prepared, &mut fields);
+        }
+    }
+    let bits = |x: &f64| if x.is_nan() { f64::NAN } else { *x }.to_bits();
+    let fields = (0..program.fields()).map(|field| fields.get(Field(field)));
+    (fields.flatten().map(bits).collect(), in_place)
+}
+
+#[test]
+fn sweeps_in_place_keep_the_bits_of_copies() {
+    let config = ProptestConfig {
+        failure_persistence: None,
+        ..ProptestConfig::with_cases(200)
+    };
+    let in_place = Cell::new(0);
+    proptest!(config, |(drawn in drawn(), stages in stages(), rounds in prop_oneof![4 => 1_usize..3, 1 => Just(150)])| {
+        let Some(geometry) = rows(&drawn) else {
+            return Ok(());
+        };
+        let proxy = geometry.proxy(REACH);
+        let (proxy, width) = proxy.unwrap_or_else(|| (geometry.clone(), 0));
+        let (builder, state) = write(&proxy, &stages);
+        let proxy = Proxy { geometry: &proxy, width };
+        let program = LatticeProgram::compile(&geometry, proxy, &builder, 1);
+        let program = program.expect("code that looks as far as the proxy has room for");
+        let (expected, none) = evolve(&program, state, Execution::Interpreted, rounds);
+        prop_assert_eq!(none, 0);
+        for execution in [Execution::Compiled, Execution::Adaptive] {
+            let (found, sites) = evolve(&program, state, execution, rounds);
+            prop_assert!(found == expected, "{execution:?} on {geometry:?}");
+            in_place.update(|cases| cases + usize::from(sites > 0));
+        }
+    });
+    if cfg!(all(feature = "jit", target_arch = "x86_64", not(windows))) {
+        assert!(in_place.get() > 100, "{} cases in place", in_place.get());
+    }
+}
