@@ -43,7 +43,7 @@ impl ChartMaps {
             let xp: Vec<Term> = (0..2 * d).map(|i| graph.input(i)).collect();
             let epsilon = graph.step_size(StepSize::Epsilon);
             let z = chart(&mut graph, &epsilon, &xp[..d], &xp[d..])?;
-            let map = SmoothMap::compile(&mut graph, &z, parameters, 2 * d)?;
+            let map = SmoothMap::compile(graph, &z, parameters, 2 * d)?;
             let kind = Kind::Code(map);
             return Ok(Some(Self { kind }));
         }

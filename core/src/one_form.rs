@@ -137,7 +137,7 @@ impl CodeOneForm {
         let h = graph.step_size(StepSize::H);
         let p = write(&mut graph, &epsilon, &h, &y)?;
         Ok(Self {
-            map: SmoothMap::compile(&mut graph, &p, parameters, dimension)?,
+            map: SmoothMap::compile(graph, &p, parameters, dimension)?,
         })
     }
 

@@ -41,6 +41,11 @@ impl PointKernel {
         }
     }
 
+    /// The evaluator of another kernel, for the same parameters and step sizes.
+    pub(crate) fn at_the_same(&self, kernel: &Arc<Kernel>) -> Self {
+        Self::new(kernel, &self.parameters, self.epsilon, self.h)
+    }
+
     /// Operations so far.
     pub(crate) fn operations(&self) -> u64 {
         self.operations

@@ -42,6 +42,11 @@ impl Reach {
         Self(Some(all))
     }
 
+    /// How many of so many variables it may be that are depended on.
+    pub fn count(&self, variables: usize) -> usize {
+        self.0.as_ref().map_or(variables, Vec::len)
+    }
+
     /// Whether a derivative by the variable may be other than 0.
     pub fn may_contain(&self, variable: u32) -> bool {
         self.0

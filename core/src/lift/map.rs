@@ -1,6 +1,6 @@
 //! Gauss steps in the coordinates of a lift.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use leafwise_expression::{Graph, Kernel, Term};
 use nalgebra::DMatrix;
@@ -28,14 +28,10 @@ pub(crate) struct LiftedMap {
     description: String,
 }
 
-/// ż and J(z) − J(0) of (z, base point), and their Jacobians, compiled when the first tangent is asked for.
+/// ż and J(z) − J(0) of (z, base point), and their Jacobians.
 struct Code {
     field: SmoothMap,
     increment: SmoothMap,
-    graph: Graph,
-    terms: [Vec<Term>; 2],
-    parameters: usize,
-    jacobians: OnceLock<Option<[SmoothMap; 2]>>,
 }
 
 impl LiftedMap {
@@ -85,28 +81,14 @@ impl Code {
         let increment = lift.increment(&mut graph, z, base)?;
         graph.unless_refused(())?;
         let parameters = system.parameters().len();
-        let compile = |terms| SmoothMap::compile_values(&graph, terms, parameters, n + m);
+        let graph = Arc::new(graph);
+        let compile = |terms: &[Term]| {
+            SmoothMap::compile_unproven(Arc::clone(&graph), terms, parameters, n + m)
+        };
         Ok(Self {
             field: compile(&field),
             increment: compile(&increment),
-            terms: [field, increment],
-            parameters,
-            graph,
-            jacobians: OnceLock::new(),
         })
-    }
-
-    /// The maps with their Jacobians; `None` where one does not exist or is too long.
-    fn with_jacobians(&self) -> Option<&[SmoothMap; 2]> {
-        let compile = || {
-            let inputs = self.field.inputs();
-            let [field, increment] = self.terms.each_ref().map(|terms| {
-                let mut graph = self.graph.clone();
-                SmoothMap::compile(&mut graph, terms, self.parameters, inputs).ok()
-            });
-            Some([field?, increment?])
-        };
-        self.jacobians.get_or_init(compile).as_ref()
     }
 }
 
@@ -145,14 +127,10 @@ impl StepMap for LiftedMap {
     }
 
     fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
-        let named = |map: &'static str| move |(_, kernel)| (map, kernel);
-        let field = self.code.field.kernels();
-        let increment = self.code.increment.kernels();
-        field
-            .into_iter()
-            .map(named("the lifted motion"))
-            .chain(increment.into_iter().map(named("the change of x")))
-            .collect()
+        let Code { field, increment } = &*self.code;
+        let named = [("the lifted motion", field), ("the change of x", increment)];
+        let kernels = named.map(|(name, map)| Some((name, map.value_kernel()?)));
+        kernels.into_iter().flatten().collect()
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
@@ -269,12 +247,11 @@ impl Trajectories for LiftedSteps {
 
     /// 1 + (∂_z(ΔJ) dz/db + ∂_b(ΔJ)) db/dx, b the base point: by the derivatives of the stage equations, which are linear.
     fn tangent(&mut self, at: usize) -> Option<Vec<f64>> {
-        let [field, increment] = self.code.with_jacobians()?;
         let (n, s, all) = (self.nothing.len(), self.tableau.stages(), self.end.len());
         let m = all - n;
         check_equations(s * n).ok()?;
-        let mut field = field.evaluator(&self.parameters, 1.0, 1.0);
-        let mut increment = increment.evaluator(&self.parameters, 1.0, 1.0);
+        let [mut field, mut increment] = [&self.code.field, &self.code.increment]
+            .map(|map| map.evaluator(&self.parameters, 1.0, 1.0));
         let end = &self.ends[at * all..][..all];
         let mut displacements = vec![0.0; s * n];
         self.stages.displacements(at, &mut displacements);

@@ -5,10 +5,10 @@ use std::sync::Arc;
 use leafwise_expression::{Graph, Kernel, Term, Workspace};
 
 use super::batch::batch;
+use super::jacobian::Jacobian;
 use crate::error::{BuildError, StepError};
 use crate::evaluator::Evaluator;
 use crate::point_kernel::PointKernel;
-use crate::solver::check_variables;
 
 /// A map z ↦ F(z), and z ↦ DF(z) where that is offered.
 #[derive(Clone)]
@@ -16,16 +16,18 @@ pub struct SmoothMap {
     source: Source,
     inputs: usize,
     outputs: usize,
-    has_jacobian: bool,
 }
 
 #[derive(Clone)]
 enum Source {
     Kernels {
         value: Arc<Kernel>,
-        jacobian: Option<Arc<Kernel>>,
+        jacobian: Option<Arc<Jacobian>>,
     },
-    Numbers(Arc<MakeMap>),
+    Numbers {
+        make: Arc<MakeMap>,
+        has_jacobian: bool,
+    },
 }
 
 type MakeMap = dyn Fn(&[f64], f64, f64) -> Box<dyn Evaluator> + Send + Sync;
@@ -34,7 +36,7 @@ impl std::fmt::Debug for SmoothMap {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let source = match &self.source {
             Source::Kernels { .. } => "kernels",
-            Source::Numbers(_) => "numbers",
+            Source::Numbers { .. } => "numbers",
         };
         f.debug_struct("SmoothMap")
             .field("source", &source)
@@ -45,47 +47,52 @@ impl std::fmt::Debug for SmoothMap {
 }
 
 impl SmoothMap {
-    /// The kernels of the values and the Jacobian, for reports; none of a map given by numbers.
+    /// The kernels of the values and the Jacobian, for reports; none of a map given by numbers. Forms the Jacobian where no
+    /// evaluator has asked for it.
     pub fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
+        let jacobian = match &self.source {
+            Source::Kernels { jacobian, .. } => jacobian.as_ref().and_then(|own| own.kernel()),
+            Source::Numbers { .. } => None,
+        };
+        let jacobian = jacobian.map(|kernel| ("its Jacobian", kernel.as_ref()));
+        let values = self.value_kernel().map(|kernel| ("values", kernel));
+        values.into_iter().chain(jacobian).collect()
+    }
+
+    /// The kernel of the values alone.
+    pub(crate) fn value_kernel(&self) -> Option<&Kernel> {
         match &self.source {
-            Source::Kernels { value, jacobian } => {
-                let jacobian = jacobian
-                    .iter()
-                    .map(|kernel| ("its Jacobian", kernel.as_ref()));
-                std::iter::once(("values", value.as_ref()))
-                    .chain(jacobian)
-                    .collect()
-            }
-            Source::Numbers(_) => Vec::new(),
+            Source::Kernels { value, .. } => Some(value),
+            Source::Numbers { .. } => None,
         }
     }
 
-    /// Compiles `outputs` over the graph's first `inputs` inputs and their derivatives.
+    /// Compiles `outputs` over the graph's first `inputs` inputs; their derivatives when these are first needed.
     ///
     /// # Errors
-    /// [`BuildError::Algebra`] where a derivative does not exist, [`BuildError::TooManyVariables`] for a
+    /// [`BuildError::Algebra`] where a derivative has no code, [`BuildError::TooManyVariables`] for a
     /// Jacobian that no step's equations have.
     pub fn compile(
-        graph: &mut Graph,
+        graph: impl Into<Arc<Graph>>,
         outputs: &[Term],
         parameters: usize,
         inputs: usize,
     ) -> Result<Self, BuildError> {
-        check_variables(outputs.len().min(inputs))?;
-        let mut map = Self::compile_values(graph, outputs, parameters, inputs);
-        let mut entries = Vec::with_capacity(outputs.len() * inputs);
-        for output in outputs {
-            for k in 0..inputs {
-                entries.push(graph.derivative(output, k)?);
-            }
-        }
-        graph.unless_refused(())?;
-        let compiled = Kernel::compile(graph, &entries, parameters, inputs);
-        if let Source::Kernels { jacobian, .. } = &mut map.source {
-            *jacobian = Some(Arc::new(compiled));
-        }
-        map.has_jacobian = true;
-        Ok(map)
+        let graph = graph.into();
+        let jacobian = Jacobian::new(Arc::clone(&graph), outputs, parameters, inputs).proven()?;
+        Ok(Self::compile_values(&graph, outputs, parameters, inputs).with_jacobian(jacobian))
+    }
+
+    /// The same where a Jacobian that is refused stops nothing: [`StepError::NoTangent`] says so when it is asked for.
+    pub fn compile_unproven(
+        graph: impl Into<Arc<Graph>>,
+        outputs: &[Term],
+        parameters: usize,
+        inputs: usize,
+    ) -> Self {
+        let graph = graph.into();
+        let jacobian = Jacobian::new(Arc::clone(&graph), outputs, parameters, inputs);
+        Self::compile_values(&graph, outputs, parameters, inputs).with_jacobian(jacobian)
     }
 
     /// The same without derivatives, for methods that need none.
@@ -103,8 +110,14 @@ impl SmoothMap {
             },
             inputs,
             outputs: outputs.len(),
-            has_jacobian: false,
         }
+    }
+
+    fn with_jacobian(mut self, formed: Jacobian) -> Self {
+        if let Source::Kernels { jacobian, .. } = &mut self.source {
+            *jacobian = Some(Arc::new(formed));
+        }
+        self
     }
 
     /// A map of numbers: `make` makes its evaluator for parameters, ε and h.
@@ -115,10 +128,12 @@ impl SmoothMap {
         make: impl Fn(&[f64], f64, f64) -> Box<dyn Evaluator> + Send + Sync + 'static,
     ) -> Self {
         Self {
-            source: Source::Numbers(Arc::new(make)),
+            source: Source::Numbers {
+                make: Arc::new(make),
+                has_jacobian,
+            },
             inputs,
             outputs,
-            has_jacobian,
         }
     }
 
@@ -134,18 +149,32 @@ impl SmoothMap {
 
     /// Whether DF is offered.
     pub fn has_jacobian(&self) -> bool {
-        self.has_jacobian
+        match &self.source {
+            Source::Kernels { jacobian, .. } => jacobian.is_some(),
+            Source::Numbers { has_jacobian, .. } => *has_jacobian,
+        }
+    }
+
+    /// Whether the code of DF was formed or tried already.
+    #[cfg(test)]
+    pub(super) fn has_formed_jacobian(&self) -> bool {
+        match &self.source {
+            Source::Kernels { jacobian, .. } => {
+                jacobian.as_ref().is_some_and(|own| own.is_formed())
+            }
+            Source::Numbers { .. } => false,
+        }
     }
 
     /// An evaluator for fixed parameters, ε and h.
     pub fn evaluator(&self, parameters: &[f64], epsilon: f64, h: f64) -> SmoothMapEvaluator {
-        let prepared = |kernel: &Arc<Kernel>| PointKernel::new(kernel, parameters, epsilon, h);
         let evaluator = match &self.source {
             Source::Kernels { value, jacobian } => Box::new(KernelEvaluator {
-                value: prepared(value),
-                jacobian: jacobian.as_ref().map(prepared),
+                value: PointKernel::new(value, parameters, epsilon, h),
+                jacobian: jacobian.clone(),
+                slopes: None,
             }),
-            Source::Numbers(make) => make(parameters, epsilon, h),
+            Source::Numbers { make, .. } => make(parameters, epsilon, h),
         };
         SmoothMapEvaluator {
             map: self.clone(),
@@ -184,7 +213,17 @@ impl MapAt<'_> {
 
 struct KernelEvaluator {
     value: PointKernel,
-    jacobian: Option<PointKernel>,
+    jacobian: Option<Arc<Jacobian>>,
+    /// The evaluator of DF, from the first call on that asks for it.
+    slopes: Option<PointKernel>,
+}
+
+impl KernelEvaluator {
+    #[cold]
+    fn begin_slopes(&self) -> Result<PointKernel, StepError> {
+        let kernel = self.jacobian.as_ref().and_then(|own| own.kernel());
+        Ok(self.value.at_the_same(kernel.ok_or(StepError::NoTangent)?))
+    }
 }
 
 impl Evaluator for KernelEvaluator {
@@ -196,8 +235,12 @@ impl Evaluator for KernelEvaluator {
 
     #[inline]
     fn jacobians(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        let kernel = self.jacobian.as_mut().ok_or(StepError::NoTangent)?;
-        kernel.evaluate(z, out);
+        if self.slopes.is_none() {
+            self.slopes = Some(self.begin_slopes()?);
+        }
+        if let Some(slopes) = &mut self.slopes {
+            slopes.evaluate(z, out);
+        }
         Ok(())
     }
 
@@ -206,8 +249,8 @@ impl Evaluator for KernelEvaluator {
     }
 
     fn operations(&self) -> Option<u64> {
-        let jacobian = self.jacobian.as_ref().map_or(0, PointKernel::operations);
-        Some(self.value.operations() + jacobian)
+        let slopes = self.slopes.as_ref().map_or(0, PointKernel::operations);
+        Some(self.value.operations() + slopes)
     }
 }
 
@@ -272,7 +315,7 @@ impl Evaluator for SmoothMapEvaluator {
     }
 
     fn has_jacobian(&self) -> bool {
-        self.map.has_jacobian
+        self.map.has_jacobian()
     }
 
     fn is_pointwise(&self) -> bool {

@@ -61,7 +61,7 @@ impl PoissonSystem {
             Definition::Formulas(system) => {
                 let (mut graph, x) = inputs(system.dimension());
                 let field = system.vector_field(&mut graph, &x)?;
-                SmoothMap::compile(&mut graph, &field, system.parameters().len(), x.len())
+                SmoothMap::compile(graph, &field, system.parameters().len(), x.len())
             }
         }
     }
@@ -102,7 +102,7 @@ impl PoissonSystem {
                 let (mut graph, uw) = inputs(2 * d);
                 let applied = system.apply_tensor(&mut graph, &uw[..d], &uw[d..])?;
                 let applied: Vec<Term> = applied.iter().map(|f| graph.negate(f)).collect();
-                SmoothMap::compile(&mut graph, &applied, system.parameters().len(), 2 * d)
+                SmoothMap::compile(graph, &applied, system.parameters().len(), 2 * d)
             }
         }
     }
@@ -117,7 +117,7 @@ impl PoissonSystem {
             Definition::Formulas(system) => {
                 let (mut graph, x) = inputs(system.dimension());
                 let gradient = system.gradient(&mut graph, &x)?;
-                SmoothMap::compile(&mut graph, &gradient, system.parameters().len(), x.len())
+                SmoothMap::compile(graph, &gradient, system.parameters().len(), x.len())
             }
         }
     }
@@ -158,7 +158,7 @@ impl PoissonSystem {
                 for formula in std::iter::once(system.hamiltonian()).chain(casimirs) {
                     values.push(formula.evaluate_in(&mut graph, &mut |_, at| Ok(x[at].clone()))?);
                 }
-                SmoothMap::compile(&mut graph, &values, system.parameters().len(), x.len())
+                SmoothMap::compile(graph, &values, system.parameters().len(), x.len())
             }
         }
     }

@@ -41,5 +41,5 @@ pub fn collective_field(
     for i in 0..d {
         outputs.push(graph.derivative(&energy, i)?);
     }
-    SmoothMap::compile(&mut graph, &outputs, parameters, 2 * d)
+    SmoothMap::compile(graph, &outputs, parameters, 2 * d)
 }

@@ -9,6 +9,17 @@ use crate::reach::{Reach, SumReach};
 /// Sums of more terms than this are indexed.
 const LONG: usize = 16;
 
+/// A linear combination forms at most so many nodes a term, and as many of its own: a sum of coefficients, their factor and a product
+/// with it; so many does a product.
+const OF_TERM: usize = 3;
+
+/// A derivative by one input forms at most two products and their sum beside what it does for each operand.
+const OF_INPUT: usize = 5 * OF_TERM;
+
+/// f′(a) forms at most so many nodes: that of a power is the longest, a difference, a sum, twelve squares, as many products and
+/// a quotient.
+const OF_SLOPE: usize = 32 * OF_TERM;
+
 impl Graph {
     /// ∂(term)/∂(input), shared with everything already in the graph.
     ///
@@ -29,14 +40,54 @@ impl Graph {
     fn may_depend(&mut self, node: Node, input: u32) -> bool {
         while self.reaches.len() <= node.index() {
             let next = Node(self.reaches.len() as u32);
-            let reach = match *self.operation(next) {
-                Operation::Input(index) => Reach::variable(index),
-                _ if self.tier(next) != Tier::Step => Reach::nothing(),
-                _ => Reach::union(self.operands(next).iter().map(|n| &self.reaches[n.index()])),
-            };
+            let reach = self.reach(next, &self.reaches);
             self.reaches.push(reach);
         }
         self.reaches[node.index()].may_contain(input)
+    }
+
+    /// The inputs that a node depends on, of those that the nodes before it do.
+    fn reach(&self, node: Node, before: &[Reach]) -> Reach {
+        match *self.operation(node) {
+            Operation::Input(index) => Reach::variable(index),
+            _ if self.tier(node) != Tier::Step => Reach::nothing(),
+            _ => Reach::union(self.operands(node).iter().map(|n| &before[n.index()])),
+        }
+    }
+
+    /// Whether the derivatives of all terms by the first `inputs` inputs stay within the graph's limit for certain, which takes
+    /// less time to tell than to form them.
+    pub fn has_room_for_slopes(&self, terms: &[Term], inputs: usize) -> bool {
+        let room = self.most.saturating_sub(self.len());
+        self.most == usize::MAX || self.most_nodes_of_slopes(terms, inputs) <= room
+    }
+
+    /// A bound on the nodes that these derivatives are formed of.
+    fn most_nodes_of_slopes(&self, terms: &[Term], inputs: usize) -> usize {
+        let mut most = 2 * OF_TERM * terms.len() * inputs;
+        let mut reaches = Vec::with_capacity(self.len());
+        for (at, is_read) in self.read_by(terms).into_iter().enumerate() {
+            let node = Node(at as u32);
+            let reach = self.reach(node, &reaches);
+            let inputs_read = reach.count(inputs);
+            if is_read && inputs_read > 0 {
+                let operands = self.operands(node).into_iter();
+                let of_operands = operands.map(|n: Node| {
+                    let reach: &Reach = &reaches[n.index()];
+                    OF_TERM * reach.count(inputs)
+                });
+                most += OF_INPUT * inputs_read + of_operands.sum::<usize>();
+                most += match self.operation(node) {
+                    Operation::Reciprocal(_)
+                    | Operation::Function(..)
+                    | Operation::Analytic(..)
+                    | Operation::Power(..) => OF_SLOPE,
+                    _ => 0,
+                };
+            }
+            reaches.push(reach);
+        }
+        most
     }
 
     fn node_derivative(&mut self, node: Node, input: u32) -> Result<Term, AlgebraError> {
@@ -214,5 +265,114 @@ impl Graph {
             }),
             _ => self.is_square(node),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// More than are told one by one.
+    const INPUTS: usize = 24;
+
+    const FUNCTIONS: [Function; 9] = [
+        Function::Exp,
+        Function::Ln,
+        Function::Sqrt,
+        Function::Sin,
+        Function::Tan,
+        Function::Tanh,
+        Function::Asin,
+        Function::Acosh,
+        Function::Atan,
+    ];
+
+    /// Nodes from pairs of earlier ones, inputs and parameters among these.
+    fn build(graph: &mut Graph, choices: &[(u8, usize, usize)]) -> Vec<Term> {
+        let mut terms: Vec<Term> = (0..INPUTS).map(|at| graph.input(at)).collect();
+        terms.extend((0..3).map(|at| graph.parameter(at)));
+        for &(kind, a, b) in choices {
+            let all = terms.len();
+            let (a, b) = (&terms[a % all].clone(), &terms[b % all].clone());
+            let next = match kind % 8 {
+                0 => graph.combine(&[
+                    (Rational::new(2, 3), a.clone()),
+                    (-Rational::one(), b.clone()),
+                ]),
+                1 => {
+                    let parts = terms.iter().step_by(1 + b.node.index() % 3);
+                    let parts: Vec<_> = parts
+                        .map(|part| (Rational::new(1, 7), part.clone()))
+                        .collect();
+                    graph.combine(&parts)
+                }
+                2 => graph.divide(a, b).unwrap_or_else(|_| a.clone()),
+                3 => {
+                    let exponent = graph.constant(&Rational::new(-5, 3));
+                    graph.power(a, &exponent).expect("a power")
+                }
+                4 => {
+                    let exponent = graph.parameter(b.node.index() % 3);
+                    let square = graph.multiply(a, a);
+                    graph.power(&square, &exponent).expect("a power")
+                }
+                5 => {
+                    let function = FUNCTIONS[b.node.index() % FUNCTIONS.len()];
+                    graph.apply(function, a).unwrap_or_else(|_| a.clone())
+                }
+                _ => graph.multiply(a, b),
+            };
+            terms.push(next);
+        }
+        terms.split_off(INPUTS + 3)
+    }
+
+    proptest! {
+        /// A graph with room for the bound refuses no derivative, whatever it is of.
+        #[test]
+        fn what_has_room_is_formed(
+            choices in prop::collection::vec((any::<u8>(), any::<usize>(), any::<usize>()), 1..30),
+        ) {
+            let mut graph = Graph::new();
+            let outputs = build(&mut graph, &choices);
+            let most = graph.len() + graph.most_nodes_of_slopes(&outputs, INPUTS);
+            graph.most = most - 1;
+            prop_assert!(!graph.has_room_for_slopes(&outputs, INPUTS));
+            graph.most = most;
+            prop_assert!(graph.has_room_for_slopes(&outputs, INPUTS));
+            for output in &outputs {
+                for input in 0..INPUTS {
+                    prop_assert!(graph.derivative(output, input).is_ok());
+                }
+            }
+        }
+    }
+
+    /// All x_i (Σ_j a_ij x_j), as of a food web: the bound grows as the number of products does, times what one forms.
+    #[test]
+    fn the_bound_of_a_web_is_that_of_its_products() {
+        let mut graph = Graph::compilable();
+        let x: Vec<Term> = (0..100).map(|at| graph.input(at)).collect();
+        let rows = x.iter().map(|own| {
+            let others = x.iter().enumerate();
+            let parts: Vec<_> = others
+                .map(|(at, other)| {
+                    let product = graph.multiply(own, other);
+                    (Rational::new(1, 2 + at as i64), product)
+                })
+                .collect();
+            graph.combine(&parts)
+        });
+        let rows: Vec<Term> = rows.collect();
+        assert!(graph.has_room_for_slopes(&rows, 100));
+        // 100² entries; a row has 100 products of two inputs, half of them shared.
+        let most = graph.most_nodes_of_slopes(&rows, 100);
+        let products = 5050 * 2 * (OF_INPUT + OF_TERM);
+        let sums = 100 * 100 * (OF_INPUT + 2 * OF_TERM);
+        let scales = 100 * 100 * 2 * OF_TERM;
+        let inputs = 100 * OF_INPUT;
+        assert!(most <= products + sums + scales + inputs, "{most}");
     }
 }

@@ -101,7 +101,7 @@ pub struct Graph {
     /// The same of the terms of each long sum that was differentiated.
     pub(super) sums: FxHashMap<Node, SumReach>,
     /// The most nodes before it refuses.
-    most: usize,
+    pub(super) most: usize,
     pub(super) refusal: Option<AlgebraError>,
 }
 

@@ -1,7 +1,7 @@
 //! Claims of stages in lanes.
 
 use leafwise_expression::vector::RegisterWork;
-use leafwise_expression::{Arithmetic, Function, Graph, Rational};
+use leafwise_expression::{AlgebraError, Arithmetic, Function, Graph, Rational};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
@@ -11,6 +11,8 @@ use super::lanes::Lanes;
 use super::path::SMOOTH;
 use super::solution::{FixedPoint, StageLanes, Start, Unsettled};
 use super::stage_lanes;
+use crate::error::{BuildError, StepError};
+use crate::evaluator::Evaluator;
 use crate::runge_kutta::stages::{StageSolver, UNTIL_LANES};
 use crate::runge_kutta::{SmoothMap, Tableau};
 
@@ -23,7 +25,7 @@ fn field() -> SmoothMap {
     let spring = graph.multiply(&k, &u);
     let pull = graph.negate(&sine);
     let force = graph.combine(&[(-Rational::one(), spring), (Rational::new(1, 3), q)]);
-    SmoothMap::compile(&mut graph, &[p, pull, v, force], 1, 4).expect("derivatives")
+    SmoothMap::compile(graph, &[p, pull, v, force], 1, 4).expect("derivatives")
 }
 
 fn lanes<const W: usize>(stages: usize, stiffness: f64, time_step: f64) -> Lanes<W> {
@@ -137,6 +139,80 @@ fn what_does_not_contract_is_newtons() {
     );
 }
 
+/// Where all corrections halve, DF is formed for a tangent alone. Formed before an evaluator was made or long after, it gives the
+/// same bits.
+#[test]
+fn a_jacobian_is_formed_where_it_is_needed() {
+    for stages in [4, 8] {
+        for (stiffness, time_step, is_plain) in [(2.0, 0.05, true), (90_000.0, 0.1, false)] {
+            let (own, formed) = (field(), field());
+            assert_eq!(formed.kernels().len(), 2);
+            let [mut solver, mut expected] = [&own, &formed].map(|map| {
+                let field = map.evaluator(&[stiffness], 1.0, 1.0);
+                StageSolver::new(field, Tableau::gauss(stages), time_step, 1).by_lanes()
+            });
+            assert!(formed.has_formed_jacobian() && !own.has_formed_jacobian());
+            assert!(own.has_jacobian() && solver.has_tangent());
+            let mut z = [0.3, 0.1, 1.0, 0.2];
+            for _ in 0..20 {
+                let mut changes = [[0.0; 4]; 2];
+                for (solver, change) in [&mut solver, &mut expected].into_iter().zip(&mut changes) {
+                    solver.solve(&z, change).expect("a step");
+                }
+                assert_eq!(changes[0].map(f64::to_bits), changes[1].map(f64::to_bits));
+                z.iter_mut()
+                    .zip(changes[0])
+                    .for_each(|(z, change)| *z += change);
+            }
+            assert_eq!(
+                own.has_formed_jacobian(),
+                !is_plain,
+                "{stages}, {stiffness}"
+            );
+            let seeds = nalgebra::DMatrix::identity(4, 4);
+            let [own_tangent, tangent] =
+                [&mut solver, &mut expected].map(|solver| solver.tangent(0, &seeds));
+            assert!(own_tangent.is_some() && own_tangent == tangent);
+            assert!(own.has_formed_jacobian());
+        }
+    }
+}
+
+/// A derivative that is longer than code may be is refused at building, or where that stops nothing when it is asked for.
+#[test]
+fn a_jacobian_that_is_too_long_is_refused() {
+    // q ↦ q·sin q in a graph that has no room for more.
+    let code = |most: usize| {
+        let mut graph = Graph::limited(most);
+        let q = graph.input(0);
+        let sine = graph.apply(Function::Sin, &q).expect("sin has code");
+        let product = graph.multiply(&q, &sine);
+        (graph, product)
+    };
+    let (graph, product) = code(4);
+    assert_eq!(graph.len(), 4);
+    let refused = SmoothMap::compile(graph.clone(), std::slice::from_ref(&product), 0, 1);
+    let too_long = AlgebraError::CodeTooLong { most: 4 };
+    assert!(matches!(refused, Err(BuildError::Algebra(reason)) if reason == too_long));
+    let map = SmoothMap::compile_unproven(graph, &[product], 0, 1);
+    let (mut evaluator, mut out) = (map.evaluator(&[], 1.0, 1.0), [0.0]);
+    assert_eq!(evaluator.values(&[2.0], &mut out), Ok(()));
+    assert_eq!(out, [2.0 * libm::sin(2.0)]);
+    assert_eq!(
+        evaluator.jacobians(&[2.0], &mut out),
+        Err(StepError::NoTangent)
+    );
+    // cos q, q cos q and their sum are three more: whether they fit is known when they are formed, at once.
+    let (graph, product) = code(7);
+    let map = SmoothMap::compile(graph, &[product], 0, 1).expect("a short derivative");
+    assert!(map.has_formed_jacobian());
+    map.evaluator(&[], 1.0, 1.0)
+        .jacobians(&[2.0], &mut out)
+        .expect("a slope");
+    let expected = libm::sin(2.0) + 2.0 * libm::cos(2.0);
+    assert!((out[0] - expected).abs() <= 4.0 * f64::EPSILON);
+}
+
 /// At τ|DF| = 3 of a rotation the corrections of three stages fall by more than 1/2: there is a solution, and nothing that
 /// certifies it.
 #[test]
@@ -202,7 +278,7 @@ fn body(potential: usize) -> SmoothMap {
             graph.combine(&[(Rational::new(-1, 2), e), (Rational::new(1, 2), one)])
         }
     };
-    SmoothMap::compile(&mut graph, &[p, force], 0, 2).expect("derivatives")
+    SmoothMap::compile(graph, &[p, force], 0, 2).expect("derivatives")
 }
 
 /// Orbits of drawn potentials at steps of 0.1 to 5, in lanes and by Newton's iteration along its path from z: where lanes find
