@@ -25,8 +25,32 @@ pub struct Workspace {
     machine: Option<Machine>,
     /// `None` before the first evaluation along an array.
     along: Option<Box<AlongArray>>,
-    /// Evaluations until the kernel is told of them; 0 where it never is.
-    until_report: u32,
+    reports: Reports,
+}
+
+/// Evaluations of which the kernel is told: of the first few at once, since many short runs are as much work as a long one.
+#[derive(Clone, Copy, Debug)]
+struct Reports {
+    /// So many until it is told of `size`; 0 where it never is.
+    until: u32,
+    size: u32,
+}
+
+impl Reports {
+    /// Counts an evaluation; returns of how many the kernel is to be told now, or 0.
+    fn count(&mut self) -> u32 {
+        if self.until == 0 {
+            return 0;
+        }
+        self.until -= 1;
+        if self.until > 0 {
+            return 0;
+        }
+        let size = self.size;
+        self.size = REPORT.min(2 * size);
+        self.until = self.size;
+        size
+    }
 }
 
 /// What evaluations along an array need.
@@ -77,8 +101,8 @@ impl Kernel {
             Execution::Compiled => self.compiled.get(&self.step_code, lanes, true),
             Execution::Adaptive => self.compiled.get(&self.step_code, lanes, false),
         };
-        let until_report = match execution {
-            Execution::Adaptive => REPORT,
+        let first = match execution {
+            Execution::Adaptive => 1,
             Execution::Interpreted | Execution::Compiled => 0,
         };
         Workspace {
@@ -89,7 +113,10 @@ impl Kernel {
             coefficients: None,
             machine: machine.map(Machine::new),
             along: None,
-            until_report,
+            reports: Reports {
+                until: first,
+                size: first,
+            },
         }
     }
 
@@ -210,7 +237,7 @@ impl Kernel {
         let Workspace {
             slots,
             machine,
-            until_report,
+            reports,
             ..
         } = workspace;
         let slots: &mut [f64] = slots;
@@ -221,7 +248,7 @@ impl Kernel {
         }
         match machine {
             Some(machine) => machine.code.run(slots, &mut machine.room),
-            None => *machine = self.interpret(slots, W, until_report),
+            None => *machine = self.interpret(slots, W, reports),
         }
         let rows = slots.as_chunks_mut::<W>().0;
         for &(row, slot) in &self.strays {
@@ -274,33 +301,24 @@ impl Kernel {
             lanes,
             slots,
             machine,
-            until_report,
+            reports,
             ..
         } = workspace;
         match machine {
             Some(machine) => machine.code.run(slots, &mut machine.room),
-            None => *machine = self.interpret(slots, *lanes, until_report),
+            None => *machine = self.interpret(slots, *lanes, reports),
         }
     }
 
     /// Runs the step kernel by the interpreter; returns machine code for the next time once that pays.
     #[cold]
-    fn interpret(
-        &self,
-        slots: &mut [f64],
-        lanes: usize,
-        until_report: &mut u32,
-    ) -> Option<Machine> {
+    fn interpret(&self, slots: &mut [f64], lanes: usize, reports: &mut Reports) -> Option<Machine> {
         run(&self.step_code, slots, lanes);
-        if *until_report == 0 {
+        let evaluations = reports.count();
+        if evaluations == 0 {
             return None;
         }
-        *until_report -= 1;
-        if *until_report > 0 {
-            return None;
-        }
-        *until_report = REPORT;
-        let machine = self.compiled.report(&self.step_code, lanes, REPORT);
+        let machine = self.compiled.report(&self.step_code, lanes, evaluations);
         machine.map(Machine::new)
     }
 
