@@ -152,6 +152,20 @@ def shown(name: str, rows: list[dict[str, Any]]) -> str:
     return "\n".join(text)
 
 
+def ratios(found: dict[str, list[dict[str, Any]]]) -> str:
+    """Markdown: Leafwise's time over heyoka's, and Leafwise's."""
+    text = ["| Leafwise over heyoka | " + " | ".join(f"1e{round(np.log10(error))}" for error in ERRORS) + " |", "|---|---:|---:|---:|"]
+    for name, rows in found.items():
+        of_library = {row["library"]: row for row in rows}
+        cells = [PROBLEMS[name].title]
+        for error in ERRORS:
+            own, other = (of_library[library][f"{error:g}"] for library in ("Leafwise", "heyoka"))
+            ratio = f"{own['seconds'] / other['seconds']:.2f}" if own and other else "not reached"
+            cells.append(f"{ratio} ({own['seconds'] * 1e6:.0f} µs, {own['method']})" if own else ratio)
+        text.append("| " + " | ".join(cells) + " |")
+    return "\n".join(text)
+
+
 def main() -> None:
     """All of it, or the problems named."""
     parser = argparse.ArgumentParser()
@@ -165,6 +179,8 @@ def main() -> None:
     for name in asked.problems or PROBLEMS:
         found[name] = measure(name, asked.rounds, asked.libraries)
         print(shown(name, found[name]), end="\n\n", flush=True)
+    if {"Leafwise", "heyoka"} <= set(asked.libraries):
+        print(ratios(found))
     if asked.json:
         asked.json.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
 
