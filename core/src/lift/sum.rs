@@ -229,14 +229,16 @@ impl Lift for LiftSum {
         }
     }
 
-    fn hold(&self, x: &[f64], low: &[f64], increment: &mut [f64]) {
+    fn hold(&self, x: &[f64], low: &[f64], increment: &mut [f64]) -> f64 {
+        let mut held = 0.0_f64;
         for summand in &self.summands {
             let [mut x, mut low, mut own] =
                 [x, low, &*increment].map(|all| Share::of(summand, all));
-            summand.lift.hold(x.numbers(), low.numbers(), own.numbers());
+            held = held.max(summand.lift.hold(x.numbers(), low.numbers(), own.numbers()));
             for (at, own) in summand.places.iter().zip(own.numbers()) {
                 increment[*at] = *own;
             }
         }
+        held
     }
 }

@@ -1,9 +1,8 @@
 //! Gauss steps in Clebsch variables are Poisson maps.
 
-use leafwise_logarithms as _;
-
 mod algebras;
 mod common;
+mod held;
 mod representations;
 mod rotations;
 mod sums;
