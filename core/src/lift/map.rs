@@ -11,7 +11,7 @@ use crate::bisection::LagrangianBisection;
 use crate::error::{BuildError, StepError};
 use crate::evaluator::Evaluator;
 use crate::runge_kutta::smooth_map::MapAt;
-use crate::runge_kutta::stage_lanes::{StageLanes, Start, stage_lanes};
+use crate::runge_kutta::stage_lanes::{FixedPoint, StageLanes, Start, stage_lanes};
 use crate::runge_kutta::{SmoothMap, SmoothMapEvaluator, Tableau};
 use crate::solver::{
     Lanes, MapProperties, StepMap, StepReport, Stepper, Structure, Trajectories, check_equations,
@@ -184,12 +184,13 @@ impl LiftedSteps {
         }
     }
 
+    /// A step of one trajectory: how its stages were solved, and by how much Casimirs were held.
     fn advance(
         &mut self,
         at: usize,
         (x, low): (&[f64], &[f64]),
         increment: &mut [f64],
-    ) -> Result<(u64, bool), StepError> {
+    ) -> Result<(FixedPoint, f64), StepError> {
         let (n, all) = (self.nothing.len(), self.end.len());
         let (z, base) = self.end.split_at_mut(n);
         let (from, about) = self.ends[at * all..][..all].split_at(n);
@@ -221,8 +222,8 @@ impl LiftedSteps {
         self.ends[at * all..][..all].copy_from_slice(&self.end);
         self.has_end[at] = true;
         self.increment.values(&self.end, increment)?;
-        self.lift.hold(x, low, increment);
-        Ok((solved.evaluations, solved.is_rounded))
+        let held = self.lift.hold(x, low, increment);
+        Ok((solved, held))
     }
 }
 
@@ -233,11 +234,13 @@ impl Trajectories for LiftedSteps {
             let own = at * d..(at + 1) * d;
             let start = (&x[own.clone()], &low[own.clone()]);
             let step = self.advance(at, start, &mut increment[own]);
-            let is_rounded = step.as_ref().is_ok_and(|(_, is_rounded)| *is_rounded);
-            taken.take(
-                step.map(|(evaluations, _)| evaluations as usize),
-                is_rounded,
-            );
+            let (is_rounded, held) = match &step {
+                Ok((solved, held)) => (solved.is_rounded, *held),
+                Err(_) => (false, 0.0),
+            };
+            taken.held = held;
+            let step = step.map(|(solved, _)| solved.evaluations as usize);
+            taken.take(step, is_rounded);
         }
     }
 

@@ -112,8 +112,10 @@ pub trait Lift: Send + Sync + std::fmt::Debug {
     /// Writes the derivative of base points by x, row-major m × d: of any that J takes back to the identity; NaN where there
     /// is none.
     fn slopes_of_base(&self, base: &[f64], slopes: &mut [f64]);
-    /// Takes off an increment of x what rounding has added to Casimirs.
-    fn hold(&self, x: &[f64], low: &[f64], increment: &mut [f64]) {
+    /// Takes off an increment of x what rounding has added to quadratic Casimirs Σ c x_i x_j; returns the most of that, as a part
+    /// of Σ |c x_i x_j|, and 0 where none is held.
+    fn hold(&self, x: &[f64], low: &[f64], increment: &mut [f64]) -> f64 {
         let _ = (x, low, increment);
+        0.0
     }
 }

@@ -244,20 +244,22 @@ impl Lift for LiftSum {
         }
     }
 
-    fn hold(&self, x: &[f64], low: &[f64], increment: &mut [f64]) {
+    fn hold(&self, x: &[f64], low: &[f64], increment: &mut [f64]) -> f64 {
+        let mut held = 0.0_f64;
         for summand in &self.summands {
             let (mut of_x, mut of_low) = (Room::EMPTY, Room::EMPTY);
             let (x, low) = (of_x.share(summand, x), of_low.share(summand, low));
             if let Some(range) = summand.range() {
-                summand.lift.hold(x, low, &mut increment[range]);
+                held = held.max(summand.lift.hold(x, low, &mut increment[range]));
                 continue;
             }
             let mut room = Room::EMPTY;
             let own = room.gather(summand, increment);
-            summand.lift.hold(x, low, own);
+            held = held.max(summand.lift.hold(x, low, own));
             for (at, own) in summand.places.iter().zip(own) {
                 increment[*at] = *own;
             }
         }
+        held
     }
 }

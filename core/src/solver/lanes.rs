@@ -51,6 +51,8 @@ pub struct StepReport {
     pub evaluations: u64,
     /// Whether it counts as [`SolverStatistics::rounded`].
     pub is_rounded: bool,
+    /// What [`SolverStatistics::held`] is the most of.
+    pub held: f64,
     /// Why it could not be taken.
     pub outcome: Result<(), StepError>,
 }
@@ -60,6 +62,7 @@ impl StepReport {
     pub const NOTHING: Self = Self {
         evaluations: 0,
         is_rounded: false,
+        held: 0.0,
         outcome: Ok(()),
     };
 
@@ -185,8 +188,12 @@ fn step<T: Trajectories>(
             trajectories.restart(at);
             own.fill(0.0);
         }
-        statistics.count(taken.evaluations, taken.outcome.is_ok());
-        statistics.rounded += u64::from(taken.is_rounded && taken.outcome.is_ok());
+        let is_made = taken.outcome.is_ok();
+        statistics.count(taken.evaluations, is_made);
+        if is_made {
+            statistics.rounded += u64::from(taken.is_rounded);
+            statistics.held = statistics.held.max(taken.held);
+        }
     }
 }
 

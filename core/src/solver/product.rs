@@ -131,7 +131,7 @@ impl Stepper for ProductStepper {
 
     /// Steps and failures are those of whole steps; evaluations are summed over the stages, and so
     /// is the largest number, which then bounds that of one step. Rounded steps are those of the stage
-    /// that has most.
+    /// that has most, and so is what Casimirs are held by.
     fn statistics(&self) -> SolverStatistics {
         let stages = self.stages.iter().map(|stage| stage.statistics());
         stages.fold(
@@ -145,6 +145,7 @@ impl Stepper for ProductStepper {
                 evaluations: sum.evaluations + stage.evaluations,
                 most_evaluations: sum.most_evaluations + stage.most_evaluations,
                 rounded: sum.rounded.max(stage.rounded),
+                held: sum.held.max(stage.held),
                 ..sum
             },
         )

@@ -1,7 +1,7 @@
 //! The work of a solver.
 
 /// Work of a solver since it was made.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolverStatistics {
     /// Steps taken, summed over lanes.
     pub steps: u64,
@@ -22,6 +22,9 @@ pub struct SolverStatistics {
     /// Steps whose solve ended where the state as a whole was at round-off while a component, smaller
     /// by far than the largest, still changed: its relative error is not known to be small.
     pub rounded: u64,
+    /// The most that was taken off a step so that a quadratic Casimir Σ c x_i x_j is [held](crate::lift::Lift::hold), as a part
+    /// of Σ |c x_i x_j|; 0 where none is.
+    pub held: f64,
 }
 
 impl Default for SolverStatistics {
@@ -34,6 +37,7 @@ impl Default for SolverStatistics {
             most_evaluations: 0,
             failures: 0,
             rounded: 0,
+            held: 0.0,
         }
     }
 }
@@ -68,6 +72,7 @@ impl SolverStatistics {
             most_evaluations: self.most_evaluations.max(more.most_evaluations),
             failures: self.failures + more.failures,
             rounded: self.rounded + more.rounded,
+            held: self.held.max(more.held),
         }
     }
 
@@ -81,22 +86,27 @@ impl SolverStatistics {
         })
     }
 
-    /// One line for reports: evaluations, and rounded steps where there are any.
+    /// One line for reports: evaluations, rounded steps where there are any, and how Casimirs are held where they are.
     pub fn summary(&self) -> String {
-        let evaluations = format!(
+        let mut line = format!(
             "{:.2} evaluations a step, at most {}",
             self.evaluations_per_step(),
             self.most_evaluations
         );
         match self.rounded {
-            0 => evaluations,
-            1 => {
-                format!("{evaluations}; one step ended at the round-off of its largest components")
-            }
-            steps => format!(
-                "{evaluations}; {steps} steps ended at the round-off of their largest components"
-            ),
+            0 => {}
+            1 => line.push_str("; one step ended at the round-off of its largest components"),
+            steps => line.push_str(&format!(
+                "; {steps} steps ended at the round-off of their largest components"
+            )),
         }
+        if self.held > 0.0 {
+            line.push_str(&format!(
+                "; Casimirs held within {:.1e} of their size",
+                self.held
+            ));
+        }
+        line
     }
 
     /// The mean number of evaluations a step.

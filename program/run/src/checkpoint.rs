@@ -23,7 +23,7 @@ pub(crate) const FILE: &str = "checkpoint.bin";
 /// What the file holds, and how.
 const FORMAT: Format = Format {
     name: b"leafwis",
-    number: b'B',
+    number: b'C',
 };
 
 /// A run between two steps. Another field, order or type is another format.
@@ -127,6 +127,7 @@ pub(crate) struct StatisticsFields {
     most_evaluations: u64,
     failures: u64,
     rounded: u64,
+    held: f64,
 }
 
 #[cfg(test)]
@@ -150,6 +151,7 @@ mod tests {
                 most_evaluations: 7,
                 failures: 0,
                 rounded: 3,
+                held: 3e-16,
             },
             wall_seconds: 0.25,
             vouched: Vouched {

@@ -219,6 +219,7 @@ struct WorkFields {
     most_evaluations: u64,
     failures: u64,
     rounded: u64,
+    held: f64,
 }
 
 /// The coordinates' names, or the families with their lengths where there are too many.

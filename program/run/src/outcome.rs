@@ -159,6 +159,7 @@ pub struct SolverFields {
     operations_per_step: Option<f64>,
     failures: u64,
     rounded: u64,
+    held: f64,
 }
 
 /// A run that has ended.

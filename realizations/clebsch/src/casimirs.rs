@@ -101,11 +101,11 @@ impl Held {
         }
     }
 
-    /// What rounding has added to the Casimirs over an increment, some 1e-16 of them whose mean would show, is taken off by the
-    /// smallest change of it.
-    pub fn hold(&self, x: &[f64], low: &[f64], increment: &mut [f64]) {
+    /// Takes off by the smallest change of an increment what rounding has added to the Casimirs, some 1e-16 of them whose mean would
+    /// show; returns the most of that, as a part of Σ |c x_i x_j| at the end.
+    pub fn hold(&self, x: &[f64], low: &[f64], increment: &mut [f64]) -> f64 {
         match (self.squares.len(), x.len()) {
-            (0, _) => {}
+            (0, _) => 0.0,
             (1..=2, 0..=6) => self.hold_in::<2, 6>(x, low, increment),
             _ => self.hold_in::<MOST, WIDEST>(x, low, increment),
         }
@@ -116,22 +116,30 @@ impl Held {
         x: &[f64],
         low: &[f64],
         increment: &mut [f64],
-    ) {
+    ) -> f64 {
         let mut rows = Rows::<C, D>::new(self.squares.len(), x.len());
         let mut growth = [0.0; C];
+        let mut held = 0.0_f64;
         for ((square, row), growth) in self.squares.iter().zip(&mut rows.rows).zip(&mut growth) {
             *growth = grown(square, x, low, increment);
+            let mut size = 0.0;
             for (i, j, c) in square {
-                row[*i] += c * (x[*j] + increment[*j]);
-                row[*j] += c * (x[*i] + increment[*i]);
+                let (first, second) = (x[*i] + increment[*i], x[*j] + increment[*j]);
+                row[*i] += c * second;
+                row[*j] += c * first;
+                size += (c * first * second).abs();
             }
+            let part = growth.abs() / size;
+            held = held.max(if size > 0.0 { part } else { 0.0 });
         }
         rows.factor();
         rows.solve(&mut growth);
         growth.iter_mut().for_each(|growth| *growth = -*growth);
-        if growth.iter().all(|growth| growth.is_finite()) {
-            rows.add_combination(&growth, increment);
+        if !growth.iter().all(|growth| growth.is_finite()) {
+            return 0.0;
         }
+        rows.add_combination(&growth, increment);
+        held
     }
 }
 

@@ -315,8 +315,8 @@ impl Lift for QuadraticLift {
     }
 
     /// Quadratic Casimirs are constant along the motion and along a Gauss method's steps but for rounding.
-    fn hold(&self, x: &[f64], low: &[f64], increment: &mut [f64]) {
-        self.held.hold(x, low, increment);
+    fn hold(&self, x: &[f64], low: &[f64], increment: &mut [f64]) -> f64 {
+        self.held.hold(x, low, increment)
     }
 }
 

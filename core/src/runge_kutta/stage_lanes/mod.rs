@@ -18,7 +18,7 @@ use super::smooth_map::MapAt;
 use super::tableau::Tableau;
 use lanes::Lanes;
 use path::SMOOTH;
-pub(crate) use solution::{StageLanes, Start};
+pub(crate) use solution::{FixedPoint, StageLanes, Start};
 
 /// Solves of `count` trajectories with a Gauss method; none where F has no kernel. F reads Z, then what it reads beside. Where a
 /// solution is not found at once it `follows` the step from z by parts, or leaves it to another solver.

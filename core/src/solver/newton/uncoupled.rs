@@ -368,6 +368,7 @@ impl Stepper for UncoupledStepper {
                 evaluations: all.evaluations.max(own.evaluations),
                 most_evaluations: all.most_evaluations.max(own.most_evaluations),
                 rounded: all.rounded.max(own.rounded),
+                held: all.held.max(own.held),
                 ..all
             },
         )

@@ -1,5 +1,6 @@
 //! The program run as a process: exit codes, messages, files, signals.
 
+mod bits;
 mod claims;
 mod comparisons;
 mod ensembles;

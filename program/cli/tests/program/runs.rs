@@ -276,3 +276,25 @@ fn a_body_taken_whole_over_too_long_a_step_says_so() {
         "bodies = \"axes\"",
     ]);
 }
+
+/// What rounding adds to the spin is taken off by `clebsch`, and told; other methods hold nothing.
+#[test]
+fn how_much_a_casimir_is_held_by_is_told() {
+    let here = Place::with(BODY);
+    let said = here.leafwise(&["run", "scene.toml", "--json"]);
+    assert_eq!(said.json()["solver"]["held"], 0.0, "{}", said.err);
+    assert!(!said.err.contains("Casimirs held"), "{}", said.err);
+    let here = Place::with_body(
+        "{ name = \"karasev-truncated\", order = 4 }\ndynamics    = { name = \"hamilton-jacobi\", order = 2 }",
+        "\"clebsch\"\ndynamics = { name = \"collective\", stages = 4 }",
+    );
+    let said = here.leafwise(&["run", "scene.toml", "--json"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let held = said.json()["solver"]["held"].as_f64().expect("a number");
+    // Three squares, each of two factors with eight roundings.
+    assert!(held > 0.0 && held <= 24.0 * f64::EPSILON, "{held:e}");
+    said.says(&[&format!("Casimirs held within {held:.1e} of their size")]);
+    let manifest: serde_json::Value =
+        serde_json::from_str(&here.read("runs/scene/manifest.json")).expect("JSON");
+    assert_eq!(manifest["solver"]["held"], held);
+}

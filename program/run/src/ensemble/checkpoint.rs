@@ -12,7 +12,7 @@ use crate::{CHECKPOINT, Format, RunError, Vouched};
 /// What the file holds, and how.
 const FORMAT: Format = Format {
     name: b"leafens",
-    number: b'7',
+    number: b'8',
 };
 
 /// An ensemble between two members. Another field, order or type is another format.
