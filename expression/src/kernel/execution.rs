@@ -50,7 +50,7 @@ impl Execution {
 }
 
 /// A workspace reports its evaluations at most this many at a time.
-pub(super) const REPORT: u32 = 64;
+pub(super) const REPORT: u8 = 64;
 
 /// What one kernel has in machine code, for each number of lanes.
 #[derive(Debug, Default)]

@@ -32,13 +32,13 @@ pub struct Workspace {
 #[derive(Clone, Copy, Debug)]
 struct Reports {
     /// So many until it is told of `size`; 0 where it never is.
-    until: u32,
-    size: u32,
+    until: u8,
+    size: u8,
 }
 
 impl Reports {
     /// Counts an evaluation; returns of how many the kernel is to be told now, or 0.
-    fn count(&mut self) -> u32 {
+    fn count(&mut self) -> u8 {
         if self.until == 0 {
             return 0;
         }
@@ -318,7 +318,7 @@ impl Kernel {
         if evaluations == 0 {
             return None;
         }
-        let machine = self.compiled.report(&self.step_code, lanes, evaluations);
+        let machine = self.compiled.report(&self.step_code, lanes, evaluations.into());
         machine.map(Machine::new)
     }
 
