@@ -318,7 +318,9 @@ impl Kernel {
         if evaluations == 0 {
             return None;
         }
-        let machine = self.compiled.report(&self.step_code, lanes, evaluations.into());
+        let machine = self
+            .compiled
+            .report(&self.step_code, lanes, evaluations.into());
         machine.map(Machine::new)
     }
 
