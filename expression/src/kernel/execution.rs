@@ -6,8 +6,8 @@ use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, TryLockError};
 
 use super::MachineCode;
-use super::along::Distances;
 use super::code::Code;
+use super::distances::Distances;
 
 /// How kernels run. The results have the same bits either way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -6,6 +6,7 @@ mod allocate;
 mod along;
 mod code;
 mod compile;
+mod distances;
 mod draft;
 mod execution;
 mod interpreter;

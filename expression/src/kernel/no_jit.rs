@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use super::along::Distances;
 use super::code::Code;
+use super::distances::Distances;
 
 /// Machine code: none.
 #[derive(Debug)]

@@ -15,8 +15,8 @@ use super::portable;
 use super::program::Program;
 use crate::analytic::AnalyticFunction;
 use crate::kernel::aligned::Aligned;
-use crate::kernel::along::Distances;
 use crate::kernel::code::{Code, Instruction};
+use crate::kernel::distances::Distances;
 
 /// The largest program in bytes of slots: offsets have 31 bits.
 const MOST_BYTES: usize = 1 << 30;

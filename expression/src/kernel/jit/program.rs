@@ -8,8 +8,8 @@ use super::assignment::{Arguments, Assignment, Limit};
 use super::operation::{Action, Location, Operation, Source};
 use super::schedule::schedule;
 use crate::analytic::Member;
-use crate::kernel::along::Distances;
 use crate::kernel::code::Code;
+use crate::kernel::distances::Distances;
 
 /// Operations that read earlier results and slots.
 #[derive(Clone, Debug, Default)]

@@ -7,8 +7,8 @@ use std::ops::Range;
 
 use super::assembler::{Assembler, Gpr, Jump, Memory, Opcode, Operand, Width};
 use crate::analytic::{AnalyticFunction, Member};
-use crate::kernel::along::Distances;
 use crate::kernel::code::Instruction;
+use crate::kernel::distances::Distances;
 use crate::kernel::jit::functions;
 use crate::kernel::jit::operation::{Action, Location, Operation, Source};
 use crate::kernel::jit::program::Program;

@@ -12,7 +12,7 @@ use super::executable::{Executable, Written};
 use super::program::Program;
 use super::registers::Plan;
 use crate::analytic::AnalyticFunction;
-use crate::kernel::along::Distances;
+use crate::kernel::distances::Distances;
 
 /// Writes the program into executable memory, `width` of the `lanes` lanes at a time; `None` where the
 /// platform forbids it.
