@@ -63,6 +63,21 @@ proptest! {
         prop_assert!(error.tensor <= 64.0 && error.casimirs <= 64.0, "{x:?}, {stages}: {error:?}");
     }
 
+    /// So are steps of two thirds of the radius of convergence and more.
+    #[test]
+    fn long_steps_are_poisson_maps(
+        x in vec(-2.0..2.0_f64, 3),
+        stages in 4..=16_usize,
+        time_step in 0.2..0.8_f64,
+    ) {
+        let system = body();
+        // Steps that are too long for a state are refused.
+        let error = structure_error(&system, &gauss(&system, stages), time_step, &x);
+        prop_assume!(error.is_ok());
+        let error = error.expect("a step");
+        prop_assert!(error.tensor <= 64.0 && error.casimirs <= 64.0, "{x:?}, {stages}: {error:?}");
+    }
+
     /// The square of a sum less the square, where most of it cancels.
     #[test]
     fn growth_is_rounded_once(z in prop::array::uniform4(-8..8_i32), delta in prop::array::uniform4(-8..8_i32)) {
