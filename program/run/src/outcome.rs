@@ -26,6 +26,9 @@ pub struct Failure {
     pub hint: String,
 }
 
+/// The hint of a solver that knows nothing of its parts.
+const OF_A_REALIZATION: &str = "reduce epsilon*h or raise the realization's order";
+
 impl Failure {
     /// The failure of a step from `state`.
     pub(crate) fn of_step(error: &StepError, steps: u64, time: f64, state: &[f64]) -> Self {
@@ -43,18 +46,24 @@ impl Failure {
         }
     }
 
-    /// What to try with these parts: a stepper has no realization whose order could be raised, and a body that is taken whole
-    /// turns exactly over short steps alone.
+    /// What to try with these parts: a stepper has no realization, an exact realization no order that could be raised, and a body
+    /// that is taken whole turns exactly over short steps alone.
     pub(crate) fn of_parts(&mut self, parts: &[PartChoice]) {
-        let Some(stepper) = parts.iter().find(|part| part.kind == PartKind::Stepper) else {
+        let stepper = parts.iter().find(|part| part.kind == PartKind::Stepper);
+        let mut realizations = parts.iter().filter(|p| p.kind == PartKind::Realization);
+        let has_order =
+            realizations.any(|part| part.parameters.iter().any(|(name, _)| *name == "order"));
+        let instead = match stepper {
+            Some(stepper) if stepper.tolerance().is_some() => {
+                "raise its tolerance or reduce epsilon*h"
+            }
+            None if has_order => OF_A_REALIZATION,
+            _ => "reduce epsilon*h",
+        };
+        self.hint = self.hint.replace(OF_A_REALIZATION, instead);
+        let Some(stepper) = stepper else {
             return;
         };
-        let instead = match stepper.tolerance() {
-            Some(_) => "raise its tolerance or reduce epsilon*h",
-            None => "reduce epsilon*h",
-        };
-        let of_a_realization = "reduce epsilon*h or raise the realization's order";
-        self.hint = self.hint.replace(of_a_realization, instead);
         let whole = ParameterSetting::Text("whole".to_owned());
         if stepper.parameters.contains(&("bodies", whole))
             && self.message.starts_with("the increment is not finite")

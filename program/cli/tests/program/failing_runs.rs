@@ -117,3 +117,15 @@ fn a_failed_run_is_not_overwritten_by_accident() {
     assert_eq!(said.code, Some(2));
     said.says(&["has failed", "--force"]);
 }
+
+/// A realization without an order has none that could be raised; what is said instead helps.
+#[test]
+fn an_exact_realization_is_not_told_to_raise_its_order() {
+    let scene = "[system]\nlibrary = \"heavy-top\"\n[method]\nrealization = \"clebsch\"\n\
+                 dynamics = { name = \"collective\", stages = 8 }\ntime-step = 3.0\n\
+                 [run]\ninitial = [0.5, 1.0, 1.5, 0.6, 0.0, 0.8]\nsteps = 20\n";
+    fails(scene, &["no convergence", "help: reduce epsilon*h\n"]);
+    let here = Place::with(&scene.replace("time-step = 3.0", "time-step = 0.3"));
+    let said = here.leafwise(&["run", "scene.toml"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+}

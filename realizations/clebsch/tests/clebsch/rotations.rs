@@ -63,7 +63,7 @@ proptest! {
         prop_assert!(error.tensor <= 64.0 && error.casimirs <= 64.0, "{x:?}, {stages}: {error:?}");
     }
 
-    /// So are steps of two thirds of the radius of convergence and more.
+    /// So are steps that turn the body by a radian and more.
     #[test]
     fn long_steps_are_poisson_maps(
         x in vec(-2.0..2.0_f64, 3),
