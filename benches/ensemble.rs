@@ -8,7 +8,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-use leafwise::core::{Registry, SideBySide};
+use leafwise::core::{Registry, Walk};
 use leafwise::run::{Quiet, RunOptions};
 use leafwise::run::{
     ensemble::ComposedEnsemble, ensemble::Workforce, ensemble::compose_ensemble,
@@ -83,9 +83,9 @@ fn reference() -> (Vec<f64>, f64) {
         for member in 0..MEASURED as u64 {
             let (initial, parameters) = ensemble.population.draw(member).expect("a member");
             let map = ensemble.run.method.map();
-            let mut one = SideBySide::new(map, 1, &parameters, 1.0, time_step, &initial);
+            let mut one = Walk::new(map, &parameters, 1.0, time_step, &initial);
             for _ in 0..ensemble.run.plan.steps {
-                one.step(|_, error| panic!("{error}"));
+                one.step().expect("a step");
             }
             states.extend(one.last(0).1);
         }

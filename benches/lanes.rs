@@ -6,7 +6,7 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use leafwise::core::{Registry, SideBySide};
+use leafwise::core::{Registry, Walk};
 use leafwise::expression::{
     Arithmetic, Execution, Function, Graph, Kernel, StepSize, Term, elementary,
 };
@@ -183,10 +183,10 @@ fn stepper_table() {
                     let each = |x: &f64| std::iter::repeat_n(*x, lanes);
                     let initial: Vec<f64> = run.plan.initial.iter().flat_map(each).collect();
                     let map = run.method.map();
-                    let mut going = SideBySide::new(map, lanes, &all, 1.0, 0.05, &initial);
+                    let mut going = Walk::new(map, &all, 1.0, 0.05, &initial);
                     let steps = 20_000 / lanes;
                     let time = nanoseconds(steps, || {
-                        going.step(|lane, error| panic!("lane {lane}: {error}"));
+                        going.step().expect("a step");
                     }) / lanes as f64;
                     if lanes == 1 {
                         alone = time;

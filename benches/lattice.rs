@@ -5,7 +5,7 @@
 use std::time::Instant;
 
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
-use leafwise::core::Integrator;
+use leafwise::core::Walk;
 use leafwise_benches::{composed, lattice_scene};
 
 const SITES: [usize; 4] = [1_000, 10_000, 100_000, 1_000_000];
@@ -13,7 +13,7 @@ const SITES: [usize; 4] = [1_000, 10_000, 100_000, 1_000_000];
 /// Steps from the initial wave in one measurement.
 const STEPS: u64 = 10;
 
-fn advance(mut integrator: Integrator) -> Integrator {
+fn advance(mut integrator: Walk) -> Walk {
     for _ in 0..STEPS {
         integrator.step().expect("a step");
     }

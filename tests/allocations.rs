@@ -6,7 +6,7 @@ use allocation_counter::measure;
 use leafwise::core::Observe;
 use leafwise::core::gradient::{Plan, Trajectory, Way};
 use leafwise::core::part::PartKind;
-use leafwise::core::{Integrator, Method, PartParameters, Registry, StepMap};
+use leafwise::core::{Method, PartParameters, Registry, StepMap, Walk};
 use leafwise::expression::Execution;
 use leafwise::prelude::SceneDocument;
 use leafwise::scene;
@@ -35,7 +35,7 @@ fn assert_allocates_nothing(problem: &Problem, map: &dyn StepMap) {
         true => NODES,
         false => 1,
     };
-    let mut integrator = Integrator::new(map, &parameters, 1.0, step, &problem.initial);
+    let mut integrator = Walk::new(map, &parameters, 1.0, step, &problem.initial);
     (0..WARM_UP).for_each(|_| integrator.step().expect("a step"));
     let allocates_nothing = (0..windows).any(|_| {
         measure(|| (0..STEPS).for_each(|_| integrator.step().expect("a step"))).count_total == 0

@@ -2,9 +2,7 @@
 
 use std::sync::Arc;
 
-use leafwise::core::{
-    Accuracy, DynamicApproximation, Integrator, Method, PartKind, PartParameters,
-};
+use leafwise::core::{Accuracy, DynamicApproximation, Method, PartKind, PartParameters, Walk};
 use leafwise::prelude::*;
 use leafwise::systems;
 use leafwise_tests::methods::run;
@@ -61,7 +59,7 @@ fn body(n: usize) -> Problem {
 fn operations(problem: &Problem, method: &Method) -> Option<u64> {
     let parameters = problem.system.parameter_values();
     let step = problem.time_step;
-    let mut integrator = Integrator::new(method, &parameters, 1.0, step, &problem.initial);
+    let mut integrator = Walk::new(method, &parameters, 1.0, step, &problem.initial);
     for _ in 0..32 {
         integrator.step().ok()?;
     }

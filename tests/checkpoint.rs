@@ -1,6 +1,6 @@
 //! A run that stops and continues from its checkpoint has the same bits as one that does not.
 
-use leafwise::core::{Integrator, Registry, Stepper};
+use leafwise::core::{Registry, Stepper, Walk};
 use leafwise::scene::SceneDocument;
 use leafwise::scene::compose::compose;
 use leafwise_tests::{library, method};
@@ -16,7 +16,7 @@ fn a_restored_run_continues_to_the_same_bits() {
         let method = method(&problem.system, n, m);
         let parameters = problem.system.parameter_values();
         let start = || {
-            Integrator::new(
+            Walk::new(
                 &method,
                 &parameters,
                 0.1,
@@ -64,7 +64,7 @@ fn a_checkpoint_of_another_dimension_is_refused() {
     let (body_method, top_method) = (method(&body.system, 2, 2), method(&top.system, 2, 2));
     let integrator = |problem: &leafwise_tests::Problem, method| {
         let parameters = problem.system.parameter_values();
-        Integrator::new(method, &parameters, 0.1, 1.0, &problem.initial)
+        Walk::new(method, &parameters, 0.1, 1.0, &problem.initial)
     };
     let foreign = integrator(&top, &top_method).checkpoint();
     let mut own = integrator(&body, &body_method);

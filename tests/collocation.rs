@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use leafwise::core::diagnostics::{RealizationInstrument, TensorDefect};
 use leafwise::core::{
-    Accuracy, Ends, Integrator, Method, PartParameters, PoissonSystem, RealizationData, Registry,
+    Accuracy, Ends, Method, PartParameters, PoissonSystem, RealizationData, Registry, Walk,
     realization_evaluator,
 };
 use leafwise::prelude::SceneDocument;
@@ -186,8 +186,8 @@ fn the_fused_and_the_generic_step_agree() {
             (fused.path().as_str(), generic.path().as_str()),
             ("fused", "evaluators")
         );
-        let mut a = Integrator::new(&fused, &values, 1.0, t, &problem.initial);
-        let mut b = Integrator::new(&generic, &values, 1.0, t, &problem.initial);
+        let mut a = Walk::new(&fused, &values, 1.0, t, &problem.initial);
+        let mut b = Walk::new(&generic, &values, 1.0, t, &problem.initial);
         for _ in 0..10 {
             a.step().expect("a step");
             b.step().expect("a step");
@@ -259,7 +259,7 @@ fn a_fused_step_takes_few_evaluations() {
     for (at, (system, initial, m, t, most)) in cases.into_iter().enumerate() {
         let (fused, _) = methods(&system, m);
         let values = system.parameter_values();
-        let mut integrator = Integrator::new(&fused, &values, 1.0, t, &initial);
+        let mut integrator = Walk::new(&fused, &values, 1.0, t, &initial);
         (0..50).for_each(|_| integrator.step().expect("a step"));
         let before = integrator.statistics().evaluations;
         (0..200).for_each(|_| integrator.step().expect("a step"));
@@ -283,7 +283,7 @@ fn steps_far_from_a_fold_follow_no_branch() {
         ];
         let runs = runs.map(|system| {
             let (fused, _) = methods(&system, 2);
-            let mut integrator = Integrator::new(&fused, &values, 1.0, t, &problem.initial);
+            let mut integrator = Walk::new(&fused, &values, 1.0, t, &problem.initial);
             integrator.step().expect("a step");
             let first = integrator.statistics().evaluations;
             (0..500).for_each(|_| integrator.step().expect("a step"));

@@ -6,7 +6,7 @@
 )]
 
 use leafwise::core::diagnostics::measure_drift;
-use leafwise::core::{Integrator, Observe, Registry, StepMap};
+use leafwise::core::{Observe, Registry, StepMap, Walk};
 use leafwise_tests::numbers::{UNIT_ROUNDOFF, distance, largest};
 use leafwise_tests::{library, method};
 
@@ -18,7 +18,7 @@ fn drift(n: usize, m: usize, epsilon: f64, h: f64) -> f64 {
     let body = library("rigid-body");
     let method = method(&body.system, n, m);
     let parameters = body.system.parameter_values();
-    let mut integrator = Integrator::new(&method, &parameters, epsilon, h, &body.initial);
+    let mut integrator = Walk::new(&method, &parameters, epsilon, h, &body.initial);
     let casimir = |x: &[f64], low: &[f64]| -> f64 {
         x.iter()
             .zip(low)
@@ -89,7 +89,7 @@ fn the_compensation_is_part_of_the_state() {
 fn dying_species_keep_their_relative_accuracy() {
     let species = library("lotka-volterra");
     let method = method(&species.system, 8, 2);
-    let mut integrator = Integrator::new(&method, &[], 0.01, 2.0, &[1.0, 3.0, 3.0]);
+    let mut integrator = Walk::new(&method, &[], 0.01, 2.0, &[1.0, 3.0, 3.0]);
     while integrator.state()[0] > 1e-100 {
         integrator.step().expect("a step");
         let x = integrator.state();
@@ -117,7 +117,7 @@ fn a_value_that_is_lost_at_one_step_is_not_forgotten() {
     let registry = Registry::with_builtin();
     let method = registry.automatic(&problem.system, 2).expect("a method");
     for lost in 0..20 {
-        let mut integrator = Integrator::new(&method, &values, 1.0, 0.01, &problem.initial);
+        let mut integrator = Walk::new(&method, &values, 1.0, 0.01, &problem.initial);
         let drifts = measure_drift(&mut integrator, &mut LostAt(lost, 0), 10).expect("steps");
         assert_eq!(drifts[0].largest.is_nan(), lost <= 10, "lost at {lost}");
     }

@@ -11,8 +11,7 @@ use leafwise::core::diagnostics::{TensorDefect, measure_drift, section_defect};
 use leafwise::core::dynamics::Generating;
 use leafwise::core::system::SystemInvariants;
 use leafwise::core::{
-    Evaluator, Integrator, Method, PartParameters, PoissonSystem, RealizationData, Registry,
-    StepMap,
+    Evaluator, Method, PartParameters, PoissonSystem, RealizationData, Registry, StepMap, Walk,
 };
 use leafwise_tests::numbers::{distance, largest};
 use leafwise_tests::{Problem, library};
@@ -107,7 +106,7 @@ fn assert_poisson(case: &Case, map: &dyn StepMap) {
     let stretch = defect.tangent.iter().fold(1.0_f64, |s, v| s.max(v.abs()));
     let bound = 64.0 * f64::EPSILON * defect.scale * stretch * stretch;
     let mut observer = SystemInvariants::new(&problem.system, &values).expect("invariants");
-    let mut integrator = Integrator::new(map, &values, 1.0, t, &problem.initial);
+    let mut integrator = Walk::new(map, &values, 1.0, t, &problem.initial);
     let drifts = measure_drift(&mut integrator, &mut observer, 100).expect("steps");
     let summands = summands(problem);
     let casimirs = drifts.iter().zip(&summands).skip(1);
@@ -225,8 +224,7 @@ fn realizations_of_so3_in_the_exponential_chart_are_one() {
         let steps = charts.clone().map(|(name, given)| {
             let realization = realization(&problem.system, name, given);
             let method = compose(&problem.system, &realization, dynamics.clone());
-            let mut integrator =
-                Integrator::new(&method, &values, 1.0, TIME_STEP, &problem.initial);
+            let mut integrator = Walk::new(&method, &values, 1.0, TIME_STEP, &problem.initial);
             integrator.step().expect("a step");
             (method.describe(), integrator.state().to_vec())
         });

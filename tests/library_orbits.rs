@@ -8,7 +8,7 @@
     reason = "measured numbers, read with --nocapture"
 )]
 
-use leafwise::core::Integrator;
+use leafwise::core::Walk;
 use leafwise::scene::ComposedRun;
 use leafwise_tests::numbers::{UNIT_ROUNDOFF, decimal, decimals, distance, largest};
 use leafwise_tests::orders::measure;
@@ -72,8 +72,7 @@ fn end(run: &ComposedRun, initial: &[f64], steps: usize) -> Vec<f64> {
     state[..initial.len()].copy_from_slice(initial);
     let parameters = run.system.parameter_values();
     let plan = &run.plan;
-    let mut integrator =
-        Integrator::new(run.method.map(), &parameters, plan.epsilon, plan.h, &state);
+    let mut integrator = Walk::new(run.method.map(), &parameters, plan.epsilon, plan.h, &state);
     integrator.advance(steps as u64).expect("every step");
     integrator.state()[..initial.len()].to_vec()
 }

@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use leafwise::core::diagnostics::{TensorDefect, fit_slope};
 use leafwise::core::noise::{NoisyMap, Normals, Seed};
-use leafwise::core::{Integrator, Registry, SideBySide, StepMap};
+use leafwise::core::{Registry, StepMap, Walk};
 use leafwise::scene::{ComposedRun, compose};
 use leafwise_tests::numbers::{UNIT_ROUNDOFF, distance};
 use leafwise_tests::scenes::{composed, document};
@@ -61,9 +61,9 @@ fn moved(
     };
     let parameters = each(&run.system.parameter_values());
     let (epsilon, h) = (run.plan.epsilon, run.plan.h);
-    let mut all = SideBySide::new(map, lanes, &parameters, epsilon, h, &each(from));
+    let mut all = Walk::new(map, &parameters, epsilon, h, &each(from));
     for _ in 0..steps {
-        all.step(|lane, error| panic!("member {lane}: {error}"));
+        all.step().expect("a step");
     }
     (0..lanes).map(|lane| all.last(lane).1).collect()
 }
@@ -395,9 +395,9 @@ fn steps_have_the_same_bits_in_any_company_and_after_any_interruption() {
         let together = after(&run, run.method.map(), 11, 50);
         for member in 0..11_u64 {
             let parameters = run.system.parameter_values();
-            let mut one = SideBySide::new(run.method.map(), 1, &parameters, 1.0, 0.1, &START);
+            let mut one = Walk::new(run.method.map(), &parameters, 1.0, 0.1, &START);
             one.follow(&[member]);
-            (0..50).for_each(|_| one.step(|_, error| panic!("{error}")));
+            (0..50).for_each(|_| one.step().expect("a step"));
             assert_eq!(
                 one.last(0).1,
                 together[member as usize],
@@ -455,7 +455,7 @@ fn a_step_is_that_of_the_hamiltonian_it_draws() {
         let run = spin(ONE, method, 0.25);
         let map = noisy(&run).with_normals(Arc::new(Always(0.7)));
         let values = run.system.parameter_values();
-        let mut drawn = Integrator::new(&map, &values, 1.0, 0.25, &START);
+        let mut drawn = Walk::new(&map, &values, 1.0, 0.25, &START);
         // w = ξ/√t = 1.4, σ = 0.5.
         let text = SPIN.replace("-B*z", "-B*z + 1.4*0.5*x");
         let text = format!(

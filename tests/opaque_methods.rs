@@ -8,8 +8,8 @@ use leafwise::core::part::PartKind;
 use leafwise::core::system::SystemInvariants;
 use leafwise::core::system::numbers::serves_numbers;
 use leafwise::core::{
-    BuildError, DynamicApproximation, Integrator, Method, PartParameters, PoissonSystem,
-    RealizationData, Registry, StepMap,
+    BuildError, DynamicApproximation, Method, PartParameters, PoissonSystem, RealizationData,
+    Registry, StepMap, Walk,
 };
 use leafwise_tests::methods::run;
 use leafwise_tests::{library, opaque};
@@ -137,7 +137,7 @@ fn casimirs_drift_by_round_off_alone() {
         let system = opaque::values_only(&problem.system);
         let values = system.parameter_values();
         for method in methods(&system) {
-            let mut integrator = Integrator::new(&method, &values, 1.0, 0.05, &problem.initial);
+            let mut integrator = Walk::new(&method, &values, 1.0, 0.05, &problem.initial);
             let mut invariants = SystemInvariants::new(&system, &values).expect("code");
             let drifts = measure_drift(&mut integrator, &mut invariants, steps).expect("a run");
             for (name, drift) in system.casimir_names().iter().zip(&drifts[1..]) {

@@ -9,8 +9,8 @@ use std::sync::Arc;
 
 use leafwise::core::diagnostics::{Defect, TensorDefect};
 use leafwise::core::{
-    Integrator, Method, PartParameters, PoissonSystem, Registry, Shadow, StepMap, Structure,
-    SystemFormulas,
+    Method, PartParameters, PoissonSystem, Registry, Shadow, StepMap, Structure, SystemFormulas,
+    Walk,
 };
 use leafwise::expression::{Arithmetic, Expression, Rational, Ring};
 use leafwise::scene::compose::ShadowEnergy;
@@ -71,7 +71,7 @@ fn change(
     function: &Expression,
 ) -> f64 {
     let parameters = formulas(system).parameter_values();
-    let mut run = Integrator::new(map, &parameters, 1.0, t, initial);
+    let mut run = Walk::new(map, &parameters, 1.0, t, initial);
     let first = function.evaluate(initial, &parameters);
     let mut sum = 0.0_f64;
     for _ in 0..steps {

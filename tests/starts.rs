@@ -5,7 +5,7 @@
     reason = "measured numbers, read with --nocapture"
 )]
 
-use leafwise::core::{Integrator, Method, PartParameters, PoissonSystem, Registry, StepMap};
+use leafwise::core::{Method, PartParameters, PoissonSystem, Registry, StepMap, Walk};
 use leafwise_tests::library;
 use leafwise_tests::numbers::distance;
 
@@ -95,8 +95,7 @@ fn a_step_of_a_short_series_takes_few_evaluations() {
         let system = library(name).system;
         let method = method(&system, realization, m);
         for &(t, most) in steps {
-            let mut integrator =
-                Integrator::new(&method, &system.parameter_values(), 1.0, t, &initial);
+            let mut integrator = Walk::new(&method, &system.parameter_values(), 1.0, t, &initial);
             for _ in 0..1000 {
                 integrator.step().expect("inside the chart");
             }

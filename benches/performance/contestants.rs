@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 
-use leafwise::core::Integrator;
+use leafwise::core::Walk;
 use leafwise::core::diagnostics::TensorDefect;
 use leafwise::scene::ComposedRun;
 use leafwise_benches::composed;
@@ -197,7 +197,7 @@ impl<P: Problem> Contestant for Adaptive<P> {
         });
         let parameters = run.system.parameter_values();
         let map = run.method.map();
-        let mut integrator = Integrator::new(map, &parameters, 1.0, P::TIME, &P::INITIAL);
+        let mut integrator = Walk::new(map, &parameters, 1.0, P::TIME, &P::INITIAL);
         integrator.step().ok()?;
         let statistics = integrator.statistics();
         Some(Solution {
@@ -333,10 +333,10 @@ impl<P: Problem> Ours<P> {
         }
     }
 
-    fn integrator(&self, steps: usize) -> Integrator {
+    fn integrator(&self, steps: usize) -> Walk {
         let parameters = self.run.system.parameter_values();
         let time_step = P::TIME / steps as f64;
-        Integrator::new(
+        Walk::new(
             self.run.method.map(),
             &parameters,
             1.0,

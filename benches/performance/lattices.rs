@@ -3,7 +3,7 @@
 use std::process::Command;
 
 use leafwise::composition::Scheme;
-use leafwise::core::Integrator;
+use leafwise::core::Walk;
 use leafwise::scene::ComposedRun;
 use leafwise_benches::composed;
 use ode_solvers::dop_shared::OutputType;
@@ -146,9 +146,9 @@ impl OursOfRing {
         }
     }
 
-    fn integrator(&self, steps: usize) -> Integrator {
+    fn integrator(&self, steps: usize) -> Walk {
         let map = self.run.method.map();
-        Integrator::new(map, &[], 1.0, TIME / steps as f64, &self.run.plan.initial)
+        Walk::new(map, &[], 1.0, TIME / steps as f64, &self.run.plan.initial)
     }
 }
 

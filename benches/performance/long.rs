@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use leafwise::core::Integrator;
+use leafwise::core::Walk;
 use leafwise_benches::composed;
 
 use crate::document::{Table, time};
@@ -110,7 +110,7 @@ impl<const D: usize> System<D> {
         let parameters = run.system.parameter_values();
         let step = TIME / (INSTANTS * steps) as f64;
         let map = run.method.map();
-        let integrator = Integrator::new(map, &parameters, 1.0, step, &self.initial);
+        let integrator = Walk::new(map, &parameters, 1.0, step, &self.initial);
         let integrator = std::cell::RefCell::new(integrator);
         let leg = |x: &mut [f64; D]| {
             let mut integrator = integrator.borrow_mut();

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::hint::black_box;
 
-use leafwise::core::Integrator;
+use leafwise::core::Walk;
 use leafwise_benches::composed;
 
 use crate::accuracy::ratio;
@@ -86,7 +86,7 @@ fn scene(summands: &[(usize, &Summand)], order: usize) -> String {
     )
 }
 
-fn integrator(summands: &[(usize, &Summand)], order: usize) -> Integrator {
+fn integrator(summands: &[(usize, &Summand)], order: usize) -> Walk {
     let mut integrator = composed(&scene(summands, order)).integrator();
     integrator.advance(WARM_UP).expect("steps");
     integrator
@@ -111,7 +111,7 @@ pub fn table() -> String {
             write!(name, "{sign}{}", summand.name).expect("a string");
         }
         for order in ORDERS {
-            let mut all: Vec<Integrator> = numbered
+            let mut all: Vec<Walk> = numbered
                 .iter()
                 .map(|one| integrator(&[*one], order))
                 .collect();

@@ -2,7 +2,7 @@
 
 use std::hint::black_box;
 
-use leafwise::core::Integrator;
+use leafwise::core::Walk;
 use leafwise_benches::{STEP_CASES, StepCase};
 
 use crate::accuracy::ratio;
@@ -75,7 +75,7 @@ fn hand(case: &StepCase) -> Steps {
     }
 }
 
-fn ours(integrator: &mut Integrator, steps: usize) -> Vec<f64> {
+fn ours(integrator: &mut Walk, steps: usize) -> Vec<f64> {
     integrator.advance(steps as u64).expect("steps");
     integrator.state().to_vec()
 }

@@ -6,12 +6,12 @@ use leafwise_expression::{Expression, Quantity};
 
 use crate::dynamics::DynamicApproximation;
 use crate::error::BuildError;
-use crate::integrator::Integrator;
 use crate::method::Method;
 use crate::part::{Auto, PartInfo, PartKind, PartParameters, Settings};
 use crate::realization::{Accuracy, RealizationData};
 use crate::registry::Registry;
 use crate::system::{Forces, PoissonSystem};
+use crate::walk::Walk;
 
 /// An exact realization of a system, found by its tensor.
 pub struct Exact {
@@ -245,7 +245,7 @@ fn operations_of_steps(
     // Of size 1 and in general position.
     let state: Vec<f64> = (0..d).map(|i| 1.0 / (1.0 + 0.1 * i as f64)).collect();
     let parameters = probe.parameter_values();
-    let mut integrator = Integrator::new(&method, &parameters, 1.0, TIME_STEP, &state);
+    let mut integrator = Walk::new(&method, &parameters, 1.0, TIME_STEP, &state);
     for _ in 0..STEPS {
         integrator.step().ok()?;
     }

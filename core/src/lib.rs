@@ -46,7 +46,6 @@ mod generating_function;
 mod generating_shadow;
 pub mod gradient;
 pub mod graph_bisection;
-pub mod integrator;
 pub mod lattice;
 pub mod lift;
 pub mod lifted_realization;
@@ -65,10 +64,10 @@ pub mod realization;
 pub mod registry;
 pub mod runge_kutta;
 pub mod shadow;
-mod side_by_side;
 mod solution_series;
 pub mod solver;
 pub mod system;
+pub mod walk;
 
 pub use bisection::{LagrangianBisection, PointCode};
 pub use chart::ChartMaps;
@@ -79,7 +78,6 @@ pub use dynamics::{Correction, DynamicApproximation};
 pub use error::{BuildError, StepError};
 pub use evaluator::Evaluator;
 pub use graph_bisection::{GraphBisection, OneForm};
-pub use integrator::Integrator;
 pub use lattice::LatticeMethod;
 pub use lift::Lift;
 pub use lifted_realization::LiftedRealization;
@@ -94,9 +92,9 @@ pub use realization::{
 };
 pub use registry::{Part, Registry, RegistryError};
 pub use shadow::Shadow;
-pub use side_by_side::SideBySide;
 pub use solver::{
     ByTangents, Differential, Inverse, MapProperties, Pieces, SolverStatistics, StepMap, Stepper,
     Structure, WithoutPoles,
 };
 pub use system::{Convention, PoissonSystem, SystemBuilder, SystemFormulas, SystemNumbers};
+pub use walk::Walk;

@@ -20,7 +20,7 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     let method = Registry::with_builtin().automatic(&system, 4)?;
     println!("{}", method.realization().describe());
     let parameters = system.parameter_values();
-    let mut integrator = Integrator::new(&method, &parameters, 1.0, 0.1, &[1.5, 0.8]);
+    let mut integrator = Walk::new(&method, &parameters, 1.0, 0.1, &[1.5, 0.8]);
     let mut energy = SystemInvariants::new(&system, &parameters)?;
     let drift = measure_drift(&mut integrator, &mut energy, 1000)?;
     println!(

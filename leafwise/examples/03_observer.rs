@@ -22,7 +22,7 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     let method = Registry::with_builtin().automatic(&system, 4)?;
 
     let amplitude = 2.0;
-    let mut integrator = Integrator::new(&method, &[], 1.0, 0.02, &[amplitude, 0.0]);
+    let mut integrator = Walk::new(&method, &[], 1.0, 0.02, &[amplitude, 0.0]);
     let mut crossings = Vec::new();
     while crossings.len() < 11 {
         let (before, t) = (integrator.state().to_vec(), integrator.time());

@@ -10,7 +10,7 @@ use leafwise::core::system::SystemInvariants;
 use leafwise::prelude::*;
 
 fn end(method: &Method, h: f64, time: f64) -> Result<Vec<f64>, StepError> {
-    let mut integrator = Integrator::new(method, &[], 1.0, h, &[1.0, 3.0, 3.0]);
+    let mut integrator = Walk::new(method, &[], 1.0, h, &[1.0, 3.0, 3.0]);
     while integrator.time() < time - h / 2.0 {
         integrator.step()?;
     }
@@ -43,7 +43,7 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
         let order = fit_slope(&errors, 1e-12)
             .ok_or("too few errors above round-off")?
             .exponent;
-        let mut integrator = Integrator::new(&method, &[], 1.0, 0.1, &[1.0, 3.0, 3.0]);
+        let mut integrator = Walk::new(&method, &[], 1.0, 0.1, &[1.0, 3.0, 3.0]);
         let drift = measure_drift(
             &mut integrator,
             &mut SystemInvariants::new(&system, &[])?,

@@ -5,7 +5,7 @@
 
 use leafwise::prelude::*;
 
-fn steps(integrator: &mut Integrator, count: usize) -> Result<(), StepError> {
+fn steps(integrator: &mut Walk, count: usize) -> Result<(), StepError> {
     (0..count).try_for_each(|_| integrator.step())
 }
 
@@ -17,7 +17,7 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     oscillators.hamiltonian((p * p + s * s + q * q + r * r) / 2 + q * q * r - r.pow(3) / 3);
     let system = oscillators.build()?;
     let method = Registry::with_builtin().automatic(&system, 4)?;
-    let start = || Integrator::new(&method, &[], 1.0, 0.1, &[0.1, 0.3, 0.2, -0.1]);
+    let start = || Walk::new(&method, &[], 1.0, 0.1, &[0.1, 0.3, 0.2, -0.1]);
 
     let mut whole = start();
     steps(&mut whole, 500)?;

@@ -6,6 +6,7 @@
 //!   dynamics and steppers.
 //! - [`systems`]: the problem library.
 //! - [`plugins`]: parts of third parties from shared libraries.
+//! - [`walk`]: trajectories in memory, watched between steps.
 //! - [`scene`]: scene files, composed.
 //! - [`run`]: runs, ensembles and sweeps, into directories; [`report`]: their pages.
 //! - [`conformance`]: is one part, built-in or of a plugin, what it declares?
@@ -42,6 +43,7 @@ pub use leafwise_so3 as so3;
 pub use leafwise_splitting as splitting;
 pub use leafwise_studies::{conformance, reproduce, stress, trade, verify};
 pub use leafwise_systems as systems;
+pub use leafwise_walk as walk;
 
 #[cfg(doctest)]
 #[doc = include_str!("../../README.md")]

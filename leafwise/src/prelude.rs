@@ -1,8 +1,8 @@
 //! What most programs need: `use leafwise::prelude::*`.
 
 pub use leafwise_core::{
-    Integrator, Method, PartParameters, PoissonSystem, Registry, SolverStatistics, StepError,
-    StepMap, SystemBuilder,
+    Method, PartParameters, PoissonSystem, Registry, SolverStatistics, StepError, StepMap,
+    SystemBuilder, Walk,
 };
 pub use leafwise_expression::{Expression, Quantity};
 pub use leafwise_scene::{ComposedRun, SceneDiagnostic, SceneDocument, compose};

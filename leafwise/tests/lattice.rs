@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::chain::Chain;
 use leafwise::core::lattice::{LatticeMap, LatticeMethod, LatticeObservables};
-use leafwise::core::{BuildError, Integrator, Method, PartParameters, Registry};
+use leafwise::core::{BuildError, Method, PartParameters, Registry, Walk};
 use leafwise::core::{Observe, StepMap};
 use proptest::prelude::{Just, ProptestConfig, Strategy, any, prop_assert, prop_oneof, proptest};
 
@@ -66,8 +66,8 @@ fn assert_agrees(chain: &Chain, n: i64, m: i64) {
         .collect();
     let lattice = compose(chain, n, m).expect("a lattice method");
     let method = written_out(chain, n, m);
-    let mut a = Integrator::new(&lattice, &[], 1.0, 0.02, &initial);
-    let mut b = Integrator::new(&method, &[], 1.0, 0.02, &initial);
+    let mut a = Walk::new(&lattice, &[], 1.0, 0.02, &initial);
+    let mut b = Walk::new(&method, &[], 1.0, 0.02, &initial);
     for _ in 0..20 {
         a.step().expect("a step");
         b.step().expect("a step");

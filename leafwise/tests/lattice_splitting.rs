@@ -6,7 +6,7 @@ use crate::chain::Chain;
 use leafwise::composition::{Composed, Scheme};
 use leafwise::core::lattice::LatticeMap;
 use leafwise::core::solver::{StepMap, Stepper, Structure};
-use leafwise::core::{BuildError, Integrator};
+use leafwise::core::{BuildError, Walk};
 use leafwise::splitting::{LatticeSplitting, Splitting};
 
 /// {x[i], x[i+1]} = x[i] x[i+1], H = Σ x[i].
@@ -265,7 +265,7 @@ fn casimirs_keep_to_round_off() {
     assert_eq!(sweeps.properties().structure, Structure::Exact);
     let scheme = Scheme::find("suzuki-4").expect("a scheme");
     let composed = Composed::new(Arc::new(sweeps), scheme).expect("self-adjoint");
-    let mut integrator = Integrator::new(&composed, &[], 1.0, 0.2, &initial(sites));
+    let mut integrator = Walk::new(&composed, &[], 1.0, 0.2, &initial(sites));
     let casimirs = |x: &[f64]| {
         [0, 1].map(|parity| {
             x.iter()

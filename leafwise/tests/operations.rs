@@ -5,7 +5,7 @@ use std::sync::Arc;
 use leafwise::core::SolverStatistics;
 use leafwise::core::part::PartKind;
 use leafwise::core::solver::NewtonKernel;
-use leafwise::core::{BuildError, Integrator, Method, PartParameters, Registry, StepMap};
+use leafwise::core::{BuildError, Method, PartParameters, Registry, StepMap, Walk};
 use leafwise::verify::Problem;
 
 const STEPS: u64 = 20;
@@ -29,10 +29,10 @@ fn pair(
     Method::compose(&problem.system, realization, dynamics)
 }
 
-fn stepped(map: &dyn StepMap, problem: &Problem, steps: u64) -> Integrator {
+fn stepped(map: &dyn StepMap, problem: &Problem, steps: u64) -> Walk {
     let values = problem.system.parameter_values();
     let step = 0.1 * problem.time_step;
-    let mut integrator = Integrator::new(map, &values, 1.0, step, &problem.initial);
+    let mut integrator = Walk::new(map, &values, 1.0, step, &problem.initial);
     (0..steps).for_each(|_| integrator.step().expect("a step"));
     integrator
 }

@@ -20,7 +20,7 @@ const STRIDE: u64 = 256;
 /// One trajectory: the method's steps from a scene's initial state.
 #[pyclass(frozen, module = "leafwise")]
 pub(crate) struct Integrator {
-    own: Mutex<leafwise::core::Integrator>,
+    own: Mutex<leafwise::core::Walk>,
     /// How many of the coordinates that are stepped are the scene's own.
     coordinates: usize,
     /// Which of them is the time, where steps are of another.
@@ -41,7 +41,7 @@ impl Integrator {
     }
 
     /// Nothing waits for it: the thread that has it may wait for the interpreter's lock.
-    fn get(&self) -> PyResult<MutexGuard<'_, leafwise::core::Integrator>> {
+    fn get(&self) -> PyResult<MutexGuard<'_, leafwise::core::Walk>> {
         match self.own.try_lock() {
             Ok(integrator) => Ok(integrator),
             Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),

@@ -12,7 +12,7 @@ use super::*;
 fn forgets(map: &dyn StepMap, run: &ComposedRun, may_refuse: bool) -> Result<(), TestCaseError> {
     let parameters = run.system.parameter_values();
     let plan = &run.plan;
-    let begin = || Integrator::new(map, &parameters, plan.epsilon, plan.h, &plan.initial);
+    let begin = || Walk::new(map, &parameters, plan.epsilon, plan.h, &plan.initial);
     let mut integrator = begin();
     for _ in 0..plan.steps {
         let before = integrator.checkpoint();

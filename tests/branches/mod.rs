@@ -7,7 +7,7 @@ mod lattices;
 mod log_canonical;
 mod midpoints;
 
-use leafwise::core::{Integrator, StepError};
+use leafwise::core::{StepError, Walk};
 use leafwise::scene::ComposedRun;
 use leafwise_tests::numbers::{distance, largest};
 use leafwise_tests::scenes::composed;
@@ -35,7 +35,7 @@ fn steps(run: &ComposedRun) -> (Vec<Vec<f64>>, Option<StepError>) {
 fn one_step(run: &ComposedRun, h: f64) -> Result<Vec<f64>, StepError> {
     let parameters = run.system.parameter_values();
     let (map, plan) = (run.method.map(), &run.plan);
-    let mut integrator = Integrator::new(map, &parameters, plan.epsilon, h, &plan.initial);
+    let mut integrator = Walk::new(map, &parameters, plan.epsilon, h, &plan.initial);
     integrator.step()?;
     Ok(integrator.state().to_vec())
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use leafwise::core::SideBySide;
+use leafwise::core::Walk;
 use leafwise::core::diagnostics::fit_slope;
 use leafwise::scene::ComposedRun;
 use leafwise_tests::scenes::composed;
@@ -120,10 +120,10 @@ fn a_damped_spin_reaches_equilibrium() {
     let each =
         |values: &[f64]| -> Vec<f64> { values.iter().flat_map(|v| vec![*v; lanes]).collect() };
     let (parameters, initial) = (each(&run.system.parameter_values()), each(&START));
-    let mut all = SideBySide::new(run.method.map(), lanes, &parameters, 1.0, 0.3, &initial);
+    let mut all = Walk::new(run.method.map(), &parameters, 1.0, 0.3, &initial);
     let mut sums = vec![0.0; lanes];
     for step in 0..540 {
-        all.step(|lane, error| panic!("member {lane}: {error}"));
+        all.step().expect("a step");
         if step >= 50 {
             let z = &all.state()[2 * lanes..];
             sums.iter_mut()

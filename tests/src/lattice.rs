@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use leafwise_core::lattice::observables::SiteDensity;
 use leafwise_core::lattice::{LatticeGeometry, LatticeMethod, LatticeSource, TemplateReach};
-use leafwise_core::{BuildError, Convention, Integrator, PoissonSystem, RealizationData, StepMap};
+use leafwise_core::{BuildError, Convention, PoissonSystem, RealizationData, StepMap, Walk};
 use leafwise_expression::Expression;
 use leafwise_expression::syntax::{Boundary, Formula, Scope, VariablePattern};
 use leafwise_hamilton_jacobi::HamiltonJacobi;
@@ -121,7 +121,7 @@ pub fn by_templates_and_written_out(
     let system = chain.write_out(&chain.geometry).expect("fits");
     let dense = hamilton_jacobi(&system, &realize(&system), m);
     let run = |map: &dyn StepMap| {
-        let mut integrator = Integrator::new(map, &[], 1.0, time_step, initial);
+        let mut integrator = Walk::new(map, &[], 1.0, time_step, initial);
         for _ in 0..steps {
             integrator.step().expect("a step");
         }

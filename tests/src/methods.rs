@@ -2,9 +2,7 @@
 
 use std::sync::Arc;
 
-use leafwise_core::{
-    BuildError, Integrator, Method, PoissonSystem, RealizationData, StepError, StepMap,
-};
+use leafwise_core::{BuildError, Method, PoissonSystem, RealizationData, StepError, StepMap, Walk};
 use leafwise_expression::{Expression, Graph, Kernel, Term};
 use leafwise_hamilton_jacobi::HamiltonJacobi;
 use leafwise_karasev::TruncatedKarasev;
@@ -62,7 +60,7 @@ pub fn run(
     initial: &[f64],
 ) -> Result<Vec<f64>, StepError> {
     let parameters = system.parameter_values();
-    let mut integrator = Integrator::new(map, &parameters, epsilon, h, initial);
+    let mut integrator = Walk::new(map, &parameters, epsilon, h, initial);
     for _ in 0..steps {
         integrator.step()?;
     }
@@ -76,7 +74,7 @@ pub fn run(
 pub fn assert_resumes(system: &PoissonSystem, map: &dyn StepMap, time_step: f64, initial: &[f64]) {
     const STEPS: usize = 20;
     let parameters = system.parameter_values();
-    let start = || Integrator::new(map, &parameters, 1.0, time_step, initial);
+    let start = || Walk::new(map, &parameters, 1.0, time_step, initial);
     let (mut whole, mut resumed) = (start(), start());
     (0..STEPS).for_each(|_| whole.step().expect("a step"));
     let kept = whole.checkpoint();

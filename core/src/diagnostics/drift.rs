@@ -1,10 +1,10 @@
 //! Invariants along an orbit: the largest deviation over every step, and whether it grows.
 
 use crate::error::{BuildError, StepError};
-use crate::integrator::Integrator;
 use crate::observe::Observe;
 use crate::solver::judge::larger;
 use crate::system::PoissonSystem;
+use crate::walk::Walk;
 
 /// How far an invariant moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,7 +34,7 @@ impl InvariantDrift {
 /// # Errors
 /// The map's [`StepError`].
 pub fn measure_drift(
-    integrator: &mut Integrator,
+    integrator: &mut Walk,
     observer: &mut dyn Observe,
     steps: usize,
 ) -> Result<Vec<InvariantDrift>, StepError> {

@@ -6,7 +6,7 @@
 
 use super::error::GradientError;
 use crate::error::StepError;
-use crate::integrator::{Checkpoint, Integrator};
+use crate::walk::{Checkpoint, Walk};
 
 /// Checkpoints for a run of so many steps: four times its binary logarithm.
 pub(super) fn checkpoints(steps: u64) -> u64 {
@@ -40,7 +40,7 @@ fn split(steps: u64, checkpoints: u64) -> u64 {
 /// # Errors
 /// Those of steps taken again, and of `visit`.
 pub(super) fn visit_in_reverse(
-    integrator: &mut Integrator,
+    integrator: &mut Walk,
     from: &Checkpoint,
     steps: u64,
     checkpoints: u64,

@@ -8,8 +8,8 @@ use super::checkpoints::{checkpoints, visit_in_reverse};
 use super::error::GradientError;
 use super::growth::Growth;
 use crate::error::StepError;
-use crate::integrator::Integrator;
 use crate::solver::{Differential, StepMap, add};
+use crate::walk::Walk;
 
 /// Steps between two looks at whether to go on, and at whether covectors are finite.
 const LOOK_EVERY: u64 = 1024;
@@ -123,7 +123,7 @@ pub struct Gradient {
 }
 
 impl Trajectory<'_> {
-    /// The run from `initial`: the states of an [`Integrator`], to the bit.
+    /// The run from `initial`: the states of an [`Walk`], to the bit.
     ///
     /// # Errors
     /// [`GradientError::Step`] with the step that failed.
@@ -304,8 +304,8 @@ impl Trajectory<'_> {
         Ok(covectors.gradient(Way::Checkpoints, 0.0, operations))
     }
 
-    fn integrator(&self, initial: &[f64]) -> Integrator {
-        Integrator::new(self.map, self.parameters, self.epsilon, self.h, initial)
+    fn integrator(&self, initial: &[f64]) -> Walk {
+        Walk::new(self.map, self.parameters, self.epsilon, self.h, initial)
     }
 
     fn differential(

@@ -54,18 +54,25 @@ impl SystemObservables {
         parameters: &[f64],
     ) -> Result<Self, BuildError> {
         let kernel = kernel(formulas, dimension, parameters.len())?;
-        Ok(Self::of(Arc::new(kernel), parameters))
+        Ok(Self::of(Arc::new(kernel), 1, parameters))
     }
 
     /// The same formulas, compiled once, for another set of parameters.
     #[must_use]
     pub fn at(&self, parameters: &[f64]) -> Self {
-        Self::of(Arc::clone(&self.kernel), parameters)
+        self.side_by_side(1, parameters)
     }
 
-    fn of(kernel: Arc<Kernel>, parameters: &[f64]) -> Self {
-        let mut workspace = kernel.workspace(1);
-        kernel.prepare(&mut workspace, parameters, &[1.0], &[1.0]);
+    /// The same formulas in `lanes` with parameters of their own: states, parameters and values are structures of arrays.
+    #[must_use]
+    pub fn side_by_side(&self, lanes: usize, parameters: &[f64]) -> Self {
+        Self::of(Arc::clone(&self.kernel), lanes, parameters)
+    }
+
+    fn of(kernel: Arc<Kernel>, lanes: usize, parameters: &[f64]) -> Self {
+        let mut workspace = kernel.workspace(lanes);
+        let ones = vec![1.0; lanes];
+        kernel.prepare(&mut workspace, parameters, &ones, &ones);
         Self { kernel, workspace }
     }
 }

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use crate::common::{Cayley, advance, karasev, lotka_volterra, method, rigid_body};
 use leafwise_collective::{Collective, SymplecticIntegrator};
 use leafwise_core::{
-    Accuracy, BuildError, Correction, DynamicApproximation, Integrator, MapCode, Method,
-    PartParameters, RealizationData, Registry, SourceTarget, StepError, StepMap,
+    Accuracy, BuildError, Correction, DynamicApproximation, MapCode, Method, PartParameters,
+    RealizationData, Registry, SourceTarget, StepError, StepMap, Walk,
 };
 use leafwise_expression::{Graph, Term};
 
@@ -119,7 +119,7 @@ fn a_step_without_a_solution_is_a_typed_error() {
     let system = rigid_body();
     for integrator in crate::common::INTEGRATORS {
         let map = method(&system, &realization, integrator, Correction::Bisection);
-        let mut run = Integrator::new(&map, &[], 1.0, 30.0, &[1.0, 3.0, 3.0]);
+        let mut run = Walk::new(&map, &[], 1.0, 30.0, &[1.0, 3.0, 3.0]);
         let error = run.step().expect_err("a step far too large");
         assert!(
             matches!(
@@ -144,7 +144,7 @@ fn a_state_outside_the_hamiltonians_domain_is_a_typed_error() {
         SymplecticIntegrator::Gauss(2),
         Correction::Bisection,
     );
-    let mut run = Integrator::new(&map, &[], 1.0, 0.1, &[1.0, -1.9, 0.0]);
+    let mut run = Walk::new(&map, &[], 1.0, 0.1, &[1.0, -1.9, 0.0]);
     assert!(matches!(run.step(), Err(StepError::NonFinite { .. })));
 }
 

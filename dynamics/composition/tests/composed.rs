@@ -13,7 +13,7 @@ use leafwise_core::diagnostics::{TensorDefect, fit_slope};
 use leafwise_core::registry::Registry;
 use leafwise_core::solver::{MapProperties, StepMap, Stepper};
 use leafwise_core::{
-    BuildError, Integrator, Method, PartParameters, PoissonSystem, StepError, Structure,
+    BuildError, Method, PartParameters, PoissonSystem, StepError, Structure, Walk,
 };
 use leafwise_hamilton_jacobi::HamiltonJacobi;
 use leafwise_karasev::TruncatedKarasev;
@@ -226,12 +226,12 @@ fn a_restored_run_continues_to_the_same_bits() {
     let system = rigid_body();
     let parameters = system.parameter_values();
     let map = composed(base(&system, 6, 2), "suzuki-umeno-8");
-    let mut whole = Integrator::new(map.as_ref(), &parameters, 1.0, 0.1, &INITIAL);
+    let mut whole = Walk::new(map.as_ref(), &parameters, 1.0, 0.1, &INITIAL);
     for _ in 0..20 {
         whole.step().expect("converges");
     }
     let checkpoint = whole.checkpoint();
-    let mut resumed = Integrator::new(map.as_ref(), &parameters, 1.0, 0.1, &INITIAL);
+    let mut resumed = Walk::new(map.as_ref(), &parameters, 1.0, 0.1, &INITIAL);
     resumed.restore(&checkpoint).expect("the same method");
     for _ in 0..20 {
         whole.step().expect("converges");

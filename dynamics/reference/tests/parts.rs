@@ -3,9 +3,7 @@
 use crate::common::{
     lotka_volterra, map, none, parts, pendulum, rigid_body, run, spins, system, try_map,
 };
-use leafwise_core::{
-    BuildError, Convention, Evaluator, Integrator, PoissonSystem, StepError, Stepper,
-};
+use leafwise_core::{BuildError, Convention, Evaluator, PoissonSystem, StepError, Stepper, Walk};
 
 #[test]
 fn parameters_out_of_range_are_refused() {
@@ -78,7 +76,7 @@ fn a_step_that_cannot_be_taken_is_a_typed_error() {
     );
     for (part, parameters, _) in parts() {
         let map = map(part, &singular, &parameters);
-        let mut run = Integrator::new(map.as_ref(), &[], 1.0, 0.1, &[1.0, 0.0, 0.5]);
+        let mut run = Walk::new(map.as_ref(), &[], 1.0, 0.1, &[1.0, 0.0, 0.5]);
         let error = run.step().expect_err("the field divides by zero there");
         assert!(
             matches!(error, StepError::NonFinite { .. }),
@@ -89,7 +87,7 @@ fn a_step_that_cannot_be_taken_is_a_typed_error() {
     for part in ["implicit-midpoint", "gauss", "spherical-midpoint"] {
         let map = map(part, &system, &none());
         let start = [0.6, 0.0, 0.8, -0.48, 0.6, 0.64];
-        let mut run = Integrator::new(map.as_ref(), &[], 1.0, 1e9, &start);
+        let mut run = Walk::new(map.as_ref(), &[], 1.0, 1e9, &start);
         // A solution of a step this large may exist; where none is found the state is intact.
         if let Err(error) = run.step() {
             assert!(
@@ -246,9 +244,9 @@ fn what_rests_is_resumed_with_the_same_bits() {
     for part in ["taylor", "dop853", "dormand-prince45"] {
         let map = map(part, &chain, &none().with("tolerance", 1e-8));
         for before in [1, 2, 5, 20] {
-            let mut through = Integrator::new(map.as_ref(), &[], 1.0, 0.1, &start);
+            let mut through = Walk::new(map.as_ref(), &[], 1.0, 0.1, &start);
             (0..before).for_each(|_| through.step().expect("a step"));
-            let mut resumed = Integrator::new(map.as_ref(), &[], 1.0, 0.1, &start);
+            let mut resumed = Walk::new(map.as_ref(), &[], 1.0, 0.1, &start);
             resumed.step().expect("a step of another run");
             let checkpoint = through.checkpoint();
             resumed.restore(&checkpoint).expect("a checkpoint of it");
@@ -310,7 +308,7 @@ fn what_rests_begins_to_move() {
             ("taylor", 1e-6),
         ] {
             let map = map(part, &chain, &none().with("tolerance", tolerance));
-            let mut integrator = Integrator::new(map.as_ref(), &[], 1.0, 0.1, &start);
+            let mut integrator = Walk::new(map.as_ref(), &[], 1.0, 0.1, &start);
             for _ in 0..50 {
                 let outcome = integrator.step();
                 assert_eq!(outcome, Ok(()), "{part} {tolerance:e}, {n}");
@@ -341,7 +339,7 @@ fn what_is_driven_from_rest_begins_to_move() {
     for part in ["dop853", "dormand-prince45"] {
         for tolerance in [1e-4, 1e-8, 1e-12] {
             let map = map(part, &ramp, &none().with("tolerance", tolerance));
-            let mut integrator = Integrator::new(map.as_ref(), &[], 1.0, 0.1, &[0.0; 4]);
+            let mut integrator = Walk::new(map.as_ref(), &[], 1.0, 0.1, &[0.0; 4]);
             for _ in 0..200 {
                 assert_eq!(integrator.step(), Ok(()), "{part} {tolerance:e}");
             }

@@ -10,7 +10,7 @@ use crate::common::{
     pendulum, rigid_body, run, system, try_map,
 };
 use leafwise_core::diagnostics::fit_slope;
-use leafwise_core::{BuildError, Convention, Integrator, PoissonSystem, StepError, StepMap};
+use leafwise_core::{BuildError, Convention, PoissonSystem, StepError, StepMap, Walk};
 use std::sync::Arc;
 
 fn taylor(system: &PoissonSystem, tolerance: f64) -> Arc<dyn StepMap> {
@@ -146,8 +146,7 @@ fn records_within_a_substep_are_on_the_solution() {
             println!("{}: {error:.1e}", map.describe());
             assert!(error < 100.0 * tolerance, "{error:e}");
             let evaluations = |steps: usize| {
-                let mut integrator =
-                    Integrator::new(map.as_ref(), &[], 1.0, 3.0 / steps as f64, &start);
+                let mut integrator = Walk::new(map.as_ref(), &[], 1.0, 3.0 / steps as f64, &start);
                 (0..steps).for_each(|_| integrator.step().expect("a step"));
                 integrator.statistics().evaluations
             };
@@ -170,9 +169,9 @@ fn a_restored_run_has_the_same_bits() {
     let across = across.map(|steps| (hill(), vec![-2.0, 1.0], steps));
     for (system, start, (h, before)) in cases.into_iter().chain(across) {
         let map = taylor(&system, 1e-9);
-        let mut through = Integrator::new(map.as_ref(), &[], 1.0, h, &start);
+        let mut through = Walk::new(map.as_ref(), &[], 1.0, h, &start);
         (0..before).for_each(|_| through.step().expect("a step"));
-        let mut resumed = Integrator::new(map.as_ref(), &[], 1.0, h, &vec![2.0; start.len()]);
+        let mut resumed = Walk::new(map.as_ref(), &[], 1.0, h, &vec![2.0; start.len()]);
         resumed.step().expect("a step of another run");
         resumed
             .restore(&through.checkpoint())
@@ -250,7 +249,7 @@ fn a_state_from_elsewhere_begins_anew() {
 fn a_motion_that_ends_is_reported() {
     let map = taylor(&singular(), 1e-12);
     for (h, steps) in [(0.3, 3), (2.0, 0), (0.009, 111)] {
-        let mut integrator = Integrator::new(map.as_ref(), &[], 1.0, h, &[1.0, 1.0]);
+        let mut integrator = Walk::new(map.as_ref(), &[], 1.0, h, &[1.0, 1.0]);
         (0..steps).for_each(|_| integrator.step().expect("before the end"));
         let (q, t) = (integrator.state()[0], integrator.time());
         // The condition of q = 1/(1 − t) is its own size.
@@ -268,7 +267,7 @@ fn a_motion_that_ends_is_reported() {
 #[test]
 fn a_state_without_a_series_is_refused() {
     let map = taylor(&kepler(), 1e-12);
-    let mut integrator = Integrator::new(map.as_ref(), &[], 1.0, 0.1, &[0.0; 4]);
+    let mut integrator = Walk::new(map.as_ref(), &[], 1.0, 0.1, &[0.0; 4]);
     let error = integrator.step();
     assert!(
         matches!(error, Err(StepError::NonFinite { .. })),
@@ -363,7 +362,7 @@ fn what_nearly_dies_out_keeps_its_digits_and_its_sign() {
     }
     // In one step of 0.2 the digits are lost in the sum.
     let map = taylor(&species, 1e-15);
-    let mut integrator = Integrator::new(map.as_ref(), &[], 1.0, 0.2, &[300.0, 1.0]);
+    let mut integrator = Walk::new(map.as_ref(), &[], 1.0, 0.2, &[300.0, 1.0]);
     let error = integrator.step();
     assert_eq!(error, Err(StepError::LostSign { coordinate: 1 }));
 }
@@ -380,7 +379,7 @@ fn round_off_of_the_field_is_no_residual() {
         Convention::HamiltonianFirst,
     );
     let map = taylor(&flat, 1e-15);
-    let mut integrator = Integrator::new(map.as_ref(), &[], 1.0, 1.0, &[1e-7, 1.0]);
+    let mut integrator = Walk::new(map.as_ref(), &[], 1.0, 1.0, &[1e-7, 1.0]);
     (0..10).for_each(|_| integrator.step().expect("a step"));
     let evaluations = integrator.statistics().evaluations;
     assert!(evaluations <= 10, "{evaluations} jets");
@@ -401,7 +400,7 @@ fn round_off_of_the_field_is_no_residual() {
     let map = taylor(&bodies, 1e-15);
     let jets = |offset: f64| {
         let start = [0.5 + offset, 0.0, -0.5 + offset, 0.0, 0.0, 0.6, 0.0, -0.6];
-        let mut integrator = Integrator::new(map.as_ref(), &[], 1.0, 0.5, &start);
+        let mut integrator = Walk::new(map.as_ref(), &[], 1.0, 0.5, &start);
         (0..40).for_each(|_| integrator.step().expect("a step"));
         integrator.statistics().evaluations
     };
@@ -425,7 +424,7 @@ fn work_is_pinned() {
         .iter()
         .map(|(system, start)| {
             let map = taylor(system, 1e-15);
-            let mut integrator = Integrator::new(map.as_ref(), &[], 1.0, 1e-6, start);
+            let mut integrator = Walk::new(map.as_ref(), &[], 1.0, 1e-6, start);
             integrator.step().expect("a step");
             let statistics = integrator.statistics();
             assert_eq!(statistics.evaluations, 1);

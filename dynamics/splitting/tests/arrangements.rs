@@ -9,7 +9,7 @@ use crate::common::{Problem, distance, gauss, largest, library, run, splitting, 
 use leafwise_composition::{Composed, Scheme};
 use leafwise_core::diagnostics::{TensorDefect, fit_slope};
 use leafwise_core::solver::StepMap;
-use leafwise_core::{BuildError, Convention, Integrator, PartParameters, Pieces, PoissonSystem};
+use leafwise_core::{BuildError, Convention, PartParameters, Pieces, PoissonSystem, Walk};
 
 /// A system of two degrees of freedom.
 fn canonical(id: &'static str, hamiltonian: &str, initial: &[f64]) -> Problem {
@@ -218,7 +218,7 @@ fn steps_in_one_call_are_those_one_by_one() {
         let system = problem.system();
         let values = system.parameter_values();
         let map = composed(&system, name).expect("a composition");
-        let start = |h: f64| Integrator::new(&map, &values, 1.0, h, &problem.initial);
+        let start = |h: f64| Walk::new(&map, &values, 1.0, h, &problem.initial);
         let (mut one, mut many) = (start(0.1), start(0.1));
         for _ in 0..700 {
             one.step().expect("finite");
@@ -231,7 +231,7 @@ fn steps_in_one_call_are_those_one_by_one() {
     let explosion = canonical("explosion", "p1^2/2 - q1^4", &[1.0, 1.0]);
     let system = explosion.system();
     let map = splitting(&system, &PartParameters::new()).expect("two pieces");
-    let start = || Integrator::new(map.as_ref(), &[], 1.0, 0.5, &explosion.initial);
+    let start = || Walk::new(map.as_ref(), &[], 1.0, 0.5, &explosion.initial);
     let (mut one, mut many) = (start(), start());
     let failure = (0..100).find_map(|_| one.step().err());
     assert_eq!(many.advance(100).err(), failure);

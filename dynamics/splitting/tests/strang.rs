@@ -15,7 +15,7 @@ use leafwise_composition::{Composed, Scheme};
 use leafwise_core::diagnostics::{TensorDefect, fit_slope};
 use leafwise_core::registry::Registry;
 use leafwise_core::solver::{StepMap, Structure};
-use leafwise_core::{Integrator, PartParameters, PoissonSystem};
+use leafwise_core::{PartParameters, PoissonSystem, Walk};
 use leafwise_splitting as _;
 
 fn systems() -> Vec<Problem> {
@@ -280,11 +280,11 @@ fn a_restored_run_continues_to_the_same_bits() {
     let system = problem.system();
     let parameters = system.parameter_values();
     let map = composed(strang(&system), "kahan-li-6");
-    let mut whole = Integrator::new(&map, &parameters, 1.0, 0.1, &problem.initial);
+    let mut whole = Walk::new(&map, &parameters, 1.0, 0.1, &problem.initial);
     for _ in 0..10 {
         whole.step().expect("finite");
     }
-    let mut resumed = Integrator::new(&map, &parameters, 1.0, 0.1, &problem.initial);
+    let mut resumed = Walk::new(&map, &parameters, 1.0, 0.1, &problem.initial);
     resumed
         .restore(&whole.checkpoint())
         .expect("the same method");

@@ -10,7 +10,7 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use leafwise::core::{Integrator, Registry, StepError, Structure};
+use leafwise::core::{Registry, StepError, Structure, Walk};
 use leafwise::run::{AdviceKind, RunOptions, RunOutcome};
 use leafwise::run::{Quiet, run};
 use leafwise::scene::{ComposedRun, SceneChecks, SceneDocument, compose};
@@ -152,7 +152,7 @@ fn end(scene: &RandomScene, run: &ComposedRun, steps: usize) -> Result<Vec<f64>,
     let values = run.system.parameter_values();
     let (plan, map) = (&run.plan, run.method.map());
     let h = plan.h * STEPS as f64 / steps as f64;
-    let mut integrator = Integrator::new(map, &values, plan.epsilon, h, &plan.initial);
+    let mut integrator = Walk::new(map, &values, plan.epsilon, h, &plan.initial);
     for _ in 0..steps {
         integrator.step()?;
     }

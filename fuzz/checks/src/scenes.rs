@@ -1,6 +1,6 @@
 //! Random scenes take a few steps: finite states or a typed failure, the same bits by machine code.
 
-use leafwise::core::{Integrator, Registry, StepMap};
+use leafwise::core::{Registry, StepMap, Walk};
 use leafwise::expression::Execution;
 use leafwise::scene::{ComposedRun, SceneDocument, compose};
 
@@ -78,7 +78,7 @@ fn states(run: &ComposedRun, how: Execution, steps: usize) -> Vec<Vec<u64>> {
     let plan = &run.plan;
     let map: &dyn StepMap = run.method.map();
     let values = run.system.parameter_values();
-    let mut integrator = Integrator::new(map, &values, plan.epsilon, plan.h, &plan.initial);
+    let mut integrator = Walk::new(map, &values, plan.epsilon, plan.h, &plan.initial);
     let mut states = vec![bits(integrator.state())];
     for _ in 0..steps {
         if integrator.step().is_err() {

@@ -4,8 +4,8 @@ use leafwise::core::diagnostics::{
     Defect, RealizationInstrument, TensorDefect, section_defect, self_adjointness_defect,
 };
 use leafwise::core::{
-    Integrator, MapProperties, PartParameters, Registry, SolverStatistics, StepError, StepMap,
-    Stepper, Structure,
+    MapProperties, PartParameters, Registry, SolverStatistics, StepError, StepMap, Stepper,
+    Structure, Walk,
 };
 use leafwise::scene::{ComposedRun, SceneDocument, compose};
 use leafwise::trade::tensor_defect;
@@ -201,7 +201,7 @@ fn defects(run: &ComposedRun, map: &dyn StepMap, time_step: f64) -> [f64; 2] {
 /// Φ(x).
 fn end(run: &ComposedRun, map: &dyn StepMap, time_step: f64) -> Vec<f64> {
     let values = run.system.parameter_values();
-    let mut integrator = Integrator::new(map, &values, 1.0, time_step, &run.plan.initial);
+    let mut integrator = Walk::new(map, &values, 1.0, time_step, &run.plan.initial);
     integrator.step().expect("a step");
     integrator.state().to_vec()
 }

@@ -9,8 +9,8 @@ mod twins;
 use std::sync::Arc;
 
 use leafwise_core::{
-    Convention, Integrator, Method, Part, PartParameters, PoissonSystem, RealizationData, Registry,
-    StepError, StepMap, Structure,
+    Convention, Method, Part, PartParameters, PoissonSystem, RealizationData, Registry, StepError,
+    StepMap, Structure, Walk,
 };
 use leafwise_expression::syntax::Scope;
 use support::build::{Workshop, rust_example};
@@ -233,7 +233,7 @@ fn leaving_a_domain_is_reported_with_its_ratio() {
     let (own, expected) = (orbit(&system, &walled, 100), orbit(&system, &cayley, 100));
     assert!(distance(&own, &expected) <= 100.0 * 8.0 * f64::EPSILON);
     // |h grad H| is 1.5 or so at h = 1.
-    let mut integrator = Integrator::new(&walled, &system.parameter_values(), 1.0, 1.0, &START);
+    let mut integrator = Walk::new(&walled, &system.parameter_values(), 1.0, 1.0, &START);
     match integrator.step() {
         Err(StepError::OutsideDomain { ratio, part, .. }) => {
             assert!((1.0..2.0).contains(&ratio), "{ratio}");
@@ -434,7 +434,7 @@ fn a_long_system_of_numbers_needs_no_matrices() {
         .expect("values suffice");
     let d = system.dimension();
     let start: Vec<f64> = (0..d).map(|i| (i % 2) as f64).collect();
-    let mut integrator = Integrator::new(map.as_ref(), &[], 1.0, 0.125, &start);
+    let mut integrator = Walk::new(map.as_ref(), &[], 1.0, 0.125, &start);
     integrator.step().expect("a step");
     // x_2 begins at 1 and x_1 with dx_1/dt = {H, x_1} = -x_2: a rotation by 1/8, to the order of rk4.
     let (sin, cos) = (libm::sin(0.125), libm::cos(0.125));
@@ -474,7 +474,7 @@ fn formulas_need_no_functions() {
     assert_eq!(system.parameter_values(), [2.0]);
     let (start, t) = ([0.4, 0.3], 0.05);
     let run = |map: &dyn StepMap, steps: usize| {
-        let mut integrator = Integrator::new(map, &[2.0], 1.0, t, &start);
+        let mut integrator = Walk::new(map, &[2.0], 1.0, t, &start);
         for _ in 0..steps {
             integrator.step().expect("a step");
         }

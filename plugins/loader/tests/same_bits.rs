@@ -14,8 +14,8 @@ use leafwise_core::part::ParameterSetting;
 use leafwise_core::part_description::{ParameterDescription, PartDescription};
 use leafwise_core::system::SystemEvaluator;
 use leafwise_core::{
-    BuildError, DynamicApproximation, Evaluator, Integrator, LagrangianBisection, Method, Origin,
-    PartKind, PartParameters, PoissonSystem, RealizationData, Registry, StepError, StepMap,
+    BuildError, DynamicApproximation, Evaluator, LagrangianBisection, Method, Origin, PartKind,
+    PartParameters, PoissonSystem, RealizationData, Registry, StepError, StepMap, Walk,
 };
 use leafwise_plugin_abi::{
     LW_FLAG_NOT_SELF_ADJOINT, LW_FLAG_SELF_ADJOINT, LW_STRUCTURE_EXACT, LW_STRUCTURE_NONE,
@@ -311,7 +311,7 @@ fn pendulum_orbit(registry: &Registry, which: &str) -> Vec<[u64; 2]> {
             part.build(&system, &strong).expect("dimension 2")
         }
     };
-    let mut integrator = Integrator::new(map.as_ref(), &[2.0], 1.0, 0.05, &[0.4, 0.3]);
+    let mut integrator = Walk::new(map.as_ref(), &[2.0], 1.0, 0.05, &[0.4, 0.3]);
     (0..500)
         .map(|_| {
             integrator.step().expect("a step");

@@ -3,15 +3,13 @@
 use std::path::Path;
 
 use leafwise_core::SolverStatistics;
-use leafwise_core::integrator::Checkpoint as IntegratorState;
+use leafwise_core::walk::Checkpoint as IntegratorState;
+use leafwise_walk::{PacedSteps, Side, StepStart};
 use serde::{Deserialize, Serialize};
 
 use super::appended::Vouched;
 use super::error::RunError;
-use super::events::Side;
 use super::invariants::Windows;
-use super::last_step::StepStart;
-use super::paced::PacedSteps;
 use super::samples;
 use super::sealed::Format;
 use super::snapshots::Snapshots;

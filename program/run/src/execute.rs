@@ -7,10 +7,10 @@ use leafwise_core::Registry;
 
 use super::checkpoint::Checkpoint;
 use super::columns::{header, headings, invariant_name, windows_headings};
+use super::crossing::Crossing;
 use super::directory::{REPORT, RunDirectory, RunRequest, SCENE, WINDOWS};
 use super::drive::Session;
 use super::error::RunError;
-use super::events::{Crossing, Event};
 use super::manifest::{Beginning, Kind, files, plugins};
 use super::outcome::{InvariantDrift, RunOutcome, RunReport};
 use super::page::{confirm_page, write_page};
@@ -27,6 +27,7 @@ use crate::csv::Headings;
 use leafwise_report::{ReportData, render_report};
 use leafwise_scene::compose::{ComposedRun, SceneChecks};
 use leafwise_scene::document::SceneDocument;
+use leafwise_walk::Event;
 
 /// Where a run is written and what is let pass.
 #[derive(Clone, Debug)]
@@ -101,7 +102,8 @@ pub fn run_in_memory(
     progress: &mut dyn Progress,
 ) -> Result<Recorded, RunError> {
     check(document, composed, asked.allow_non_poisson)?;
-    let mut session = Session::in_memory(composed, asked.events)?;
+    let course = composed.course(asked.events)?;
+    let mut session = Session::in_memory(composed, &course)?;
     let (outcome, has_no_room) = match session.drive(progress) {
         // What was kept before stays.
         Err(RunError::NoRoom(no_room)) => (
@@ -184,9 +186,10 @@ pub fn run(
         None => None,
     };
     let every = options.checkpoint_every;
+    let course = composed.course(&[])?;
     let resumed = checkpoint.as_ref();
     let mut resumed = resumed
-        .map(|checkpoint| Session::resume(composed, &directory, checkpoint, every))
+        .map(|checkpoint| Session::resume(composed, &course, &directory, checkpoint, every))
         .transpose()?;
     let resumed_at = checkpoint.map(|checkpoint| checkpoint.integrator.steps);
     if let (Some(session), Some(asked)) = (&resumed, composed.plan.until)
@@ -206,7 +209,7 @@ pub fn run(
     {
         session.repeat_end()?;
         let path = &directory.path;
-        let outcome = session.end_reached();
+        let outcome = session.outcome();
         let mut report = describe(composed, session, outcome, None);
         report.is_repeated = true;
         report.advice = advice(document, composed, registry, session, &report)?;
@@ -230,7 +233,7 @@ pub fn run(
     replace(&directory.path.join(SCENE), document.text.as_bytes())?;
     let mut session = match resumed {
         Some(session) => session,
-        None => Session::begin(composed, &directory, every)?,
+        None => Session::begin(composed, &course, &directory, every)?,
     };
     let mut finish = |progress: &mut dyn Progress| -> Result<RunReport, RunError> {
         let outcome = session.drive(progress)?;

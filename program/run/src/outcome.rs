@@ -2,11 +2,13 @@
 
 use leafwise_core::part::ParameterSetting;
 use leafwise_core::{PartKind, SolverStatistics, StepError};
+use leafwise_scene::compose::{ComposedRun, PartChoice};
+use leafwise_walk::{Ended, Fault};
 use serde::Serialize;
 
 use crate::advice::Advice;
+use crate::columns::invariant_name;
 use crate::shadow::ShadowVerdict;
-use leafwise_scene::compose::PartChoice;
 use leafwise_scene::json::{Double, double, doubles, optional};
 
 /// A step that could not be taken, or a state outside the formulas' domain.
@@ -30,6 +32,28 @@ pub struct Failure {
 const OF_A_REALIZATION: &str = "reduce epsilon*h or raise the realization's order";
 
 impl Failure {
+    /// The failure of a lane that has ended by a fault.
+    pub(crate) fn of(fault: &Fault, ended: &Ended, run: &ComposedRun) -> Self {
+        let (steps, time, state) = (ended.steps, ended.time, run.own(&ended.state));
+        match fault {
+            Fault::Step(error) => {
+                let mut failure = Self::of_step(error, steps, time, state);
+                failure.of_parts(&run.plan.parts);
+                failure
+            }
+            Fault::Undefined(text) => Self::of_observable(&format!("`{text}`"), steps, time, state),
+            Fault::Outside => Self::of_observable(invariant_name(run, 0), steps, time, state),
+            fault => Self {
+                message: fault.to_string(),
+                step: steps + 1,
+                time,
+                state: state.to_vec(),
+                hint: "write a pace that is positive along the motion, or reduce epsilon*h"
+                    .to_owned(),
+            },
+        }
+    }
+
     /// The failure of a step from `state`.
     pub(crate) fn of_step(error: &StepError, steps: u64, time: f64, state: &[f64]) -> Self {
         let text = error.to_string();

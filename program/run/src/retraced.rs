@@ -2,11 +2,11 @@
 
 use std::collections::VecDeque;
 
-use leafwise_core::Integrator;
-use leafwise_core::integrator::Checkpoint;
-use leafwise_scene::compose::{ComposedRun, is_same_time};
+use leafwise_core::Walk;
+use leafwise_core::walk::Checkpoint;
+use leafwise_scene::compose::ComposedRun;
+use leafwise_walk::{LastStep, is_same_time};
 
-use super::last_step::LastStep;
 use super::outcome::Failure;
 
 /// Numbers that the kept states hold at most: 32 MiB.
@@ -37,7 +37,7 @@ pub enum Retrace {
 /// of them, about a thousandth of the run, and one near an earlier time a few.
 pub struct Retraced {
     run: ComposedRun,
-    integrator: Integrator,
+    integrator: Walk,
     kept: Vec<Checkpoint>,
     every: u64,
     most: usize,
@@ -99,8 +99,10 @@ impl Retraced {
         if is_met(before) {
             return Ok(self.run.own(integrator.state()).to_vec());
         }
-        let mut last = LastStep::new(&self.run);
-        last.keep(integrator);
+        let parameters = self.run.system.parameter_values();
+        let (map, plan) = (self.run.method.map(), &self.run.plan);
+        let mut last = LastStep::new(map, parameters, plan.epsilon, plan.h);
+        last.start.keep(integrator);
         self.steps += 1;
         match last.state_at(before + 1, time) {
             Ok(state) => Ok(self.run.own(&state).to_vec()),

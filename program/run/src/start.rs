@@ -2,10 +2,10 @@
 
 use leafwise_core::{BuildError, Evaluator};
 
-use super::invariants::Functions;
 use crate::advice::{Advice, AdviceKind};
 use leafwise_scene::compose::{ComposedRun, Refusal};
 use leafwise_scene::document::SceneDocument;
+use leafwise_walk::outside;
 
 /// Why no step can be taken from the initial state, if none can: it is outside the energy's domain, or the motion has no
 /// finite value there and the method takes no step.
@@ -17,9 +17,14 @@ pub(super) fn refusal(
     composed: &ComposedRun,
 ) -> Result<Option<Refusal>, BuildError> {
     let initial = &composed.plan.initial;
-    let mut invariants = Functions::invariants(composed)?;
-    let is_outside = invariants.is_outside(initial);
-    let energy = invariants.at(initial)[0];
+    let mut invariants = composed.invariants()?;
+    let mut values = vec![0.0; invariants.observables()];
+    let is_outside = outside(initial, 1, |state, is_nan| {
+        invariants.evaluate(state, &mut values);
+        is_nan.push(values[0].is_nan());
+    }) == [true];
+    invariants.evaluate(initial, &mut values);
+    let energy = values[0];
     let message = if is_outside {
         "the energy has no value at the initial state".to_owned()
     } else {

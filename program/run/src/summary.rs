@@ -4,7 +4,6 @@ use leafwise_expression::words::counted;
 
 use super::drive::Session;
 use super::error::RunError;
-use super::invariants::Functions;
 use super::manifest::{PROGRAM_VERSION, plugins};
 use super::outcome::{RunOutcome, RunReport};
 use super::sampled::columns_of_states;
@@ -14,8 +13,9 @@ use leafwise_report::{
     Ellipsoid, InvariantSeries, Outcome, Recorded, ReportData, SectionPoints, TimeSeries,
     Trajectory,
 };
-use leafwise_scene::compose::{ComposedRun, Observable, SampleTimes, Section, WIDEST_STATE};
+use leafwise_scene::compose::{ComposedRun, Observable, WIDEST_STATE};
 use leafwise_scene::document::SceneDocument;
+use leafwise_walk::{SampleTimes, Section};
 
 /// The most samples that a report is drawn from.
 pub(crate) const MOST_ROWS: u64 = 50_000;
@@ -135,7 +135,8 @@ fn section(
     session: &Session<'_>,
     recorded: &[Vec<f64>],
 ) -> Result<Option<SectionPoints>, RunError> {
-    let (Some(section), Some(crossings)) = (&run.plan.events.section, session.crossings()) else {
+    let events = &run.plan.events;
+    let (Some(section), Some(crossings)) = (&events.section, session.crossings()) else {
         return Ok(None);
     };
     let stride = usize::try_from(crossings.count().div_ceil(MOST_ROWS)).unwrap_or(1);
@@ -146,19 +147,24 @@ fn section(
     };
     names.extend(run.plan.observables.iter().map(|o| o.name().to_owned()));
     let moves = |column: usize| spread(recorded, 1 + column);
-    Ok(section_points(section, &names, (&rows, 1), moves))
+    Ok(section_points(
+        (section, &events.axes),
+        &names,
+        (&rows, 1),
+        moves,
+    ))
 }
 
 /// The columns `names` of rows, which begin at a place in them, over each other: those that the scene asks for, or the first
 /// two that vary by more than a small part of what they vary by elsewhere.
 pub(crate) fn section_points(
-    section: &Section,
+    (section, axes): (&Section, &Option<[String; 2]>),
     names: &[String],
     (rows, first): (&[Vec<f64>], usize),
     elsewhere: impl Fn(usize) -> f64,
 ) -> Option<SectionPoints> {
     let varies = |column: &usize| spread(rows, first + column) > STILL * elsewhere(*column);
-    let axes: Vec<usize> = match &section.axes {
+    let axes: Vec<usize> = match axes {
         Some(axes) => (axes.iter())
             .filter_map(|axis| names.iter().position(|name| name == axis))
             .collect(),
@@ -454,10 +460,15 @@ fn leaf(run: &ComposedRun) -> Option<Ellipsoid> {
     if run.dimension() != 3 {
         return None;
     }
-    let mut invariants = Functions::invariants(run).ok()?;
-    let start = invariants.at(&run.plan.initial).to_vec();
+    let mut invariants = run.invariants().ok()?;
+    let mut start = vec![0.0; invariants.observables()];
+    invariants.evaluate(&run.plan.initial, &mut start);
+    let mut values = start.clone();
     (1..start.len()).find_map(|index| {
-        let mut casimir = |x: [f64; 3]| invariants.at(&x)[index];
+        let mut casimir = |x: [f64; 3]| {
+            invariants.evaluate(&x, &mut values);
+            values[index]
+        };
         ellipsoid(&mut casimir, start[index], &run.plan.initial)
     })
 }

@@ -1,6 +1,6 @@
 //! States of a run that its method is judged at, whatever the scene records.
 
-use leafwise_core::Integrator;
+use leafwise_core::Walk;
 use serde::{Deserialize, Serialize};
 
 use crate::advice::{LARGEST, MOST_STATES};
@@ -101,7 +101,7 @@ impl Watch {
     }
 
     /// Takes in the step, which was taken.
-    pub fn end(&mut self, integrator: &Integrator) {
+    pub fn end(&mut self, integrator: &Walk) {
         let evaluations = match integrator.state().len() == self.low.len() {
             true => integrator.evaluations(),
             false => 0,

@@ -7,7 +7,7 @@
 
 use std::sync::Arc;
 
-use leafwise_core::{BuildError, Integrator, PoissonSystem, RealizationData, Registry, StepMap};
+use leafwise_core::{BuildError, PoissonSystem, RealizationData, Registry, StepMap, Walk};
 use leafwise_direct_sum::DirectSum;
 // Linked for the realizations that they register.
 use leafwise_constant as _;
@@ -271,7 +271,7 @@ fn uncoupled_summands_move_as_each_alone() {
         let exact = exact.expect("an exact realization").realization;
         let method = hamilton_jacobi(system, &exact, order);
         let parameters = system.parameter_values();
-        let mut integrator = Integrator::new(&method, &parameters, 1.0, 0.1, initial);
+        let mut integrator = Walk::new(&method, &parameters, 1.0, 0.1, initial);
         integrator.advance(STEPS.into()).expect("steps");
         let statistics = integrator.statistics();
         (
@@ -392,7 +392,7 @@ fn uncoupled_summands_go_their_whole_way_alone_to_the_same_bits() {
         );
         let method = hamilton_jacobi(&system, &realization(&system).expect("a direct sum"), 2);
         let start = [0.3, 0.8, -0.4, 0.5, 0.1, 1.0, v, 1.2, 0.7];
-        let integrator = || Integrator::new(&method, &[], 1.0, 0.01, &start);
+        let integrator = || Walk::new(&method, &[], 1.0, 0.01, &start);
         let (mut whole, mut single) = (integrator(), integrator());
         let mut failure = None;
         while failure.is_none() {

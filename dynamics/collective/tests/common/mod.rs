@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use leafwise_collective::{Collective, SymplecticIntegrator};
 use leafwise_core::{
-    Accuracy, BuildError, ChartCode, Convention, Correction, Integrator, MapCode, Method,
-    PoissonSystem, RealizationData, SourceTarget, StepMap, Stepper,
+    Accuracy, BuildError, ChartCode, Convention, Correction, MapCode, Method, PoissonSystem,
+    RealizationData, SourceTarget, StepMap, Stepper, Walk,
 };
 use leafwise_expression::syntax::{Formula, Scope};
 use leafwise_expression::{Arithmetic, Expression, Graph, Rational, Term};
@@ -236,7 +236,7 @@ pub fn method(
 
 /// The state after `steps` steps of ε h = t.
 pub fn run(map: &dyn StepMap, t: f64, steps: usize, initial: &[f64]) -> Vec<f64> {
-    let mut integrator = Integrator::new(map, &[], 0.5, 2.0 * t, initial);
+    let mut integrator = Walk::new(map, &[], 0.5, 2.0 * t, initial);
     for _ in 0..steps {
         integrator.step().expect("a step that converges");
     }

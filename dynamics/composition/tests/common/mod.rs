@@ -97,7 +97,7 @@ pub fn run(
 ) -> Result<Vec<f64>, StepError> {
     let parameters = system.parameter_values();
     let h = time / steps as f64;
-    let mut integrator = leafwise_core::Integrator::new(map, &parameters, 1.0, h, initial);
+    let mut integrator = leafwise_core::Walk::new(map, &parameters, 1.0, h, initial);
     for _ in 0..steps {
         integrator.step()?;
     }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use leafwise_core::system::Casimir;
 use leafwise_core::{
-    BuildError, Convention, Integrator, PartParameters, PoissonSystem, Registry, StepMap,
+    BuildError, Convention, PartParameters, PoissonSystem, Registry, StepMap, Walk,
 };
 use leafwise_expression::Expression;
 use leafwise_expression::syntax::{Formula, Scope};
@@ -154,7 +154,7 @@ pub fn map(name: &str, system: &PoissonSystem, parameters: &PartParameters) -> A
 
 /// Every state of `steps` steps of εh = t, the first one included.
 pub fn orbit(map: &dyn StepMap, t: f64, steps: usize, initial: &[f64]) -> Vec<Vec<f64>> {
-    let mut integrator = Integrator::new(map, &[], 0.5, 2.0 * t, initial);
+    let mut integrator = Walk::new(map, &[], 0.5, 2.0 * t, initial);
     let mut states = vec![initial.to_vec()];
     for _ in 0..steps {
         integrator.step().expect("a step that converges");

@@ -1,6 +1,6 @@
 //! Long lattices: templates with offsets near and far move as they do written out, to the same bits by both kernels.
 
-use leafwise::core::{Integrator, Observe, Registry};
+use leafwise::core::{Observe, Registry, Walk};
 use leafwise::scene::compose::{Observable, Stepping};
 use leafwise::scene::{ComposedRun, SceneDocument, compose};
 
@@ -174,7 +174,7 @@ fn moves_the_same(lattice: &RandomLattice, run: &ComposedRun) -> Result<(), Stri
     let end = |steps: usize, time: f64| {
         let values = run.system.parameter_values();
         let h = time / run.plan.epsilon / steps as f64;
-        let mut integrator = Integrator::new(run.method.map(), &values, run.plan.epsilon, h, x);
+        let mut integrator = Walk::new(run.method.map(), &values, run.plan.epsilon, h, x);
         for _ in 0..steps {
             integrator.step().ok()?;
         }

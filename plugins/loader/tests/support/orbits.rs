@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use leafwise_core::system::{Casimir, Parameter};
 use leafwise_core::{
-    BuildError, Convention, Integrator, Method, PartParameters, PoissonSystem, RealizationData,
-    Registry, SideBySide, StepMap,
+    BuildError, Convention, Method, PartParameters, PoissonSystem, RealizationData, Registry,
+    StepMap, Walk,
 };
 use leafwise_expression::Expression;
 use leafwise_expression::syntax::{Formula, Scope};
@@ -78,7 +78,7 @@ pub const START: [f64; 3] = [0.3, 1.0, -0.7];
 
 /// The states after `steps` steps of 0.1.
 pub fn orbit(system: &PoissonSystem, map: &dyn StepMap, steps: usize) -> Vec<[u64; 3]> {
-    let mut integrator = Integrator::new(map, &system.parameter_values(), 1.0, 0.1, &START);
+    let mut integrator = Walk::new(map, &system.parameter_values(), 1.0, 0.1, &START);
     (0..steps)
         .map(|_| {
             integrator.step().expect("a step");
@@ -104,10 +104,10 @@ pub fn orbits(
         *x *= 1.0 + (at % lanes) as f64 / 64.0;
     }
     let parameters = spread(&system.parameter_values());
-    let mut going = SideBySide::new(map, lanes, &parameters, 1.0, 0.1, &start);
+    let mut going = Walk::new(map, &parameters, 1.0, 0.1, &start);
     let mut orbits = vec![Vec::new(); lanes];
     for _ in 0..steps {
-        going.step(|lane, error| panic!("lane {lane}: {error}"));
+        going.step().expect("a step");
         for (lane, orbit) in orbits.iter_mut().enumerate() {
             orbit.push([0, 1, 2].map(|j| going.state()[j * lanes + lane].to_bits()));
         }

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use leafwise::core::dynamics::Generating;
-use leafwise::core::{BuildError, Integrator, Method, Registry};
+use leafwise::core::{BuildError, Method, Registry, Walk};
 use leafwise::expression::{Execution, Graph, Kernel, StepSize, Term};
 use leafwise::run::advice::cheaper_over_lifts;
 use leafwise::scene::compose::ComposedRun;
@@ -22,7 +22,7 @@ pub fn explain(
     let plan = &run.plan;
     let parameters = run.system.parameter_values();
     let map = run.method.map();
-    let mut integrator = Integrator::new(map, &parameters, plan.epsilon, plan.h, &plan.initial);
+    let mut integrator = Walk::new(map, &parameters, plan.epsilon, plan.h, &plan.initial);
     let first_step = match integrator.step() {
         Ok(()) => duration(start.elapsed().as_secs_f64()),
         Err(error) => format!("the first step fails: {error}"),

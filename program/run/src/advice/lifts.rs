@@ -2,7 +2,7 @@
 
 use leafwise_core::automatic::OverLift;
 use leafwise_core::part::Family;
-use leafwise_core::{Integrator, Method, PartParameters, Registry, StepMap};
+use leafwise_core::{Method, PartParameters, Registry, StepMap, Walk};
 use leafwise_scene::compose::ComposedRun;
 use leafwise_scene::document::{MethodTable, PartUse};
 
@@ -140,7 +140,7 @@ struct Orbit {
 fn orbit(run: &ComposedRun, map: &dyn StepMap, length: f64, most: u64) -> Option<Orbit> {
     let (values, plan) = (run.system.parameter_values(), &run.plan);
     let h = length * plan.h;
-    let mut integrator = Integrator::new(map, &values, plan.epsilon, h, &plan.initial);
+    let mut integrator = Walk::new(map, &values, plan.epsilon, h, &plan.initial);
     let between = (LONGEST as f64 / length) as u64;
     let mut states = Vec::new();
     for _ in 0..TIMES {

@@ -44,7 +44,7 @@ mod truncation;
 mod unused;
 mod walk;
 
-use leafwise_core::{Integrator, Registry};
+use leafwise_core::{Registry, Walk};
 use serde::Serialize;
 
 pub(crate) use claims::casimir_drift;
@@ -140,7 +140,7 @@ pub(crate) fn states_from(run: &ComposedRun, x: &[f64], count: usize) -> Vec<Vec
     }
     let parameters = run.system.parameter_values();
     let (epsilon, h) = (run.plan.epsilon, run.plan.h);
-    let mut integrator = Integrator::new(run.method.map(), &parameters, epsilon, h, x);
+    let mut integrator = Walk::new(run.method.map(), &parameters, epsilon, h, x);
     let stride = (run.plan.steps / count as u64).clamp(1, MOST_STRIDE);
     while states.len() < count {
         if (0..stride).any(|_| integrator.step().is_err()) {
@@ -160,7 +160,7 @@ pub(crate) fn orbit_from(
     count: u64,
 ) -> Vec<Vec<f64>> {
     let (epsilon, h) = (run.plan.epsilon, run.plan.h);
-    let mut integrator = Integrator::new(run.method.map(), parameters, epsilon, h, x);
+    let mut integrator = Walk::new(run.method.map(), parameters, epsilon, h, x);
     let mut states = vec![x.to_vec()];
     for _ in 0..count {
         if integrator.step().is_err() {

@@ -1,6 +1,6 @@
 //! What a step map does along a run.
 
-use leafwise_core::{Integrator, StepMap};
+use leafwise_core::{StepMap, Walk};
 
 use leafwise_scene::compose::ComposedRun;
 
@@ -73,7 +73,7 @@ impl Trial {
         let (mut spent, mut counted, mut later) = (0, 0_u64, 0);
         let mut of_the_first = None;
         for x in states.into_iter().take(STATES) {
-            let mut integrator = Integrator::new(map, &parameters, epsilon, h, x);
+            let mut integrator = Walk::new(map, &parameters, epsilon, h, x);
             let initial = energy_at(x);
             let (mut largest, mut before) = (0.0_f64, 0);
             for step in 1..=STEPS {

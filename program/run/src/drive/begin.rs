@@ -2,57 +2,51 @@
 
 use std::time::Duration;
 
-use leafwise_core::{Integrator, SolverStatistics};
-use leafwise_scene::compose::{ComposedRun, Observable, SampleTimes};
+use leafwise_core::SolverStatistics;
+use leafwise_scene::compose::ComposedRun;
+use leafwise_walk::{Course, Memory, SampleTimes, Watched};
 
-use super::{Column, Session};
+use super::Session;
+use super::records::Records;
 use crate::checkpoint::{Checkpoint, FILE};
 use crate::columns::header;
 use crate::directory::RunDirectory;
 use crate::error::RunError;
-use crate::events::{Crossings, Event, EventWatch, StopWatch};
-use crate::invariants::{Functions, Windows};
-use crate::last_step::LastStep;
-use crate::paced::Paced;
 use crate::samples::{self, Samples};
-use crate::snapshots::Snapshots;
 use crate::states::StateTable;
-use crate::watch::Watch;
 
 impl<'a> Session<'a> {
     /// The first session of a run: its initial state is recorded, and a checkpoint written.
     pub fn begin(
         run: &'a ComposedRun,
+        course: &'a Course,
         directory: &'a RunDirectory,
         checkpoint_every: Duration,
     ) -> Result<Self, RunError> {
         let path = |name: &str| directory.path.join(name);
         let header = header(run);
         let samples = Samples::create(&path(samples::UNPUBLISHED), &header)?;
-        let mut session = Self::new(run, Some(directory), checkpoint_every, samples)?;
+        let mut session = Self::new(run, course, Some(directory), checkpoint_every, samples)?;
         if let Some(width) = wide(run) {
-            session.states = Some(StateTable::create(&directory.path, width)?);
+            session.records.states = Some(StateTable::create(&directory.path, width)?);
         }
-        if session.section.is_some() {
-            session.crossings = Some(Samples::create(&path(samples::SECTION), &header)?);
+        if run.plan.events.section.is_some() {
+            let path = path(samples::SECTION);
+            session.records.crossings = Some(Samples::create(&path, &header)?);
         }
         session.record()?;
-        session.samples.publish(&path(samples::FILE))?;
+        session.records.samples.publish(&path(samples::FILE))?;
         session.checkpoint()?;
         Ok(session)
     }
 
-    /// A run in memory that looks for events: its initial state is recorded.
-    pub fn in_memory(run: &'a ComposedRun, events: &'a [Event]) -> Result<Self, RunError> {
+    /// A run in memory: its initial state is recorded.
+    pub fn in_memory(run: &'a ComposedRun, course: &'a Course) -> Result<Self, RunError> {
         let width = 1 + run.plan.states.width() + run.plan.observables.len();
         let samples = Samples::in_memory(width, rows(run))?;
-        let mut session = Self::new(run, None, Duration::MAX, samples)?;
-        for event in events {
-            session.events.push(EventWatch::new(run, event)?);
-            session.last.get_or_insert_with(|| LastStep::new(run));
-        }
-        if session.section.is_some() {
-            session.crossings = Some(Samples::in_memory(width, 0)?);
+        let mut session = Self::new(run, course, None, Duration::MAX, samples)?;
+        if run.plan.events.section.is_some() {
+            session.records.crossings = Some(Samples::in_memory(width, 0)?);
         }
         session.record()?;
         Ok(session)
@@ -61,6 +55,7 @@ impl<'a> Session<'a> {
     /// The next session of a run; no file is changed before [`go_on`](Self::go_on).
     pub fn resume(
         run: &'a ComposedRun,
+        course: &'a Course,
         directory: &'a RunDirectory,
         checkpoint: &Checkpoint,
         checkpoint_every: Duration,
@@ -73,26 +68,30 @@ impl<'a> Session<'a> {
         let path = |name: &str| directory.path.join(name);
         let header = header(run);
         let samples = Samples::resume(&path(samples::FILE), &header, vouched, count)?;
-        let mut session = Self::new(run, Some(directory), checkpoint_every, samples)?;
+        let mut session = Self::new(run, course, Some(directory), checkpoint_every, samples)?;
+        let records = &mut session.records;
         if let Some(width) = wide(run) {
-            session.states = Some(StateTable::resume(
-                &directory.path,
-                width,
-                &checkpoint.states,
-            )?);
+            let states = StateTable::resume(&directory.path, width, &checkpoint.states)?;
+            records.states = Some(states);
         }
-        if let Some(section) = &mut session.section {
+        let section = run.plan.events.section.as_ref();
+        if section.is_some() {
             let (vouched, count) = (&checkpoint.section, checkpoint.crossings);
-            section.side = checkpoint.side;
             let path = path(samples::SECTION);
-            session.crossings = Some(Samples::resume(&path, &header, vouched, count)?);
+            records.crossings = Some(Samples::resume(&path, &header, vouched, count)?);
         }
-        session
-            .integrator
-            .restore(&checkpoint.integrator)
+        let memory = Memory {
+            walk: checkpoint.integrator.clone(),
+            start: checkpoint.start.clone(),
+            paced: checkpoint.paced.clone(),
+            sides: section.map(|_| checkpoint.side).into_iter().collect(),
+            samples: checkpoint.samples,
+        };
+        let restored = session.watched.restore(&memory);
+        restored
             .map_err(|expected| damaged(format!("its lists should have {expected} numbers")))?;
-        if checkpoint.windows.initial.len() != session.windows.initial.len()
-            || checkpoint.undefined.len() != session.undefined.len()
+        if checkpoint.windows.initial.len() != records.windows.initial.len()
+            || checkpoint.undefined.len() != records.undefined.len()
         {
             return Err(damaged("it is of another system".to_owned()));
         }
@@ -104,83 +103,35 @@ impl<'a> Session<'a> {
                 asked,
             });
         }
-        if let Some(paced) = &mut session.paced {
-            paced.steps = checkpoint.paced.clone();
-        }
-        if let Some(last) = &mut session.last {
-            if checkpoint.start.state.len() != last.start.state.len() {
-                return Err(damaged("it is of another system".to_owned()));
-            }
-            last.start = checkpoint.start.clone();
-        }
-        session.windows = checkpoint.windows.clone();
-        session.watch = checkpoint.watch.clone();
-        session.snapshots = checkpoint.snapshots.clone();
-        session.last_sample = checkpoint.last_sample;
-        session.undefined.clone_from(&checkpoint.undefined);
+        records.windows = checkpoint.windows.clone();
+        records.watch = checkpoint.watch.clone();
+        records.snapshots = checkpoint.snapshots.clone();
+        records.last_sample = checkpoint.last_sample;
+        records.undefined.clone_from(&checkpoint.undefined);
+        records.before = checkpoint.statistics.evaluations;
         session.before = checkpoint.statistics;
         session.wall = Duration::try_from_secs_f64(checkpoint.wall_seconds).unwrap_or_default();
-        if made > 0 {
-            session.failure = session.find_stop();
-        }
+        session.watched.look_again()?;
         Ok(session)
     }
 
     fn new(
         run: &'a ComposedRun,
+        course: &'a Course,
         directory: Option<&'a RunDirectory>,
         checkpoint_every: Duration,
         samples: Samples,
     ) -> Result<Self, RunError> {
-        let plan = &run.plan;
-        let mut invariants = Functions::invariants(run)?;
-        let formulas = Functions::formulas(run)?;
-        let mut columns = Vec::with_capacity(plan.observables.len());
-        let mut formula = 0;
-        for observable in &plan.observables {
-            columns.push(match observable {
-                Observable::Invariant { index, .. } => Column::Invariant(*index),
-                Observable::Formula { .. } => {
-                    formula += 1;
-                    Column::Formula(formula - 1)
-                }
-                Observable::Coordinate { index, .. } => Column::Coordinate(*index),
-            });
-        }
         let parameters = run.system.parameter_values();
-        let (map, epsilon, h) = (run.method.map(), plan.epsilon, plan.h);
-        let (paced, stop) = (Paced::of(run)?, StopWatch::of(run)?);
-        let section = Crossings::of(run)?;
-        let is_between =
-            paced.is_some() || stop.is_some() || section.is_some() || !plan.samples.are_steps();
+        let (map, initial) = (run.method.map(), run.plan.initial.clone());
+        let mut watched = Watched::new(course, map, vec![parameters], &[initial])?;
+        let records = Records::new(run, course, watched.invariants(), samples)?;
         Ok(Self {
             run,
             directory,
             checkpoint_every,
-            integrator: Integrator::new(map, &parameters, epsilon, h, &plan.initial),
-            paced,
-            last: is_between.then(|| LastStep::new(run)),
-            stop,
-            events: Vec::new(),
-            ended_by: None,
-            is_stopped: false,
-            section,
-            crossings: None,
-            failure: None,
-            end: None,
-            windows: Windows::new(invariants.at(&plan.initial)),
-            watch: Watch::new(&plan.initial),
-            invariants,
-            formulas,
-            row: vec![0.0; columns.len()],
-            columns,
-            samples,
-            states: None,
-            shown: Vec::new(),
-            snapshots: Snapshots::new(),
-            last_sample: None,
-            is_end_recorded: false,
-            undefined: vec![0; formula],
+            watched,
+            records,
             before: SolverStatistics::default(),
             wall: Duration::ZERO,
         })
@@ -189,13 +140,14 @@ impl<'a> Session<'a> {
     /// Prepares the files of an earlier session for more steps; `has_same_plan` unless the run is to
     /// become longer.
     pub fn go_on(&mut self, has_same_plan: bool) -> Result<(), RunError> {
-        if let Some(states) = &mut self.states {
+        let records = &mut self.records;
+        if let Some(states) = &mut records.states {
             states.go_on(has_same_plan)?;
         }
-        if let Some(crossings) = &mut self.crossings {
+        if let Some(crossings) = &mut records.crossings {
             crossings.go_on(has_same_plan)?;
         }
-        self.samples.go_on(has_same_plan)
+        records.samples.go_on(has_same_plan)
     }
 }
 

@@ -54,7 +54,7 @@ pub(super) fn measured(
     let worst =
         worst.and_then(|energy| Some((energy, ensemble.population.draw(energy.member).ok()?)));
     if let Some((energy, (state, parameters))) = worst {
-        let evaluator = ensemble.invariants.evaluator(1, &parameters);
+        let evaluator = ensemble.course.invariants.values(1, &parameters);
         let values = evaluator.map(|mut evaluator| {
             evaluator.measure_from(ensemble.origin(&state).as_slice());
             evaluator.at(&state).to_vec()

@@ -1,6 +1,7 @@
 //! When members are looked at.
 
-use leafwise_scene::compose::{ComposedRun, SampleTimes};
+use leafwise_scene::compose::ComposedRun;
+use leafwise_walk::SampleTimes;
 
 /// Marks on the way of every member: numbers of steps where all members make the same, |t| where samples lie at times or
 /// steps differ in length. All begin at 0.

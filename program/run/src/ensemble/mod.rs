@@ -3,9 +3,9 @@
 //! - `plan`: [`compose_ensemble`], a scene's system and method with its members;
 //! - `population`: [`Population`], the members' initial states and parameters by number;
 //! - `states`: [`Members`] that are given, by a file too;
-//! - `clock`: when they are looked at; `block`: members side by side, `record`: what they leave behind; `observers`: functions of all their states;
+//! - `clock`: when they are looked at; `block`: members side by side; `member_records`, `record`: what they leave behind;
 //! - `drive`: blocks on threads, taken in by number, so that no result depends on either;
-//! - `watch`: where members end or cross a section between two steps; `section`: the crossings in one file;
+//! - `section`: the crossings in one file;
 //! - `statistics`, `quantiles`, `losses`: what members are reduced to; `tree`: in which order;
 //! - `report`: [`EnsembleReport`], what is left behind;
 //! - `checkpoint`, `store`, `tables`, `ending`, `page`: what the run directory holds;
@@ -21,8 +21,8 @@ mod ending;
 mod execute;
 mod losses;
 mod member;
+mod member_records;
 mod merge;
-mod observers;
 mod page;
 mod plan;
 mod population;
@@ -37,7 +37,6 @@ mod tables;
 #[cfg(test)]
 mod tests;
 mod tree;
-mod watch;
 
 pub use advice::advise_ensemble;
 pub use drive::Workforce;

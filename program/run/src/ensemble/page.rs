@@ -169,7 +169,7 @@ pub(super) fn data(
         ranks: report.ranks(ensemble),
         bands,
         drifts: drifts.collect(),
-        drift_every: ensemble.drift_every,
+        drift_every: ensemble.course.invariants_every,
         failures: failures.collect(),
     })
 }
@@ -179,7 +179,8 @@ fn section(
     ensemble: &ComposedEnsemble,
     report: &EnsembleReport,
 ) -> io::Result<Option<SectionPoints>> {
-    let (Some(section), Some(count)) = (&ensemble.run.plan.events.section, report.crossings) else {
+    let events = &ensemble.run.plan.events;
+    let (Some(section), Some(count)) = (&events.section, report.crossings) else {
         return Ok(None);
     };
     let stride = usize::try_from(count.div_ceil(MOST_ROWS)).unwrap_or(1);
@@ -190,7 +191,7 @@ fn section(
     // On the section a coordinate may be held: it varies by round-off alone.
     let largest = (0..names.len()).map(|column| spread(&rows, 2 + column));
     let largest = largest.fold(0.0, f64::max);
-    let points = section_points(section, &names, (&rows, 2), |_| largest);
+    let points = section_points((section, &events.axes), &names, (&rows, 2), |_| largest);
     Ok(points.map(|points| SectionPoints {
         members: rows.iter().map(|row| row[0] as u64).collect(),
         ..points

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use leafwise_core::Registry;
 use leafwise_expression::Expression;
+use leafwise_walk::{Course, StateFunctions};
 
 use super::clock::Clock;
-use super::observers::{Functions, Watched};
 use super::population::Population;
 use super::states::Members;
 use super::statistics::Shape;
@@ -29,15 +29,13 @@ pub struct ComposedEnsemble {
     pub run: ComposedRun,
     /// The members.
     pub population: Population,
-    /// Every how many steps the invariants' deviations are taken in.
-    pub drift_every: u64,
     /// The quantiles of every observable.
     pub quantiles: Vec<f64>,
     /// Whether each member's last state is kept.
     pub final_states: FinalStates,
-    pub(super) invariants: Functions,
-    pub(super) formulas: Functions,
-    pub(super) watched: Watched,
+    /// The way of every member; the invariants are looked at every `drift_every` steps.
+    pub(super) course: Course,
+    pub(super) formulas: StateFunctions,
     pub(super) columns: Vec<Column>,
     pub(super) clock: Clock,
 }
@@ -133,17 +131,15 @@ fn compose_from(
         });
     }
     let expressions: Vec<&Expression> = expressions.iter().collect();
-    let formulas = Functions::formulas(&run.system, &expressions).map_err(without_code)?;
-    let invariants = Functions::invariants(&run).map_err(without_code)?;
-    let watched = Watched::of(&run).map_err(without_code)?;
+    let formulas = run.observables(&expressions).map_err(without_code)?;
+    let mut course = run.course(&[]).map_err(without_code)?;
+    course.invariants_every = ensemble.drift_every;
     Ok(ComposedEnsemble {
-        watched,
-        invariants,
-        formulas,
+        course,
+        formulas: formulas.into(),
         columns,
         population,
         clock: Clock::of(&run, every),
-        drift_every: ensemble.drift_every,
         quantiles: ensemble.quantiles.clone(),
         final_states: ensemble.final_states,
         run,
@@ -216,14 +212,6 @@ impl ComposedEnsemble {
         std::iter::once("energy").chain(casimirs).collect()
     }
 
-    /// The time of a member at a state after so many steps.
-    pub(super) fn time(&self, steps: u64, state: &[f64]) -> f64 {
-        match (self.run.pace(), &self.run.extension) {
-            (Some(_), Some(extension)) => state[extension.coordinates],
-            _ => steps as f64 * (self.run.plan.epsilon * self.run.plan.h) + 0.0,
-        }
-    }
-
     /// What H + e is measured from: e at an initial state, beside a pace.
     pub(super) fn origin(&self, initial: &[f64]) -> Option<f64> {
         self.run.pace()?;
@@ -252,7 +240,7 @@ impl ComposedEnsemble {
             times: self.clock.samples.len(),
             observables: self.columns.len(),
             windows: self.window_ends().len(),
-            invariants: self.invariants.count(),
+            invariants: self.course.invariants.count(),
             has_quantiles: !self.quantiles.is_empty(),
             losses: match self.run.plan.events.stop {
                 Some(_) => self.loss_ends().len(),

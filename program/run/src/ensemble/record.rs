@@ -7,7 +7,6 @@ use super::plan::ComposedEnsemble;
 use super::section::MemberCrossings;
 use super::statistics::{MemberFailure, Reductions};
 use super::tree::Tree;
-use super::watch::MemberStop;
 
 /// What the members of a block leave behind.
 pub(super) struct Record {
@@ -24,12 +23,21 @@ pub(super) struct Record {
     pub states: Vec<Vec<f64>>,
     pub parameters: Vec<Vec<f64>>,
     pub failures: Vec<Option<MemberFailure>>,
-    /// States at the end, where that lies between two steps.
-    pub ends: Vec<Option<Vec<f64>>>,
     /// Where the scene's condition has ended members.
     pub stops: Vec<Option<MemberStop>>,
     pub crossings: Vec<MemberCrossings>,
     pub statistics: SolverStatistics,
+}
+
+/// Where a condition has ended a member.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct MemberStop {
+    /// Its mark on the way: that of the step, or of the time; 0 where it holds at the initial state.
+    pub mark: f64,
+    /// The time.
+    pub time: f64,
+    /// The observables there.
+    pub row: Vec<f64>,
 }
 
 /// How a member has ended.
@@ -117,7 +125,7 @@ impl Record {
         into: &mut Reductions,
     ) {
         let (lanes, sampled) = (self.lanes, &ensemble.clock.samples);
-        let (columns, invariants) = (ensemble.columns.len(), ensemble.invariants.count());
+        let (columns, invariants) = (ensemble.columns.len(), ensemble.course.invariants.count());
         if let Some(failure) = self.failures[lane].clone() {
             into.push_failure(failure);
             return;

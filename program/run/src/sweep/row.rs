@@ -31,12 +31,12 @@ pub(super) struct Signals {
 }
 
 /// One of them.
-struct Watched<'a> {
+struct Counted<'a> {
     signals: &'a Signals,
     steps: u64,
 }
 
-impl Progress for Watched<'_> {
+impl Progress for Counted<'_> {
     fn show(&mut self, status: &Status) {
         let made = status.steps - self.steps;
         self.signals.steps.fetch_add(made, Ordering::Relaxed);
@@ -55,8 +55,9 @@ impl Row {
         run: &ComposedRun,
         signals: &Signals,
     ) -> Result<Option<Self>, RunError> {
-        let mut session = Session::in_memory(run, &[])?;
-        let mut watched = Watched { signals, steps: 0 };
+        let course = run.course(&[])?;
+        let mut session = Session::in_memory(run, &course)?;
+        let mut watched = Counted { signals, steps: 0 };
         let outcome = session.drive(&mut watched)?;
         if outcome == RunOutcome::Interrupted {
             return Ok(None);

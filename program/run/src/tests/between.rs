@@ -1,6 +1,6 @@
 //! States at any times and events, against samples and sections of the same run.
 
-use leafwise_scene::document::Direction;
+use leafwise_walk::Direction;
 use proptest::prelude::*;
 
 use super::{Prepared, StopAfter};

@@ -2,6 +2,7 @@
 
 use leafwise_expression::Expression;
 use leafwise_expression::syntax::Scope;
+use leafwise_walk::{Direction, Section, Stop};
 
 use super::Refusal;
 use super::definitions::scope;
@@ -10,46 +11,17 @@ use super::extended::Extension;
 use super::names::function;
 use super::observables::Observable;
 use super::states::RecordedStates;
-use crate::document::{Direction, Located, Place, SceneDocument, Source, nearest};
-
-/// Where a run ends before its last step: left > right, or another comparison.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Stop {
-    /// As the scene writes it.
-    pub text: String,
-    /// The larger side less the smaller one.
-    pub difference: Expression,
-    /// Whether it holds where both sides are equal.
-    pub is_closed: bool,
-}
-
-impl Stop {
-    /// Whether it holds where the [`difference`](Self::difference) has this value.
-    pub fn holds(&self, difference: f64) -> bool {
-        difference > 0.0 || (self.is_closed && difference == 0.0)
-    }
-}
-
-/// A surface left = right whose crossings are recorded.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Section {
-    /// As the scene writes it.
-    pub text: String,
-    /// left − right.
-    pub difference: Expression,
-    /// Which crossings.
-    pub direction: Direction,
-    /// The columns of `section.csv` that the report draws over each other, where the scene names them.
-    pub axes: Option<[String; 2]>,
-}
+use crate::document::{Located, Place, SceneDocument, Source, nearest};
 
 /// What is watched.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Events {
     /// Where the run ends.
     pub stop: Option<Stop>,
-    /// What is recorded on the way.
+    /// The surface whose crossings are recorded.
     pub section: Option<Section>,
+    /// The columns of `section.csv` that the report draws over each other, where the scene names them.
+    pub axes: Option<[String; 2]>,
 }
 
 /// Reads `stop` and `section` of a scene.
@@ -74,11 +46,19 @@ pub(super) fn events(document: &SceneDocument, scope: &Scope) -> Result<Events, 
             text: section.at.value.trim().to_owned(),
             difference: difference(document, scope, &section.at, &["="])?.0,
             direction: section.direction,
-            axes: section.axes.clone().map(|axes| axes.map(|axis| axis.value)),
         }),
         None => None,
     };
-    Ok(Events { stop, section })
+    let axes = run
+        .section
+        .as_ref()
+        .and_then(|section| section.axes.clone());
+    let axes = axes.map(|axes| axes.map(|axis| axis.value));
+    Ok(Events {
+        stop,
+        section,
+        axes,
+    })
 }
 
 impl Events {
@@ -114,69 +94,44 @@ impl Events {
     }
 }
 
-impl Section {
-    /// Whether a crossing to this side counts: 1 where left > right, −1 where left < right.
-    pub fn counts(&self, side: f64) -> bool {
-        match self.direction {
-            Direction::Up => side > 0.0,
-            Direction::Down => side < 0.0,
-            Direction::Both => true,
-        }
+/// A surface of a scene, `left = right`, beside the one that it may have itself; the run begins at `initial` with these
+/// `parameters`, on a long lattice or not.
+///
+/// # Errors
+/// A formula that is none, one that has no value where the run begins, and a long lattice.
+pub fn section_of(
+    document: &SceneDocument,
+    is_long: bool,
+    (initial, parameters): (&[f64], &[f64]),
+    text: &str,
+    direction: Direction,
+) -> Result<Section, Refusal> {
+    let families = &document.system.families;
+    let lengths: Vec<usize> = families.iter().map(|(_, length)| length.value).collect();
+    let given = format!("events = \"{text}\"");
+    let place = Place {
+        span: given.len() - text.len() - 2..given.len(),
+        source: Source::Override(given.into()),
+    };
+    let text = Located::new(text.to_owned(), place);
+    if is_long {
+        return Err(refuse(
+            document,
+            &text,
+            format!("events are not offered on a lattice of more than {DENSE_LIMIT} coordinates"),
+            "of this run",
+            "shorten the lattice, or record the formula as an observable",
+        ));
     }
-
-    /// Which crossings, in words.
-    pub fn direction_in_words(&self) -> &'static str {
-        match self.direction {
-            Direction::Up => "upwards",
-            Direction::Down => "downwards",
-            Direction::Both => "in both directions",
-        }
-    }
-}
-
-impl Section {
-    /// A surface of a scene, `left = right`, beside the one that it may have itself; the run begins at `initial` with these
-    /// `parameters`, on a long lattice or not.
-    ///
-    /// # Errors
-    /// A formula that is none, one that has no value where the run begins, and a long lattice.
-    pub fn of(
-        document: &SceneDocument,
-        is_long: bool,
-        (initial, parameters): (&[f64], &[f64]),
-        text: &str,
-        direction: Direction,
-    ) -> Result<Self, Refusal> {
-        let families = &document.system.families;
-        let lengths: Vec<usize> = families.iter().map(|(_, length)| length.value).collect();
-        let given = format!("events = \"{text}\"");
-        let place = Place {
-            span: given.len() - text.len() - 2..given.len(),
-            source: Source::Override(given.into()),
-        };
-        let text = Located::new(text.to_owned(), place);
-        if is_long {
-            return Err(refuse(
-                document,
-                &text,
-                format!(
-                    "events are not offered on a lattice of more than {DENSE_LIMIT} coordinates"
-                ),
-                "of this run",
-                "shorten the lattice, or record the formula as an observable",
-            ));
-        }
-        let mut scope = scope(document, &lengths, None)?;
-        Extension::of(document, &lengths, &mut scope)?;
-        let section = Self {
-            text: text.value.trim().to_owned(),
-            difference: difference(document, &scope, &text, &["="])?.0,
-            direction,
-            axes: None,
-        };
-        defined(document, &text, &section.difference, initial, parameters)?;
-        Ok(section)
-    }
+    let mut scope = scope(document, &lengths, None)?;
+    Extension::of(document, &lengths, &mut scope)?;
+    let section = Section {
+        text: text.value.trim().to_owned(),
+        difference: difference(document, &scope, &text, &["="])?.0,
+        direction,
+    };
+    defined(document, &text, &section.difference, initial, parameters)?;
+    Ok(section)
 }
 
 /// Refuses axes that are no columns of `section.csv`.

@@ -13,8 +13,6 @@
 //! in the extended phase-space*, Celestial Mechanics 11 (1975); E. Hairer, *Variable time step integration with symplectic
 //! methods*, Applied Numerical Mathematics 25 (1997)).
 
-use leafwise_core::Observe;
-use leafwise_core::system::SystemObservables;
 use leafwise_expression::Expression;
 use leafwise_expression::syntax::Scope;
 use thiserror::Error;
@@ -35,14 +33,14 @@ pub struct Extension {
     /// d, the number of the scene's own coordinates and parameters of sites: t is x_d, e is x_{d+1}, counted from 0.
     pub coordinates: usize,
     /// dt/dτ, where steps are of a fictitious time τ.
-    pub pace: Option<Pace>,
+    pub pace: Option<PaceFormula>,
     /// H + e.
     energy: Expression,
 }
 
 /// g = dt/dτ, a positive function of the scene's coordinates and the time.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Pace {
+pub struct PaceFormula {
     /// As the scene writes it.
     pub text: String,
     /// The function of the extended phase space.
@@ -190,31 +188,12 @@ impl Extension {
     }
 }
 
-/// The balance H − ∫ ∂H/∂t dt, then each Casimir: H + e less e_0, a number, as ensembles have it for each member.
-pub(super) struct Balance {
-    /// H + e, then each Casimir.
-    pub observer: SystemObservables,
-    /// e_0.
-    pub origin: f64,
-}
-
-impl Observe for Balance {
-    fn observables(&self) -> usize {
-        self.observer.observables()
-    }
-
-    fn evaluate(&mut self, state: &[f64], values: &mut [f64]) {
-        self.observer.evaluate(state, values);
-        values[0] -= self.origin;
-    }
-}
-
 /// The pace's formula; none is chosen by itself.
 fn read_pace(
     document: &SceneDocument,
     scope: &Scope,
     text: &Located<String>,
-) -> Result<Pace, Refusal> {
+) -> Result<PaceFormula, Refusal> {
     if text.value.trim() == "auto" {
         return Err(Box::new(document.diagnostic(
             &document.place_in_formula(text, 0..text.value.len()),
@@ -225,7 +204,7 @@ fn read_pace(
             ),
         )));
     }
-    Ok(Pace {
+    Ok(PaceFormula {
         text: text.value.clone(),
         formula: function(document, scope, text)?,
     })

@@ -6,28 +6,30 @@ use std::sync::Arc;
 use leafwise_core::lattice::LatticeMethod;
 use leafwise_core::system::{SystemInvariants, SystemObservables};
 use leafwise_core::{
-    BuildError, Integrator, Method, Observe, Origin, PartKind, PoissonSystem, Registry, StepMap,
-    Structure, WithoutPoles,
+    BuildError, Method, Observe, Origin, PartKind, PoissonSystem, Registry, StepMap, Structure,
+    Walk, WithoutPoles,
 };
 use leafwise_expression::Expression;
+use leafwise_walk::{Course, Direction, Event, Pace, SampleTimes, Section, StateFunctions};
 
 use super::Refusal;
-use super::events::{Events, Section, check_axes};
-use super::extended::{Balance, Extension, Pace};
+use super::events::{Events, check_axes, section_of};
+use super::extended::{Extension, PaceFormula};
 use super::fit::{check_exactness, check_first_order, check_tensor};
 use super::functions::CompiledFunctions;
 use super::lattice::{SceneLattice, has_room, shortened};
+use super::lattice_functions::LatticeFunctions;
 use super::noise::NoisySteps;
 use super::observables::Observable;
 use super::part_choice::PartChoice;
 use super::parts::{Base, Parts, parts, system_choice, what_fits};
 use super::request::formula_refusal;
-use super::sample_times::{SampleTimes, check_given_times};
+use super::sample_times::{check_given_times, sample_times};
 use super::shadow::{RecordedShadow, with_shadows};
 use super::states::{RecordedStates, recorded_states};
 use super::stepping::{LatticeBase, LatticeStepping, MapStepping, Stepping};
 use super::system::{ComposedSystem, compose_system};
-use crate::document::{Direction, Located, Number, PartSpec, SceneDocument};
+use crate::document::{Located, Number, PartSpec, SceneDocument};
 
 /// What a run does.
 #[derive(Clone, Debug)]
@@ -197,7 +199,7 @@ fn compose_at_its_values(
         h: step.h(),
         steps: document.run.steps.value,
         until: document.run.until.as_ref().map(|until| until.value.value),
-        samples: SampleTimes::of(document),
+        samples: sample_times(document),
         initial: composed.initial,
         coordinates: document.system.coordinates(),
         files: document.files(),
@@ -389,7 +391,7 @@ impl ComposedRun {
     /// A surface of its scene, `left = right`, beside the one that it may have itself.
     ///
     /// # Errors
-    /// Those of [`Section::of`].
+    /// Those of [`section_of`].
     pub fn section(
         &self,
         document: &SceneDocument,
@@ -399,19 +401,19 @@ impl ComposedRun {
         let parameters = self.system.parameter_values();
         let is_long = self.method.lattice().is_some();
         let start = (self.plan.initial.as_slice(), parameters.as_slice());
-        Section::of(document, is_long, start, text, direction)
+        section_of(document, is_long, start, text, direction)
     }
 
     /// dt/dτ, where steps are of a fictitious time τ.
-    pub fn pace(&self) -> Option<&Pace> {
+    pub fn pace(&self) -> Option<&PaceFormula> {
         self.extension.as_ref()?.pace.as_ref()
     }
 
     /// An integrator at the scene's initial state, with its parameters and step sizes.
-    pub fn integrator(&self) -> Integrator {
+    pub fn integrator(&self) -> Walk {
         let parameters = self.system.parameter_values();
         let plan = &self.plan;
-        Integrator::new(
+        Walk::new(
             self.method.map(),
             &parameters,
             plan.epsilon,
@@ -425,25 +427,97 @@ impl ComposedRun {
     /// # Errors
     /// [`BuildError::Algebra`] where one has no code.
     pub fn invariants(&self) -> Result<Box<dyn Observe>, BuildError> {
+        let functions = self.invariant_functions()?;
+        let mut values = functions.values(1, &self.system.parameter_values())?;
+        if let Some(extension) = self.extension.as_ref().filter(|_| self.pace().is_some()) {
+            values.measure_from(&[extension.origin(&self.plan.initial)]);
+        }
+        Ok(Box::new(values))
+    }
+
+    /// The energy, H + e where there is a pace, then each Casimir.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where one has no code.
+    pub fn invariant_functions(&self) -> Result<StateFunctions, BuildError> {
         if let Stepping::Lattice(lattice) = &self.method {
-            return Ok(Box::new(lattice.invariants.clone()));
+            return Ok(of_lattice(&lattice.invariants));
         }
         let Some(formulas) = self.system.expressions() else {
-            let values = self.system.parameter_values();
-            return Ok(Box::new(SystemInvariants::new(&self.system, &values)?));
+            let system = self.system.clone();
+            let count = 1 + system.casimir_names().len();
+            return Ok(StateFunctions::each(count, move |parameters| {
+                Ok(Box::new(SystemInvariants::new(&system, parameters)?))
+            }));
         };
         let paced = self.extension.as_ref().filter(|_| self.pace().is_some());
         let energy = paced.map_or(formulas.hamiltonian(), Extension::energy);
         let casimirs = formulas.casimirs().iter();
         let casimirs = casimirs.map(|casimir| &casimir.expression);
         let all: Vec<_> = std::iter::once(energy).chain(casimirs).collect();
-        let observer = self.observables(&all)?;
-        Ok(match paced {
-            Some(extension) => Box::new(Balance {
-                observer,
-                origin: extension.origin(&self.plan.initial),
+        Ok(self.observables(&all)?.into())
+    }
+
+    /// The formulas of the state that the scene records.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where one has no code.
+    pub fn recorded_functions(&self) -> Result<StateFunctions, BuildError> {
+        if let Stepping::Lattice(lattice) = &self.method {
+            return Ok(of_lattice(&lattice.formulas));
+        }
+        let observables = self.plan.observables.iter();
+        let formulas = observables.filter_map(|observable| match observable {
+            Observable::Invariant { .. } | Observable::Coordinate { .. } => None,
+            Observable::Formula { expression, .. } => Some(expression),
+        });
+        Ok(self.observables(&formulas.collect::<Vec<_>>())?.into())
+    }
+
+    /// The course of its walks, with these events beside the scene's own section, which comes first.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where a formula has no code.
+    pub fn course(&self, events: &[Event]) -> Result<Course, BuildError> {
+        let plan = &self.plan;
+        let code = |formula: &Expression| -> Result<StateFunctions, BuildError> {
+            Ok(self.observables(&[formula])?.into())
+        };
+        let stop = plan.events.stop.clone().map(|stop| {
+            let difference = code(&stop.difference)?;
+            Ok::<_, BuildError>((stop, difference))
+        });
+        let section = plan.events.section.iter().map(|section| Event {
+            section: section.clone(),
+            last: None,
+        });
+        let events = section.chain(events.iter().cloned()).map(|event| {
+            let difference = code(&event.section.difference)?;
+            Ok::<_, BuildError>((event, difference))
+        });
+        let pace = match (self.pace(), &self.extension) {
+            (Some(pace), Some(extension)) => Some(Pace {
+                text: pace.text.clone(),
+                time: extension.coordinates,
+                watched: self
+                    .observables(&[&pace.formula, extension.energy()])?
+                    .into(),
+                system: self.system.clone(),
+                names: self.names(),
             }),
-            None => Box::new(observer),
+            _ => None,
+        };
+        Ok(Course {
+            epsilon: plan.epsilon,
+            h: plan.h,
+            steps: plan.steps,
+            until: plan.until,
+            samples: plan.samples.clone(),
+            pace,
+            stop: stop.transpose()?,
+            events: events.collect::<Result<_, _>>()?,
+            invariants: self.invariant_functions()?,
+            invariants_every: 1,
         })
     }
 
@@ -504,6 +578,14 @@ impl ComposedRun {
                 .collect(),
         }
     }
+}
+
+/// Functions of a long lattice's state, at its own values of parameters.
+fn of_lattice(functions: &LatticeFunctions) -> StateFunctions {
+    let functions = functions.clone();
+    StateFunctions::each(functions.observables(), move |_| {
+        Ok(Box::new(functions.clone()))
+    })
 }
 
 /// Parts that do not fit each other or the system.

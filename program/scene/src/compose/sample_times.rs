@@ -1,65 +1,21 @@
 //! When samples are kept.
 
+use leafwise_walk::{SampleTimes, is_same_time};
+
 use super::Refusal;
 use crate::document::{Located, Number, SceneDocument};
 
-/// Roundings of a time that it may be missed by: the length of a step is rounded too.
-const MISSED: f64 = 64.0;
-
-/// When a run keeps samples, beside its first and its last state.
-#[derive(Clone, Debug, PartialEq)]
-pub enum SampleTimes {
-    /// After so many steps each.
-    Every(u64),
-    /// At multiples of a time.
-    Interval(f64),
-    /// At these times, in the order of the run, all but t = 0.
-    Given(Vec<f64>),
-}
-
-impl SampleTimes {
-    /// What a scene asks for.
-    pub(super) fn of(document: &SceneDocument) -> Self {
-        let record = &document.run.record;
-        if let Some(times) = &record.times {
-            let times = times.value.iter().map(|time| time.value.value);
-            return Self::Given(times.filter(|time| *time != 0.0).collect());
-        }
-        match &record.interval {
-            Some(interval) => Self::Interval(interval.value.value),
-            None => Self::Every(record.every),
-        }
+/// When a scene keeps samples.
+pub(super) fn sample_times(document: &SceneDocument) -> SampleTimes {
+    let record = &document.run.record;
+    if let Some(times) = &record.times {
+        let times = times.value.iter().map(|time| time.value.value);
+        return SampleTimes::Given(times.filter(|time| *time != 0.0).collect());
     }
-
-    /// Whether a time before the run's end is the end but for rounding. Times that are given beside an end that is given, as with a
-    /// pace, are as they are written: each has its own sample.
-    pub fn is_end(&self, time: f64, end: f64, until: Option<f64>) -> bool {
-        let is_as_written = matches!(self, Self::Given(_)) && until.is_some();
-        !is_as_written && is_same_time(time, end)
+    match &record.interval {
+        Some(interval) => SampleTimes::Interval(interval.value.value),
+        None => SampleTimes::Every(record.every),
     }
-
-    /// Whether they are steps.
-    pub fn are_steps(&self) -> bool {
-        matches!(self, Self::Every(_))
-    }
-
-    /// The time of the sample with this number, from 1 on, of a run in the direction of `forward`; `None` behind the last, and
-    /// where samples are steps.
-    pub fn time(&self, number: u64, forward: f64) -> Option<f64> {
-        match self {
-            Self::Every(_) => None,
-            Self::Interval(interval) => Some(number as f64 * interval.copysign(forward)),
-            Self::Given(times) => {
-                let at = usize::try_from(number.checked_sub(1)?).ok()?;
-                times.get(at).copied()
-            }
-        }
-    }
-}
-
-/// Whether two times differ by no more than the rounding of a sum of steps.
-pub fn is_same_time(time: f64, other: f64) -> bool {
-    (time - other).abs() <= MISSED * f64::EPSILON * other.abs()
 }
 
 /// Refuses times that do not go the way of the run, or lie behind its end.

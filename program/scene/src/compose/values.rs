@@ -4,7 +4,7 @@ use super::Refusal;
 use super::forces::check_damping;
 use super::initial::initial_state;
 use super::run::{ComposedRun, check_times};
-use super::sample_times::SampleTimes;
+use super::sample_times::sample_times;
 use crate::document::SceneDocument;
 
 impl ComposedRun {
@@ -43,7 +43,7 @@ impl ComposedRun {
         let step = &document.method.step;
         (run.plan.epsilon, run.plan.h) = (step.epsilon(), step.h());
         run.plan.steps = document.run.steps.value;
-        run.plan.samples = SampleTimes::of(document);
+        run.plan.samples = sample_times(document);
         run.plan.initial = initial;
         Ok(Some(run))
     }

@@ -56,7 +56,7 @@ pub use method_table::{MethodParts, MethodTable, PartUse, RewriteError};
 pub use noise::NoiseSpec;
 pub use plugin::PluginSpec;
 pub use run::ALL_STATES;
-pub use run::{Direction, InitialSpec, ObservableSpec, RecordSpec, RunSection, SectionSpec};
+pub use run::{InitialSpec, ObservableSpec, RecordSpec, RunSection, SectionSpec};
 pub use scene::SceneDocument;
 pub use schema::{CHOSEN_AT, scene_keys};
 pub use suggest::nearest;

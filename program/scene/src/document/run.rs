@@ -1,5 +1,7 @@
 //! The `[run]` table: where to start, how far to go, what to keep.
 
+use leafwise_walk::Direction;
+
 use super::error::SceneProblemCause;
 use super::field::{FieldSpec, check_sites_once, read_field};
 use super::located::{Located, Number, Place};
@@ -51,22 +53,11 @@ impl ObservableSpec {
 /// In `states`, every coordinate.
 pub const ALL_STATES: &str = "all";
 
-/// Which crossings of a surface count, on the way of the run.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Direction {
-    /// From left < right to left > right.
-    Up,
-    /// From left > right to left < right.
-    Down,
-    /// All.
-    #[default]
-    Both,
-}
-
-impl Direction {
-    const WORDS: [(&'static str, Self); 3] =
-        [("up", Self::Up), ("down", Self::Down), ("both", Self::Both)];
-}
+const DIRECTIONS: [(&str, Direction); 3] = [
+    ("up", Direction::Up),
+    ("down", Direction::Down),
+    ("both", Direction::Both),
+];
 
 /// A surface whose crossings are recorded.
 #[derive(Clone, Debug, PartialEq)]
@@ -209,7 +200,7 @@ fn read_section(item: &Item<'_>, problems: &mut Problems) -> Option<SectionSpec>
         .require("at", "at = \"q1 = 0\"", problems)
         .and_then(|item| item.string(problems));
     let direction = match table.get("direction") {
-        Some(item) => item.word("direction", &Direction::WORDS, problems),
+        Some(item) => item.word("direction", &DIRECTIONS, problems),
         None => Some(Direction::default()),
     };
     let axes = match table.get("axes") {

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use leafwise_core::part::PartInfo;
 use leafwise_core::{
-    BuildError, Integrator, Method, PartKind, PartParameters, RealizationData, Registry, StepMap,
-    Structure,
+    BuildError, Method, PartKind, PartParameters, RealizationData, Registry, StepMap, Structure,
+    Walk,
 };
 
 use super::finding::{Finding, Place};
@@ -180,7 +180,7 @@ fn examine(
 fn repeats(problem: &Problem, map: &dyn StepMap, t: f64) -> Option<String> {
     let values = problem.system.parameter_values();
     let orbit = || -> Vec<u64> {
-        let mut integrator = Integrator::new(map, &values, 1.0, t, &problem.initial);
+        let mut integrator = Walk::new(map, &values, 1.0, t, &problem.initial);
         let mut bits = Vec::new();
         for _ in 0..STEPS {
             if integrator.step().is_err() {

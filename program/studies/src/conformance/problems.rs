@@ -3,7 +3,7 @@
 use leafwise_core::part::Family;
 use leafwise_core::registry::SystemPart;
 use leafwise_core::{
-    BuildError, Evaluator, Integrator, PartKind, PartParameters, PoissonSystem, Registry, StepError,
+    BuildError, Evaluator, PartKind, PartParameters, PoissonSystem, Registry, StepError, Walk,
 };
 use leafwise_scene::SceneDocument;
 
@@ -111,7 +111,7 @@ pub(super) fn along(registry: &Registry, problem: &Problem) -> Vec<Vec<f64>> {
     };
     let values = problem.system.parameter_values();
     let (t, initial) = (problem.time_step, &problem.initial);
-    let mut integrator = Integrator::new(map.as_ref(), &values, 1.0, t, initial);
+    let mut integrator = Walk::new(map.as_ref(), &values, 1.0, t, initial);
     for _ in 0..STATES {
         if integrator.advance(ORBIT / STATES).is_err() {
             break;

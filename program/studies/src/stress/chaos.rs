@@ -1,7 +1,7 @@
 //! Chaotic orbits, where the state cannot be a test.
 
 use leafwise_core::solver::judge::larger;
-use leafwise_core::{Integrator, StepMap};
+use leafwise_core::{StepMap, Walk};
 
 use super::case::{Case, Outcome, StressError, StressOptions};
 use super::setup::{UNIT_ROUNDOFF, distance, largest, method};
@@ -42,7 +42,7 @@ fn reversible_steps(_: &StressOptions) -> Result<Outcome, StressError> {
     let problem = Problem::of_library("heavy-top")?;
     let parameters = problem.system.parameter_values();
     let method = method(&problem.system, 6, 4)?;
-    let mut integrator = Integrator::new(&method, &parameters, 1.0, 0.1, &TUMBLING);
+    let mut integrator = Walk::new(&method, &parameters, 1.0, 0.1, &TUMBLING);
     let start = casimirs(&TUMBLING);
     let (mut worst, mut drift) = (0.0_f64, 0.0_f64);
     for step in 0..20_000 {
@@ -69,7 +69,7 @@ fn one_step(
     t: f64,
     x: &[f64],
 ) -> Result<Vec<f64>, StressError> {
-    let mut integrator = Integrator::new(map, parameters, 1.0, t, x);
+    let mut integrator = Walk::new(map, parameters, 1.0, t, x);
     integrator.step()?;
     Ok(integrator.state().to_vec())
 }
@@ -81,8 +81,8 @@ fn orbits_return(_: &StressOptions) -> Result<Outcome, StressError> {
     let (steps, apart) = (1200, 1e-10);
     let mut near = TUMBLING;
     near[0] += apart;
-    let mut integrator = Integrator::new(&method, &parameters, 1.0, 0.1, &TUMBLING);
-    let mut beside = Integrator::new(&method, &parameters, 1.0, 0.1, &near);
+    let mut integrator = Walk::new(&method, &parameters, 1.0, 0.1, &TUMBLING);
+    let mut beside = Walk::new(&method, &parameters, 1.0, 0.1, &near);
     let mut separation = apart;
     for _ in 0..steps {
         integrator.step()?;
@@ -90,7 +90,7 @@ fn orbits_return(_: &StressOptions) -> Result<Outcome, StressError> {
         separation = distance(integrator.state(), beside.state()).max(separation);
     }
     let end = integrator.state().to_vec();
-    let mut back = Integrator::new(&method, &parameters, 1.0, -0.1, &end);
+    let mut back = Walk::new(&method, &parameters, 1.0, -0.1, &end);
     for _ in 0..steps {
         back.step()?;
     }

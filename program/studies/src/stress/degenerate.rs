@@ -1,6 +1,6 @@
 //! Points where the tensor loses rank.
 
-use leafwise_core::Integrator;
+use leafwise_core::Walk;
 
 use super::case::{Case, Outcome, StressError, StressOptions, Tally};
 use super::setup::{distance, method};
@@ -61,7 +61,7 @@ fn coordinate_planes(_: &StressOptions) -> Result<Outcome, StressError> {
         for zero in 0..3 {
             let mut x = [0.9, 1.4, 0.6];
             x[zero] = 0.0;
-            let mut integrator = Integrator::new(&method, &[], 0.01, 2.0, &x);
+            let mut integrator = Walk::new(&method, &[], 0.01, 2.0, &x);
             let mut stays = true;
             for _ in 0..100 {
                 integrator.step()?;

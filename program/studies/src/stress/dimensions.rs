@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use leafwise_core::Integrator;
+use leafwise_core::Walk;
 
 use super::attempt::increment;
 use super::case::{Case, Outcome, StressError, StressOptions, Tally};
@@ -55,7 +55,7 @@ fn two(_: &StressOptions) -> Result<Outcome, StressError> {
     let (t, steps, x) = (0.3, 1000_u32, [1.0, 0.0]);
     let system = problem(system, &x)?.system;
     let method = method(&system, 2, 2)?;
-    let mut integrator = Integrator::new(&method, &[], 1.0, t, &x);
+    let mut integrator = Walk::new(&method, &[], 1.0, t, &x);
     for _ in 0..steps {
         integrator.step()?;
     }

@@ -1,6 +1,6 @@
 //! Very many steps: is the drift of a Casimir a random walk?
 
-use leafwise_core::Integrator;
+use leafwise_core::Walk;
 
 use super::case::{Case, Outcome, StressError, StressOptions};
 use super::setup::method;
@@ -46,10 +46,10 @@ fn measure(steps: u64, n: i64, m: i64, t: f64) -> Result<Outcome, StressError> {
     let problem = Problem::of_library("rigid-body")?;
     let parameters = problem.system.parameter_values();
     let method = method(&problem.system, n, m)?;
-    let mut integrator = Integrator::new(&method, &parameters, 1.0, t, &problem.initial);
+    let mut integrator = Walk::new(&method, &parameters, 1.0, t, &problem.initial);
     // What the state holds beyond a double counts: the sum of squares alone is rounded to 3e-16.
     let start: f64 = problem.initial.iter().map(|x| x * x).sum();
-    let casimir = |integrator: &Integrator| -> f64 {
+    let casimir = |integrator: &Walk| -> f64 {
         let (x, low) = (integrator.state(), integrator.compensation());
         x.iter()
             .zip(low)

@@ -1,6 +1,6 @@
 //! Starts at the distance 1e-12 from something degenerate.
 
-use leafwise_core::Integrator;
+use leafwise_core::Walk;
 use leafwise_core::solver::judge::larger;
 
 use super::case::{Case, Outcome, StressError, StressOptions};
@@ -42,7 +42,7 @@ fn unstable_axis(_: &StressOptions) -> Result<Outcome, StressError> {
     let problem = Problem::of_library("rigid-body")?;
     let parameters = problem.system.parameter_values();
     let method = method(&problem.system, 10, 8)?;
-    let mut integrator = Integrator::new(&method, &parameters, 1.0, 0.1, &[1.0, NEAR, 0.0]);
+    let mut integrator = Walk::new(&method, &parameters, 1.0, 0.1, &[1.0, NEAR, 0.0]);
     let (i1, i2, i3) = (1.0, 0.75, 1.25);
     let lambda = libm::sqrt((1.0 / i1 - 1.0 / i3) * (1.0 / i2 - 1.0 / i1));
     let mut worst = 0.0_f64;
@@ -69,7 +69,7 @@ fn separatrix(_: &StressOptions) -> Result<Outcome, StressError> {
     let spin = |x: &[f64]| -> f64 { x.iter().map(|x| x * x).sum() };
     let energy = |x: &[f64]| -> f64 { x.iter().zip(inverse).map(|(x, i)| x * x * i / 2.0).sum() };
     let start = [1.0, NEAR, 0.0];
-    let mut integrator = Integrator::new(&method, &parameters, 1.0, 0.1, &start);
+    let mut integrator = Walk::new(&method, &parameters, 1.0, 0.1, &start);
     let (mut of_spin, mut of_energy, mut turns) = (0.0_f64, 0.0_f64, 0);
     let mut sign = 1.0;
     for _ in 0..100_000 {

@@ -1,6 +1,6 @@
 //! Orders far above what a step can feel.
 
-use leafwise_core::{Integrator, PartParameters, Registry};
+use leafwise_core::{PartParameters, Registry, Walk};
 
 use super::case::{Case, Outcome, StressError, StressOptions, Tally};
 use super::setup::{UNIT_ROUNDOFF, distance, largest, method, pair};
@@ -40,8 +40,8 @@ fn realization(_: &StressOptions) -> Result<Outcome, StressError> {
             PartParameters::new().with("order", 12_i64),
         ),
     )?;
-    let mut one = Integrator::new(&truncated, &parameters, 1.0, 0.1, &problem.initial);
-    let mut other = Integrator::new(&exact, &parameters, 1.0, 0.1, &problem.initial);
+    let mut one = Walk::new(&truncated, &parameters, 1.0, 0.1, &problem.initial);
+    let mut other = Walk::new(&exact, &parameters, 1.0, 0.1, &problem.initial);
     let mut worst = 0.0_f64;
     for _ in 0..20 {
         one.step()?;
@@ -62,7 +62,7 @@ fn dynamics(_: &StressOptions) -> Result<Outcome, StressError> {
         let problem = Problem::of_library(id)?;
         let parameters = problem.system.parameter_values();
         let method = method(&problem.system, n, 12)?;
-        let mut integrator = Integrator::new(&method, &parameters, 1.0, t, &problem.initial);
+        let mut integrator = Walk::new(&method, &parameters, 1.0, t, &problem.initial);
         for _ in 0..20 {
             integrator.step()?;
         }

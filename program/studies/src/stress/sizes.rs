@@ -1,6 +1,6 @@
 //! States of size 1e-300 to 1e300.
 
-use leafwise_core::{Integrator, StepError};
+use leafwise_core::{StepError, Walk};
 
 use super::attempt::increment;
 use super::case::{Case, Outcome, StressError, StressOptions, Tally};
@@ -61,7 +61,7 @@ fn overflow(_: &StressOptions) -> Result<Outcome, StressError> {
     let mut last = String::new();
     for size in [1e150, 1e200] {
         let x: Vec<f64> = problem.initial.iter().map(|x| x * size).collect();
-        let mut integrator = Integrator::new(&method, &parameters, 1.0, 0.1, &x);
+        let mut integrator = Walk::new(&method, &parameters, 1.0, 0.1, &x);
         let outcome = integrator.step();
         let is_typed = matches!(
             outcome,
@@ -95,7 +95,7 @@ fn ends(_: &StressOptions) -> Result<Outcome, StressError> {
         let method = method(&problem.system, 4, 4)?;
         for size in [5e-324, 1e-300, 1e-150, 1e150, 1e300] {
             let x: Vec<f64> = problem.initial.iter().map(|x| x * size).collect();
-            let mut integrator = Integrator::new(&method, &parameters, 0.1, 1.0, &x);
+            let mut integrator = Walk::new(&method, &parameters, 0.1, 1.0, &x);
             for _ in 0..5 {
                 let before = integrator.state().to_vec();
                 let outcome = integrator.step();

@@ -1,6 +1,6 @@
 //! Parameters of very different sizes.
 
-use leafwise_core::{Integrator, Method};
+use leafwise_core::{Method, Walk};
 
 use super::case::{Case, Outcome, StressError, StressOptions};
 use super::setup::{distance, method, problem};
@@ -41,7 +41,7 @@ fn symmetric_top(_: &StressOptions) -> Result<Outcome, StressError> {
     let problem = top([1.0, 1.0, 1e-6], &x)?;
     let parameters = problem.system.parameter_values();
     let method: Method = method(&problem.system, 10, 8)?;
-    let mut integrator = Integrator::new(&method, &parameters, 1.0, t, &x);
+    let mut integrator = Walk::new(&method, &parameters, 1.0, t, &x);
     for _ in 0..steps {
         integrator.step()?;
     }

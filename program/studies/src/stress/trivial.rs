@@ -1,6 +1,6 @@
 //! No tensor, no Hamiltonian, nothing to do.
 
-use leafwise_core::{Integrator, PoissonSystem};
+use leafwise_core::{PoissonSystem, Walk};
 
 use super::case::{Case, Outcome, StressError, StressOptions, Tally};
 use super::setup::{method, problem, same_bits, so3_with};
@@ -27,7 +27,7 @@ pub(super) fn rests(tally: &mut Tally, name: &str, system: &PoissonSystem, x: &[
     for (n, m) in [(1, 2), (4, 4), (6, 6)] {
         let outcome = method(system, n, m).and_then(|method| {
             let parameters = system.parameter_values();
-            let mut integrator = Integrator::new(&method, &parameters, 0.1, 2.0, x);
+            let mut integrator = Walk::new(&method, &parameters, 0.1, 2.0, x);
             for _ in 0..10 {
                 integrator.step()?;
             }

@@ -1,7 +1,7 @@
 //! Orbits that run into the smallest numbers.
 
 use leafwise_core::solver::judge::larger;
-use leafwise_core::{Integrator, StepMap};
+use leafwise_core::{StepMap, Walk};
 
 use super::case::{Case, Outcome, StressError, StressOptions};
 use super::setup::{UNIT_ROUNDOFF, method};
@@ -33,7 +33,7 @@ const START: [f64; 3] = [1.0, 3.0, 3.0];
 /// The Casimir's largest relative change until a component is below 1e-100, the smallest component
 /// there, and the steps it took.
 fn die_out(map: &dyn StepMap) -> Result<(f64, f64, u64), StressError> {
-    let mut integrator = Integrator::new(map, &[], 0.01, 2.0, &START);
+    let mut integrator = Walk::new(map, &[], 0.01, 2.0, &START);
     let mut worst = 0.0_f64;
     loop {
         integrator.step()?;
@@ -61,7 +61,7 @@ fn relative_accuracy(_: &StressOptions) -> Result<Outcome, StressError> {
 fn heteroclinic(_: &StressOptions) -> Result<Outcome, StressError> {
     let problem = Problem::of_library("lotka-volterra")?;
     let method = method(&problem.system, 8, 2)?;
-    let mut integrator = Integrator::new(&method, &[], 0.1, 2.0, &START);
+    let mut integrator = Walk::new(&method, &[], 0.1, 2.0, &START);
     let mut most_negative = 0.0_f64;
     let mut underflow = None;
     for step in 1..=1000 {

@@ -1,6 +1,6 @@
 //! Coordinates that are zero at the start, stay zero, or are the round-off of larger ones.
 
-use leafwise_core::{Integrator, PartParameters, StepMap};
+use leafwise_core::{PartParameters, StepMap, Walk};
 
 use super::case::{Case, Outcome, StressError, StressOptions, Tally};
 use super::setup::{method, pair, problem};
@@ -41,7 +41,7 @@ fn steps(
     x: &[f64],
     (count, most): (usize, u64),
 ) {
-    let mut integrator = Integrator::new(map, parameters, 1.0, 0.05, x);
+    let mut integrator = Walk::new(map, parameters, 1.0, 0.05, x);
     let failed = (0..count).find_map(|step| Some((step, integrator.step().err()?)));
     let evaluations = integrator.statistics().most_evaluations;
     tally.take(failed.is_none() && evaluations <= most, || match failed {

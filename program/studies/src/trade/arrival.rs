@@ -1,6 +1,6 @@
 //! States at a given time of runs whose steps are of a fictitious time τ.
 
-use leafwise_core::{Integrator, StepError};
+use leafwise_core::{StepError, Walk};
 use leafwise_scene::ComposedRun;
 
 use super::error::TradeError;
@@ -15,9 +15,9 @@ const MOST_TRIED: usize = 30;
 const MISSED: f64 = 4.0;
 
 /// From the scene's initial state, with its parameters.
-pub(super) fn integrator(run: &ComposedRun, epsilon: f64, h: f64) -> Integrator {
+pub(super) fn integrator(run: &ComposedRun, epsilon: f64, h: f64) -> Walk {
     let values = run.system.parameter_values();
-    Integrator::new(run.method.map(), &values, epsilon, h, &run.plan.initial)
+    Walk::new(run.method.map(), &values, epsilon, h, &run.plan.initial)
 }
 
 /// Where t stands in a state, of a run with a pace.
@@ -45,7 +45,7 @@ pub(super) fn arrive(
             return Ok((h, end));
         }
         h += missed / (epsilon * pace.formula.evaluate(&end, &parameters));
-        let mut step = Integrator::new(run.method.map(), &parameters, epsilon, h, state);
+        let mut step = Walk::new(run.method.map(), &parameters, epsilon, h, state);
         step.step()?;
         end.copy_from_slice(step.state());
     }
@@ -67,7 +67,7 @@ pub(super) fn way(run: &ComposedRun, time: Option<f64>) -> Result<(f64, f64), Tr
         reasons: vec![format!("the scene's own method: {error}")],
     };
     let mut integrator = integrator(run, epsilon, h);
-    let is_there = |integrator: &Integrator| match time {
+    let is_there = |integrator: &Walk| match time {
         Some(time) => (integrator.state()[place] - time) * (epsilon * h) >= 0.0,
         None => integrator.steps() >= run.plan.steps,
     };

@@ -1,6 +1,6 @@
 //! The reference solution between its steps.
 
-use leafwise_core::Integrator;
+use leafwise_core::Walk;
 use leafwise_core::solver::judge::larger;
 use leafwise_scene::ComposedRun;
 
@@ -173,7 +173,7 @@ fn states(
     let values = run.system.parameter_values();
     let step = time / (count as f64 * stride as f64);
     let initial = &run.plan.initial;
-    let mut integrator = Integrator::new(run.method.map(), &values, 1.0, step, initial);
+    let mut integrator = Walk::new(run.method.map(), &values, 1.0, step, initial);
     let mut states = Vec::with_capacity((count + 1) * initial.len());
     let place = time_place(run);
     let mut keep = |state: &[f64]| {

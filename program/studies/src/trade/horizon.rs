@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use leafwise_core::Integrator;
+use leafwise_core::Walk;
 use leafwise_scene::json::{double, optional};
 use serde::Serialize;
 
@@ -118,7 +118,7 @@ fn growth(bench: &Bench<'_>, reference: &Reference) -> Option<f64> {
     let run = candidate.run_at(bench, *setting).ok()?;
     let values = run.system.parameter_values();
     let time_step = bench.extent() / setting.steps as f64;
-    let start = |x: &[f64]| Integrator::new(run.method.map(), &values, 1.0, time_step, x);
+    let start = |x: &[f64]| Walk::new(run.method.map(), &values, 1.0, time_step, x);
     let mut near: Vec<f64> = run.plan.initial.clone();
     for (at, x) in near.iter_mut().enumerate() {
         let sign = if at % 2 == 0 { 1.0 } else { -1.0 };

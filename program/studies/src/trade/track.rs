@@ -1,6 +1,6 @@
 //! One candidate in the search: what was tried, what may still pay.
 
-use leafwise_core::{Integrator, Structure};
+use leafwise_core::{Structure, Walk};
 
 use super::candidate::{Bench, Candidate, Knob, Setting};
 use super::grid::{Grid, tolerance};
@@ -254,7 +254,7 @@ fn probe(bench: &Bench<'_>, candidate: &Candidate) -> Result<f64, String> {
     let run = &candidate.run;
     let values = run.system.parameter_values();
     let step = PROBE_RATIO * bench.extent() / bench.steps() as f64;
-    let mut integrator = Integrator::new(run.method.map(), &values, 1.0, step, &run.plan.initial);
+    let mut integrator = Walk::new(run.method.map(), &values, 1.0, step, &run.plan.initial);
     let mut least = u64::MAX;
     let mut before = 0;
     for _ in 0..PROBE_STEPS {

@@ -1,6 +1,6 @@
 //! Global errors over a fixed time.
 
-use leafwise_core::{Integrator, MapProperties, StepError, StepMap};
+use leafwise_core::{MapProperties, StepError, StepMap, Walk};
 
 use super::floor::Floor;
 use super::judgement::Judgement;
@@ -47,7 +47,7 @@ impl Convergence {
         let mut floor = Floor::new(ROUND_OFF[0], ROUND_OFF[1]);
         for steps in STEPS {
             let t = horizon / f64::from(steps);
-            let mut integrator = Integrator::new(map, &values, 1.0, t, &problem.initial);
+            let mut integrator = Walk::new(map, &values, 1.0, t, &problem.initial);
             match (0..steps).try_for_each(|_| integrator.step()) {
                 Ok(()) => {
                     let error = distance(integrator.state(), flow);

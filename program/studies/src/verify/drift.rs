@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use leafwise_core::diagnostics::{InvariantDrift, casimir_round_off, casimir_sizes, measure_drift};
 use leafwise_core::system::SystemInvariants;
-use leafwise_core::{Integrator, StepError, StepMap};
+use leafwise_core::{StepError, StepMap, Walk};
 
 use super::problem::Problem;
 
@@ -41,7 +41,7 @@ impl Drift {
     /// The map's [`StepError`].
     pub fn measure(problem: &Problem, map: &dyn StepMap, t: f64) -> Result<Self, StepError> {
         let values = problem.system.parameter_values();
-        let start = || Integrator::new(map, &values, 1.0, t, &problem.initial);
+        let start = || Walk::new(map, &values, 1.0, t, &problem.initial);
         let mut timed = start();
         let started = Instant::now();
         for _ in 0..TIMED_STEPS {

@@ -5,7 +5,7 @@
 //! H̃ is kept to more than order 2⌊n/2⌋ + 2.
 
 use leafwise_core::system::SystemObservables;
-use leafwise_core::{Integrator, MapProperties, Observe, StepMap, Structure};
+use leafwise_core::{MapProperties, Observe, StepMap, Structure, Walk};
 use leafwise_expression::Expression;
 use serde::Serialize;
 
@@ -53,7 +53,7 @@ impl KeptEnergy {
         for steps in STEPS {
             let t = horizon / f64::from(steps);
             let power = (0..first.order_of_map).fold(1.0, |power, _| power * t);
-            let mut integrator = Integrator::new(map, &values, 1.0, t, &problem.initial);
+            let mut integrator = Walk::new(map, &values, 1.0, t, &problem.initial);
             if integrator.advance(u64::from(steps)).is_err() {
                 continue;
             }

@@ -4,7 +4,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use leafwise_core::part::Family;
-use leafwise_core::{BuildError, Integrator, PoissonSystem, Registry, StepError, StepMap};
+use leafwise_core::{BuildError, PoissonSystem, Registry, StepError, StepMap, Walk};
 use leafwise_scene::compose::{Stepping, refuse_noise};
 use leafwise_scene::{Refusal, SceneDocument, compose, compose_system};
 
@@ -109,7 +109,7 @@ impl Problem {
         let map = reference.build(&self.system, &given)?;
         let values = self.system.parameter_values();
         let step = t / f64::from(REFERENCE_STEPS);
-        let mut integrator = Integrator::new(map.as_ref(), &values, 1.0, step, &self.initial);
+        let mut integrator = Walk::new(map.as_ref(), &values, 1.0, step, &self.initial);
         for _ in 0..REFERENCE_STEPS {
             integrator.step()?;
         }

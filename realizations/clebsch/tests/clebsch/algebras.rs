@@ -1,7 +1,7 @@
 //! e(3)*, so(4)* and sp(2m)*.
 
 use leafwise_core::diagnostics::TensorDefect;
-use leafwise_core::{BuildError, Integrator, PoissonSystem, StepError, StepMap, Structure};
+use leafwise_core::{BuildError, PoissonSystem, StepError, StepMap, Structure, Walk};
 use leafwise_tests::gauss::flow;
 use leafwise_tests::library;
 use leafwise_tests::methods::{increment, observe, run};
@@ -207,7 +207,7 @@ fn casimirs_and_energies_are_kept() {
             .chain(casimirs)
             .collect();
         let parameters = system.parameter_values();
-        let mut integrator = Integrator::new(&method, &parameters, 1.0, 0.5 * most, &initial);
+        let mut integrator = Walk::new(&method, &parameters, 1.0, 0.5 * most, &initial);
         (0..STEPS).for_each(|_| integrator.step().expect("a step"));
         let [before, after] =
             [&initial[..], integrator.state()].map(|x| observe(&system, &functions, x));
@@ -236,7 +236,7 @@ fn a_resumed_run_has_the_same_bits() {
     for (system, initial, most) in systems() {
         let method = gauss(&system, 8);
         let parameters = system.parameter_values();
-        let start = || Integrator::new(&method, &parameters, 1.0, most, &initial);
+        let start = || Walk::new(&method, &parameters, 1.0, most, &initial);
         let (mut whole, mut resumed) = (start(), start());
         (0..20).for_each(|_| whole.step().expect("a step"));
         resumed

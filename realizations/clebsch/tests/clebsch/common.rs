@@ -6,8 +6,8 @@ use leafwise_clebsch::Clebsch;
 use leafwise_clebsch::algebras::known;
 use leafwise_collective::{Collective, SymplecticIntegrator};
 use leafwise_core::{
-    BuildError, Correction, Integrator, LiftedRealization, Method, PoissonSystem, RealizationData,
-    Registry, StepMap,
+    BuildError, Correction, LiftedRealization, Method, PoissonSystem, RealizationData, Registry,
+    StepMap, Walk,
 };
 use leafwise_tests::systems::from_formulas;
 
@@ -70,9 +70,9 @@ pub fn there_and_back(
     x: &[f64],
 ) -> f64 {
     let parameters = system.parameter_values();
-    let mut there = Integrator::new(method, &parameters, 1.0, time_step, x);
+    let mut there = Walk::new(method, &parameters, 1.0, time_step, x);
     there.step().expect("a step");
-    let mut back = Integrator::new(method, &parameters, 1.0, -time_step, there.state());
+    let mut back = Walk::new(method, &parameters, 1.0, -time_step, there.state());
     back.step().expect("a step");
     leafwise_tests::numbers::distance(back.state(), x)
 }

@@ -1,7 +1,7 @@
 //! Quadratic Casimirs that are held, and by how much.
 
 use leafwise_clebsch::casimirs::{Held, Square};
-use leafwise_core::{Integrator, PoissonSystem, StepMap};
+use leafwise_core::{PoissonSystem, StepMap, Walk};
 use leafwise_expression::Rational;
 use leafwise_logarithms::Logarithms;
 use leafwise_tests::library;
@@ -18,7 +18,7 @@ fn held(
     x: &[f64],
 ) -> f64 {
     let parameters = system.parameter_values();
-    let mut integrator = Integrator::new(method, &parameters, 1.0, time_step, x);
+    let mut integrator = Walk::new(method, &parameters, 1.0, time_step, x);
     for _ in 0..steps {
         integrator.step().expect("a step");
     }

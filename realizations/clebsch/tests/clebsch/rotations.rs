@@ -2,7 +2,7 @@
 
 use leafwise_clebsch::algebras::rotations::{algebra, section};
 use leafwise_clebsch::casimirs::grown;
-use leafwise_core::{BuildError, Integrator, PoissonSystem};
+use leafwise_core::{BuildError, PoissonSystem, Walk};
 use leafwise_tests::gauss::flow;
 use leafwise_tests::library;
 use leafwise_tests::methods::{assert_resumes, run};
@@ -117,7 +117,7 @@ fn the_spin_is_kept_to_round_off() {
     let (system, initial) = (problem.system, problem.initial);
     let method = gauss(&system, 8);
     let parameters = system.parameter_values();
-    let mut integrator = Integrator::new(&method, &parameters, 1.0, 0.7, &initial);
+    let mut integrator = Walk::new(&method, &parameters, 1.0, 0.7, &initial);
     let spin = |x: &[f64]| -> f64 { x.iter().map(|x| x * x).sum() };
     let before = spin(&initial);
     for _ in 0..STEPS {

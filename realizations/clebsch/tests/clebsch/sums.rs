@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use leafwise_core::{Integrator, PoissonSystem};
+use leafwise_core::{PoissonSystem, Walk};
 use leafwise_expression::{Expression, Rational};
 use leafwise_tests::gauss::flow;
 use leafwise_tests::methods::run;
@@ -140,7 +140,7 @@ fn a_resumed_sum_has_the_same_bits() {
     let (system, initial) = mixed();
     let method = gauss(&system, 8);
     let parameters = system.parameter_values();
-    let start = || Integrator::new(&method, &parameters, 1.0, 0.2, &initial);
+    let start = || Walk::new(&method, &parameters, 1.0, 0.2, &initial);
     let (mut whole, mut resumed) = (start(), start());
     (0..20).for_each(|_| whole.step().expect("a step"));
     resumed
@@ -162,7 +162,7 @@ fn many_bodies_take_operations_in_proportion() {
         let (system, initial) = bodies(n);
         let method = gauss(&system, 8);
         let parameters = system.parameter_values();
-        let mut integrator = Integrator::new(&method, &parameters, 1.0, 0.4, &initial);
+        let mut integrator = Walk::new(&method, &parameters, 1.0, 0.4, &initial);
         for _ in 0..STEPS {
             integrator.step().expect("a step");
         }

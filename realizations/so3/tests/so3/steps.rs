@@ -8,7 +8,7 @@ use crate::common::{
 };
 use leafwise_core::diagnostics::TensorDefect;
 use leafwise_core::realization::RealizationData;
-use leafwise_core::{Integrator, Method, PoissonSystem, StepError, StepMap};
+use leafwise_core::{Method, PoissonSystem, StepError, StepMap, Walk};
 use leafwise_hamilton_jacobi::HamiltonJacobi;
 use leafwise_so3::{Chart, So3Exponential, So3Group};
 use proptest::prelude::*;
@@ -26,7 +26,7 @@ fn method(system: &PoissonSystem, realization: Arc<dyn RealizationData>, m: usiz
 
 fn run(map: &Method, epsilon: f64, time: f64, steps: usize) -> Vec<f64> {
     let h = time / epsilon / steps as f64;
-    let mut integrator = Integrator::new(map, &PARAMETERS, epsilon, h, &INITIAL);
+    let mut integrator = Walk::new(map, &PARAMETERS, epsilon, h, &INITIAL);
     for _ in 0..steps {
         integrator.step().expect("inside the chart");
     }
@@ -166,7 +166,7 @@ fn the_casimir_and_the_tensor_are_kept() {
             let mut instrument =
                 TensorDefect::new(&system, &map, &PARAMETERS, 1.0, 0.1).expect("a tensor");
             let defect = instrument.measure(&INITIAL).expect("inside the chart");
-            let mut integrator = Integrator::new(&map, &PARAMETERS, 1.0, 0.1, &INITIAL);
+            let mut integrator = Walk::new(&map, &PARAMETERS, 1.0, 0.1, &INITIAL);
             let mut drift = 0.0_f64;
             for _ in 0..STEPS {
                 integrator.step().expect("inside the chart");

@@ -1,65 +1,92 @@
-//! What happens between two steps: the end of a run, where a condition begins to hold, and where it crosses a section.
+//! Events between two steps: the end of a walk, where a condition begins to hold, and where it crosses a surface.
 
-use leafwise_core::{BuildError, StepError};
-use leafwise_scene::compose::{ComposedRun, Section, Stop};
+use leafwise_expression::Expression;
 use serde::{Deserialize, Serialize};
 
-use super::invariants::Functions;
-use super::last_step::{Between, CLOSE, LastStep};
+use crate::fault::Fault;
+use crate::step::{Between, CLOSE, LastStep};
 
-/// Why an event was not found.
-pub(super) enum Lost<'a> {
-    /// A formula, by its text, that has no value after the last step.
-    Undefined(&'a str),
-    /// A shorter step that could not be taken.
-    Step(StepError),
+/// A condition that ends a walk: left > right or left < right.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stop {
+    /// The condition as it is written.
+    pub text: String,
+    /// The side that is to be larger less the other one, a function of the state that is stepped.
+    pub difference: Expression,
+    /// Whether it holds where both are equal.
+    pub is_closed: bool,
 }
 
-/// The condition that ends a run.
-pub(super) struct StopWatch<'a> {
-    stop: &'a Stop,
-    difference: Functions,
+impl Stop {
+    /// Whether the condition holds where the difference has this value.
+    pub fn holds(&self, difference: f64) -> bool {
+        difference > 0.0 || (self.is_closed && difference == 0.0)
+    }
 }
 
-impl<'a> StopWatch<'a> {
-    /// `None` where a run has none.
-    pub fn of(run: &'a ComposedRun) -> Result<Option<Self>, BuildError> {
-        let Some(stop) = &run.plan.events.stop else {
-            return Ok(None);
-        };
-        let difference = Functions::compile(run, &[&stop.difference])?;
-        Ok(Some(Self { stop, difference }))
+/// Which crossings of a surface count, on the way of the walk.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Direction {
+    /// From left < right to left > right.
+    Up,
+    /// From left > right to left < right.
+    Down,
+    /// All.
+    #[default]
+    Both,
+}
+
+/// A surface, left = right.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Section {
+    /// The surface as it is written.
+    pub text: String,
+    /// Left − right, a function of the state that is stepped.
+    pub difference: Expression,
+    /// Which crossings count.
+    pub direction: Direction,
+}
+
+impl Section {
+    /// Whether a crossing to this side counts: 1 where left > right, −1 where left < right.
+    pub fn counts(&self, side: f64) -> bool {
+        match self.direction {
+            Direction::Up => side > 0.0,
+            Direction::Down => side < 0.0,
+            Direction::Both => true,
+        }
     }
 
-    /// The condition as the scene writes it.
-    pub fn text(&self) -> &'a str {
-        &self.stop.text
+    /// Which crossings, in words.
+    pub fn direction_in_words(&self) -> &'static str {
+        match self.direction {
+            Direction::Up => "upwards",
+            Direction::Down => "downwards",
+            Direction::Both => "in both directions",
+        }
     }
+}
 
-    /// As [`end`].
-    pub fn end(
-        &mut self,
-        last: &mut LastStep<'_>,
-        after: &[f64],
-    ) -> Result<Option<Between>, Lost<'a>> {
-        let difference = &mut self.difference;
-        let value = difference.at(after)[0];
-        let difference = &mut |state: &[f64]| difference.at(state)[0];
-        end(self.stop, difference, last, after, value)
-    }
+/// A surface that a walk looks for, and whether it ends there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Event {
+    /// The surface, and which crossings count.
+    pub section: Section,
+    /// The crossing that ends the walk, counted from 1, where one does.
+    pub last: Option<u64>,
 }
 
 /// The first state of the last step at which a condition holds, to round-off; `None` where it does not hold `after` the
 /// step, where its difference has this `value`.
-pub(super) fn end<'a>(
-    stop: &'a Stop,
+pub(crate) fn end(
+    stop: &Stop,
     difference: &mut dyn FnMut(&[f64]) -> f64,
     last: &mut LastStep<'_>,
     after: &[f64],
     value: f64,
-) -> Result<Option<Between>, Lost<'a>> {
+) -> Result<Option<Between>, Fault> {
     if value.is_nan() {
-        return Err(Lost::Undefined(&stop.text));
+        return Err(Fault::Undefined(stop.text.clone()));
     }
     if !stop.holds(value) {
         return Ok(None);
@@ -68,7 +95,7 @@ pub(super) fn end<'a>(
     let value = &mut |_: &[f64], state: &[f64]| difference(state);
     last.enclose(after, ends, &|value| stop.holds(value), None, value)
         .map(|bracket| Some(bracket.behind))
-        .map_err(Lost::Step)
+        .map_err(Fault::Step)
 }
 
 /// The largest part of the values before and after a step that is left where they cross zero: beyond it they jump over it.
@@ -76,7 +103,7 @@ const JUMP: f64 = 1e-6;
 
 /// Where a run stands beside its section.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct Side {
+pub struct Side {
     /// The sign of left − right where the run was last off the section: 1, −1, or 0 where it has left it to none.
     sign: f64,
     /// left − right after the last step.
@@ -139,145 +166,26 @@ fn round_off(steps: u64) -> f64 {
     CLOSE * steps.max(1) as f64
 }
 
-/// The section whose crossings are recorded.
-pub(super) struct Crossings<'a> {
-    section: &'a Section,
-    difference: Functions,
-    /// Where the run stands after the last step.
-    pub side: Side,
-}
-
-impl<'a> Crossings<'a> {
-    /// `None` where a run has none.
-    pub fn of(run: &'a ComposedRun) -> Result<Option<Self>, BuildError> {
-        let section = run.plan.events.section.as_ref();
-        section.map(|section| Self::with(run, section)).transpose()
-    }
-
-    /// Those of any section.
-    fn with(run: &ComposedRun, section: &'a Section) -> Result<Self, BuildError> {
-        let mut difference = Functions::compile(run, &[&section.difference])?;
-        let side = Side::begin(difference.at(&run.plan.initial)[0]);
-        Ok(Self {
-            section,
-            difference,
-            side,
-        })
-    }
-
-    /// As [`crossing`], with the side after the step.
-    pub fn crossing(
-        &mut self,
-        last: &mut LastStep<'_>,
-        after: &[f64],
-        steps: u64,
-    ) -> Result<(Side, Option<Between>), Lost<'a>> {
-        let difference = &mut self.difference;
-        let value = difference.at(after)[0];
-        let difference = &mut |state: &[f64]| difference.at(state)[0];
-        crossing(
-            self.section,
-            difference,
-            last,
-            after,
-            (self.side, value, steps),
-        )
-    }
-
-    /// Whether the run ends on the section, which it crosses there.
-    pub fn ends_there(&mut self, state: &[f64], steps: u64) -> bool {
-        let value = self.difference.at(state)[0];
-        self.side.ends_there(self.section, value, steps)
-    }
-}
-
-/// A surface that a run in memory looks for, beside its scene's own section.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Event {
-    /// The surface, and which crossings count.
-    pub section: Section,
-    /// The crossing that ends the run, counted from 1, where one does.
-    pub last: Option<u64>,
-}
-
-/// Where a run crosses a surface.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Crossing {
-    /// The time.
-    pub time: f64,
-    /// The scene's own coordinates.
-    pub state: Vec<f64>,
-}
-
-/// An event that is looked for, with what was found.
-pub(super) struct EventWatch<'a> {
-    event: &'a Event,
-    crossings: Crossings<'a>,
-    pub found: Vec<Crossing>,
-}
-
-impl<'a> EventWatch<'a> {
-    /// Nothing found yet.
-    pub fn new(run: &ComposedRun, event: &'a Event) -> Result<Self, BuildError> {
-        Ok(Self {
-            event,
-            crossings: Crossings::with(run, &event.section)?,
-            found: Vec::new(),
-        })
-    }
-
-    /// The surface in words.
-    pub fn text(&self) -> &'a str {
-        &self.event.section.text
-    }
-
-    /// The side after the last step, and where the step crosses it.
-    pub fn crossing(
-        &mut self,
-        last: &mut LastStep<'_>,
-        after: &[f64],
-        steps: u64,
-    ) -> Result<(Side, Option<Between>), Lost<'a>> {
-        self.crossings.crossing(last, after, steps)
-    }
-
-    /// Takes in on which side the run goes on.
-    pub fn go_on(&mut self, side: Side) {
-        self.crossings.side = side;
-    }
-
-    /// Takes in a crossing; whether the run ends there.
-    pub fn take(&mut self, crossing: Crossing) -> bool {
-        self.found.push(crossing);
-        self.event.last == Some(self.found.len() as u64)
-    }
-
-    /// Whether the run ends on the surface, which it crosses there.
-    pub fn ends_there(&mut self, state: &[f64], steps: u64) -> bool {
-        self.crossings.ends_there(state, steps)
-    }
-}
-
 /// The side after the last step, and where the step crosses the section in a direction that counts; before it the `side` is known, and
 /// left − right has this `value` `after` it.
 ///
 /// A state on the section keeps the side from which it was reached. A value that jumps over zero, or has a pole, crosses nothing. Of a
 /// step that begins and ends on the section the side is that of its middle, and it crosses where it begins.
-pub(super) fn crossing<'a>(
-    section: &'a Section,
+pub(crate) fn crossing(
+    section: &Section,
     difference: &mut dyn FnMut(&[f64]) -> f64,
     last: &mut LastStep<'_>,
     after: &[f64],
     (side, value, steps): (Side, f64, u64),
-) -> Result<(Side, Option<Between>), Lost<'a>> {
+) -> Result<(Side, Option<Between>), Fault> {
     if value.is_nan() {
-        return Err(Lost::Undefined(&section.text));
+        return Err(Fault::Undefined(section.text.clone()));
     }
     if let Some(side) = side.stays(value) {
         return Ok((side, None));
     }
     if side.may_begin_and_end_there(value) {
-        let middle = last.part(0.5).map_err(Lost::Step)?;
+        let middle = last.part(0.5).map_err(Fault::Step)?;
         let inside = difference(&middle);
         let ends = side.value.abs().max(value.abs());
         if inside.is_finite() && inside != 0.0 && ends <= round_off(steps) * inside.abs() {
@@ -311,7 +219,7 @@ pub(super) fn crossing<'a>(
             Some(CLOSE * largest),
             &mut rising,
         )
-        .map_err(Lost::Step)?;
+        .map_err(Fault::Step)?;
     let found = bracket.nearest;
     let crosses = found.value.abs() <= JUMP * largest;
     Ok((other, crosses.then_some(found)))

@@ -1,18 +1,17 @@
 //! States between the one before the last step and the one after it: ends of shorter steps from the first.
 
-use leafwise_core::{Integrator, StepError, Stepper, two_sum};
-use leafwise_scene::compose::ComposedRun;
+use leafwise_core::{StepError, StepMap, Stepper, Walk, two_sum};
 use serde::{Deserialize, Serialize};
 
 /// Steps that are tried for one that ends where a function of the state is zero.
-pub(super) const MOST_TRIED: usize = 100;
+const MOST_TRIED: usize = 100;
 
 /// How near to each other two lengths of a step are that are not told apart, over the whole length.
-pub(super) const CLOSE: f64 = 4.0 * f64::EPSILON;
+pub(crate) const CLOSE: f64 = 4.0 * f64::EPSILON;
 
 /// What a checkpoint keeps of the state before the last step; empty where no state between is asked for.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct StepStart {
+pub struct StepStart {
     /// x_{k−1}.
     pub state: Vec<f64>,
     /// What x_{k−1} holds beyond a double.
@@ -21,34 +20,47 @@ pub(super) struct StepStart {
 
 /// The state after the last step.
 #[derive(Clone, Copy)]
-pub(super) struct StepEnd<'a> {
+pub struct StepEnd<'a> {
     /// x_k.
     pub state: &'a [f64],
     /// What x_k holds beyond a double.
     pub compensation: &'a [f64],
 }
 
-impl<'a> From<&'a Integrator> for StepEnd<'a> {
-    fn from(integrator: &'a Integrator) -> Self {
+impl<'a> From<&'a Walk> for StepEnd<'a> {
+    fn from(walk: &'a Walk) -> Self {
         Self {
-            state: integrator.state(),
-            compensation: integrator.compensation(),
+            state: walk.state(),
+            compensation: walk.compensation(),
         }
     }
 }
 
-/// The last step of a run.
-pub(super) struct LastStep<'a> {
-    run: &'a ComposedRun,
+impl StepStart {
+    /// Keeps the states that the next step begins at, all lanes.
+    pub fn keep(&mut self, walk: &Walk) {
+        self.state.clear();
+        self.state.extend_from_slice(walk.state());
+        self.compensation.clear();
+        self.compensation.extend_from_slice(walk.compensation());
+    }
+}
+
+/// The last step of one trajectory.
+pub struct LastStep<'a> {
+    map: &'a dyn StepMap,
     parameters: Vec<f64>,
+    epsilon: f64,
+    h: f64,
     /// Of shorter steps, once there was one.
     stepper: Option<Box<dyn Stepper>>,
+    /// Where it begins.
     pub start: StepStart,
 }
 
 /// The end of a part of a step.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Between {
+pub struct Between {
     /// The step's length over that of the whole one: from 0 to 1.
     pub part: f64,
     /// The state.
@@ -58,7 +70,7 @@ pub(super) struct Between {
 }
 
 /// Two ends of shorter steps about a zero, and the best one.
-pub(super) struct Bracket {
+pub struct Bracket {
     /// The last end before it.
     pub before: Between,
     /// The first end behind it.
@@ -70,30 +82,16 @@ pub(super) struct Bracket {
 }
 
 impl<'a> LastStep<'a> {
-    /// No step yet.
-    pub fn new(run: &'a ComposedRun) -> Self {
-        Self::with(run, run.system.parameter_values())
-    }
-
-    /// No step yet of a run with other parameters.
-    pub fn with(run: &'a ComposedRun, parameters: Vec<f64>) -> Self {
-        let initial = &run.plan.initial;
+    /// No step yet of a map with these parameters and step sizes ε and h.
+    pub fn new(map: &'a dyn StepMap, parameters: Vec<f64>, epsilon: f64, h: f64) -> Self {
         Self {
-            run,
+            map,
             parameters,
+            epsilon,
+            h,
             stepper: None,
-            start: StepStart {
-                state: initial.clone(),
-                compensation: vec![0.0; initial.len()],
-            },
+            start: StepStart::default(),
         }
-    }
-
-    /// Keeps the state that the next step begins at.
-    pub fn keep(&mut self, integrator: &Integrator) {
-        self.start.state.copy_from_slice(integrator.state());
-        let low = integrator.compensation();
-        self.start.compensation.copy_from_slice(low);
     }
 
     /// x_k − x_{k−1} in one coordinate.
@@ -104,19 +102,23 @@ impl<'a> LastStep<'a> {
 
     /// Where t = k ε h advances by the same each step, the time after a part of the last one.
     pub fn time(&self, steps: u64, part: f64) -> f64 {
-        let plan = &self.run.plan;
-        ((steps - 1) as f64 + part) * (plan.epsilon * plan.h)
+        ((steps - 1) as f64 + part) * (self.epsilon * self.h)
     }
 
     /// The state at a time within the last step, where t = k ε h advances by the same each step.
+    ///
+    /// # Errors
+    /// The [`StepError`] of the shorter step.
     pub fn state_at(&mut self, steps: u64, time: f64) -> Result<Vec<f64>, StepError> {
-        let plan = &self.run.plan;
-        let step = plan.epsilon * plan.h;
+        let step = self.epsilon * self.h;
         let part = (time - (steps - 1) as f64 * step) / step;
         self.part(part.clamp(0.0, 1.0))
     }
 
     /// The state after a part of the last step.
+    ///
+    /// # Errors
+    /// The [`StepError`] of the shorter step.
     pub fn part(&mut self, part: f64) -> Result<Vec<f64>, StepError> {
         let increment = self.increment(part)?;
         Ok(self.sum(&increment))
@@ -128,6 +130,9 @@ impl<'a> LastStep<'a> {
     /// The search ends where the value is at most `enough`, if that is given, or where the lengths of steps are not told
     /// apart any more. A part s of the step is read off the polynomial s(value) through all values that are known; where
     /// that does not halve the bracket, the next one lies a little beyond the nearer end.
+    ///
+    /// # Errors
+    /// The [`StepError`] of a shorter step.
     pub fn enclose(
         &mut self,
         end: &[f64],
@@ -189,8 +194,7 @@ impl<'a> LastStep<'a> {
 
     /// The increment over a part of the last step. The stepper knows nothing of earlier ones.
     fn increment(&mut self, part: f64) -> Result<Vec<f64>, StepError> {
-        let (plan, map) = (&self.run.plan, self.run.method.map());
-        let h = plan.h * part;
+        let h = self.h * part;
         let is_ready = self
             .stepper
             .as_mut()
@@ -198,7 +202,7 @@ impl<'a> LastStep<'a> {
         if !is_ready {
             self.stepper = None;
         }
-        let make = || map.stepper(1, &self.parameters, plan.epsilon, h);
+        let make = || self.map.stepper(1, &self.parameters, self.epsilon, h);
         let stepper = self.stepper.get_or_insert_with(make);
         let mut increment = vec![0.0; self.start.state.len()];
         let mut outcome = [Ok(())];

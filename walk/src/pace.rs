@@ -1,18 +1,97 @@
 //! Steps of a fictitious time: their times, and states at given times between them.
 
 use leafwise_core::runge_kutta::SmoothMapEvaluator;
-use leafwise_core::system::SystemObservables;
-use leafwise_core::{BuildError, Evaluator, Integrator, Observe, StepError};
-use leafwise_expression::Expression;
-use leafwise_scene::compose::{ComposedRun, Pace};
+use leafwise_core::{BuildError, Evaluator, PoissonSystem, StepError};
 use serde::{Deserialize, Serialize};
+use thiserror::Error;
 
-use super::last_step::{LastStep, StepEnd};
-use super::outcome::Failure;
+use crate::functions::{FunctionValues, StateFunctions};
+use crate::step::{LastStep, StepEnd};
+
+/// g = dt/dτ, where steps are of a fictitious time τ and the time is a coordinate.
+#[derive(Clone)]
+pub struct Pace {
+    /// The formula as it is written.
+    pub text: String,
+    /// Where t stands in a state; e, its energy, stands behind it.
+    pub time: usize,
+    /// g and H + e.
+    pub watched: StateFunctions,
+    /// The system of K = (H + e) g.
+    pub system: PoissonSystem,
+    /// Names of the coordinates before t, for messages.
+    pub names: Vec<String>,
+}
+
+/// Why a walk cannot go on by its pace.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum NoPace {
+    /// g is not positive.
+    #[error("the pace {pace} must be positive, and is {value:?} after this step, at {place}")]
+    NotPositive {
+        /// The formula.
+        pace: String,
+        /// g.
+        value: f64,
+        /// The first coordinates, with their names.
+        place: String,
+    },
+    /// The time goes back.
+    #[error(
+        "the time goes from t = {time:?} the other way, by {advance:e}: the step is too long for the pace {pace}"
+    )]
+    Backwards {
+        /// The formula.
+        pace: String,
+        /// t before the step.
+        time: f64,
+        /// The change of t.
+        advance: f64,
+    },
+    /// The time does not advance any more.
+    #[error("the pace {pace} stalls: it is {value:e}, and this step advances t by {advance:e}")]
+    Stalls {
+        /// The formula.
+        pace: String,
+        /// g.
+        value: f64,
+        /// The change of t.
+        advance: f64,
+    },
+    /// Ever more steps lead to no end.
+    #[error(
+        "the pace {pace} becomes too small to come to the end: it is {value:e} at t = {time:?}, and twice as many steps \
+         advance t by {advance:e}"
+    )]
+    InVain {
+        /// The formula.
+        pace: String,
+        /// g.
+        value: f64,
+        /// t.
+        time: f64,
+        /// The change of t over the last half of the steps.
+        advance: f64,
+    },
+    /// The error of K moves the state.
+    #[error(
+        "the pace {pace} is so near to 0, {value:e}, that the error {balance:e} of the energy, K/pace, moves the state: \
+         it turns back where it should go on"
+    )]
+    Lost {
+        /// The formula.
+        pace: String,
+        /// g.
+        value: f64,
+        /// H + e.
+        balance: f64,
+    },
+}
 
 /// What a checkpoint keeps beside the states; zeros where steps are of the time itself.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct PacedSteps {
+pub struct PacedSteps {
     /// min |t_{k+1} − t_k|.
     pub least: f64,
     /// max |t_{k+1} − t_k|.
@@ -21,18 +100,22 @@ pub(super) struct PacedSteps {
     pub seen: f64,
     /// The time when the number of steps was last a power of two, and by how much it had then advanced since the one before.
     pub doubled: f64,
+    /// That advance.
     pub advance: f64,
     /// How often in a row that advance had not grown.
     pub slower: u32,
 }
 
-/// The pace of a run at its steps.
-pub(super) struct Paced<'a> {
-    run: &'a ComposedRun,
+/// The pace of one lane.
+pub(crate) struct PaceWatch<'a> {
     pace: &'a Pace,
     parameters: Vec<f64>,
+    /// ε h.
+    step: f64,
+    /// The time at the end.
+    until: Option<f64>,
     /// g and H + e.
-    observer: Box<dyn Observe + 'a>,
+    watched: FunctionValues,
     /// ∇K, once it is asked for.
     gradient: Option<SmoothMapEvaluator>,
     pub steps: PacedSteps,
@@ -69,132 +152,103 @@ const MISSED: f64 = 64.0;
 /// Coordinates that a message shows.
 const SHOWN: usize = 6;
 
-impl<'a> Paced<'a> {
-    /// `None` where a run's steps are of the time itself.
-    pub fn of(run: &'a ComposedRun) -> Result<Option<Self>, BuildError> {
-        let Some(watched) = Self::watched(run) else {
-            return Ok(None);
-        };
-        let parameters = run.system.parameter_values();
-        let observer = SystemObservables::new(&run.system, &watched, &parameters)?;
-        Ok(Self::with(run, parameters, Box::new(observer)))
+impl Pace {
+    /// t of a state.
+    pub fn time_at(&self, state: &[f64]) -> f64 {
+        state[self.time]
     }
+}
 
-    /// The same with other parameters; the observer has the values of [`watched`](Self::watched).
-    pub fn with(
-        run: &'a ComposedRun,
+impl<'a> PaceWatch<'a> {
+    /// The pace at one lane's parameters; ε h is the `step`, `until` the time at the end.
+    pub fn new(
+        pace: &'a Pace,
         parameters: Vec<f64>,
-        observer: Box<dyn Observe + 'a>,
-    ) -> Option<Self> {
-        Some(Self {
-            run,
-            pace: run.pace()?,
+        step: f64,
+        until: Option<f64>,
+    ) -> Result<Self, BuildError> {
+        Ok(Self {
+            watched: pace.watched.values(1, &parameters)?,
+            pace,
             parameters,
-            observer,
+            step,
+            until,
             gradient: None,
             steps: PacedSteps::default(),
         })
     }
 
-    /// What has to be known after every step: g and H + e.
-    pub fn watched(run: &ComposedRun) -> Option<[&Expression; 2]> {
-        let energy = run.extension.as_ref()?.energy();
-        Some([&run.pace()?.formula, energy])
-    }
-
-    /// Where t stands in a state.
-    fn place(&self) -> usize {
-        let extension = self.run.extension.as_ref();
-        extension.map_or(self.run.plan.coordinates, |of| of.coordinates)
-    }
-
-    /// The time of the present state.
-    pub fn time(&self, integrator: &Integrator) -> f64 {
-        self.time_at(integrator.state())
-    }
-
-    /// The time of a state.
-    pub fn time_at(&self, state: &[f64]) -> f64 {
-        state[self.place()]
-    }
-
-    /// Whether one time comes before another on the run's way.
-    pub fn is_before(&self, time: f64, other: f64) -> bool {
-        let forward = self.run.plan.epsilon * self.run.plan.h;
-        (other - time) * forward > 0.0
-    }
-
-    /// Takes in the last of so many steps; why the run cannot go on from there, if it cannot.
-    pub fn take(&mut self, last: &LastStep<'_>, end: StepEnd<'_>, steps: u64) -> Option<Failure> {
-        let t = self.place();
-        let before = last.start.state[t];
-        let mut values = [0.0; 2];
-        self.observer.evaluate(end.state, &mut values);
-        let [value, balance] = values;
+    /// Takes in the last of so many steps; why the walk cannot go on from there, if it cannot.
+    pub fn take(&mut self, last: &LastStep<'_>, end: StepEnd<'_>, steps: u64) -> Option<NoPace> {
+        let t = self.pace.time;
+        let time = last.start.state[t];
+        let values = self.watched.at(end.state);
+        let (value, balance) = (values[0], values[1]);
         let advance = last.advance(end, t);
-        let forward = self.run.plan.epsilon * self.run.plan.h;
-        let pace = self.pace.text.as_str();
-        let message = if !(value > 0.0 && value.is_finite()) {
-            let own = self.run.names().into_iter().zip(end.state);
+        let pace = || self.pace.text.clone();
+        let is_backwards = advance * self.step < 0.0;
+        if !(value > 0.0 && value.is_finite()) {
+            let own = self.pace.names.iter().zip(end.state);
             let place: Vec<String> = own
                 .take(SHOWN)
                 .map(|(name, x)| format!("{name} = {x:?}"))
                 .collect();
-            let place = place.join(", ");
-            format!(
-                "the pace {pace} must be positive, and is {value:?} after this step, at {place}"
-            )
-        } else if advance * forward < 0.0 {
-            format!(
-                "the time goes from t = {before:?} the other way, by {advance:e}: the step is too long for the pace {pace}"
-            )
-        } else if advance == 0.0 || self.stalls(end.state, steps) {
-            format!(
-                "the pace {pace} stalls: it is {value:e}, and this step advances t by {advance:e}"
-            )
-        } else if self.is_in_vain(end.state, steps) {
-            format!(
-                "the pace {pace} becomes too small to come to the end: it is {value:e} at t = {:?}, and twice as many steps \
-                 advance t by {:e}",
-                self.time_at(end.state),
-                self.steps.advance,
-            )
-        } else if self.is_lost(end.state, balance) {
-            format!(
-                "the pace {pace} is so near to 0, {value:e}, that the error {balance:e} of the energy, K/pace, moves the state: \
-                 it turns back where it should go on"
-            )
+            return Some(NoPace::NotPositive {
+                pace: pace(),
+                value,
+                place: place.join(", "),
+            });
+        }
+        if is_backwards {
+            return Some(NoPace::Backwards {
+                pace: pace(),
+                time,
+                advance,
+            });
+        }
+        if advance == 0.0 || self.stalls(end.state, steps) {
+            return Some(NoPace::Stalls {
+                pace: self.pace.text.clone(),
+                value,
+                advance,
+            });
+        }
+        if self.is_in_vain(end.state, steps) {
+            return Some(NoPace::InVain {
+                pace: self.pace.text.clone(),
+                value,
+                time: self.pace.time_at(end.state),
+                advance: self.steps.advance,
+            });
+        }
+        if self.is_lost(end.state, balance) {
+            return Some(NoPace::Lost {
+                pace: self.pace.text.clone(),
+                value,
+                balance,
+            });
+        }
+        let size = advance.abs();
+        let is_first = self.steps.most == 0.0;
+        self.steps.least = if is_first {
+            size
         } else {
-            let size = advance.abs();
-            let is_first = self.steps.most == 0.0;
-            self.steps.least = if is_first {
-                size
-            } else {
-                size.min(self.steps.least)
-            };
-            self.steps.most = size.max(self.steps.most);
-            return None;
+            size.min(self.steps.least)
         };
-        let state = self.run.own(&last.start.state);
-        Some(Failure {
-            message,
-            step: steps,
-            time: before,
-            state: state.to_vec(),
-            hint: "write a pace that is positive along the motion, or reduce epsilon*h".to_owned(),
-        })
+        self.steps.most = size.max(self.steps.most);
+        None
     }
 
     /// Whether (H + e)∇g, which is 0 on the motion, makes a part of ∇K = g∇H + (H + e)∇g that shows in the state.
     ///
     /// ∇g is taken by central differences; an error of the balance below [`NEGLIGIBLE`] is not looked at.
     fn is_lost(&mut self, state: &[f64], balance: f64) -> bool {
-        let energy = state[self.place() + 1].abs();
+        let energy = state[self.pace.time + 1].abs();
         if balance.abs() <= NEGLIGIBLE * energy {
             return false;
         }
         if self.gradient.is_none() {
-            let gradient = self.run.system.gradient_values().ok();
+            let gradient = self.pace.system.gradient_values().ok();
             self.gradient = gradient.map(|map| map.evaluator(&self.parameters, 1.0, 1.0));
         }
         let Some(gradient) = &mut self.gradient else {
@@ -205,7 +259,7 @@ impl<'a> Paced<'a> {
             return false;
         }
         let largest = |values: &[f64]| values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-        let own = self.run.own(state).len();
+        let own = self.pace.names.len();
         let size = largest(&state[..own]);
         let mut near = state.to_vec();
         let mut slopes = vec![0.0; own];
@@ -213,23 +267,21 @@ impl<'a> Paced<'a> {
             let width = libm::cbrt(f64::EPSILON) * size;
             let mut value = |x: f64| {
                 near[at] = x;
-                let mut values = [0.0; 2];
-                self.observer.evaluate(&near, &mut values);
-                values[0]
+                self.watched.at(&near)[0]
             };
             let (above, below) = (value(state[at] + width), value(state[at] - width));
             value(state[at]);
             *slope = (above - below) / (2.0 * width);
         }
         let part = balance.abs() * largest(&slopes);
-        let step = (self.run.plan.epsilon * self.run.plan.h).abs();
+        let step = self.step.abs();
         part > MOST_FALSE * largest(&whole[..own]) && part * step > MOST_MOVED * size
     }
 
     /// Whether ever more steps would lead to no end: the time advances with the logarithm of their number, or less.
     fn is_in_vain(&mut self, state: &[f64], made: u64) -> bool {
-        let time = self.time_at(state);
-        let Some(until) = self.run.plan.until else {
+        let time = self.pace.time_at(state);
+        let Some(until) = self.until else {
             return false;
         };
         if made < LEAST_DOUBLED || !made.is_power_of_two() {
@@ -249,13 +301,9 @@ impl<'a> Paced<'a> {
         if !made.is_multiple_of(LOOKED_OVER) {
             return false;
         }
-        let time = self.time_at(state);
+        let time = self.pace.time_at(state);
         let seen = std::mem::replace(&mut self.steps.seen, time);
-        let left = self
-            .run
-            .plan
-            .until
-            .map_or(0.0, |until| (until - time).abs());
+        let left = self.until.map_or(0.0, |until| (until - time).abs());
         (time - seen).abs() <= f64::max(STALLED * left, f64::EPSILON * time.abs())
     }
 
@@ -266,7 +314,7 @@ impl<'a> Paced<'a> {
         end: StepEnd<'_>,
         time: f64,
     ) -> Result<Vec<f64>, StepError> {
-        let t = self.place();
+        let t = self.pace.time;
         let (state, low) = (&last.start.state, &last.start.compensation);
         let wanted = (time - state[t]) - low[t];
         let whole = last.advance(end, t);

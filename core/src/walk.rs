@@ -1,0 +1,298 @@
+//! The compensated step loop.
+
+use crate::compensation::two_sum;
+use crate::error::StepError;
+use crate::solver::{SolverStatistics, StepMap, Stepper};
+
+/// Trajectories of one step map, x_{k+1} = x_k + Δ_k, in one lane or in several side by side: a lane has the bits that it
+/// would have alone.
+///
+/// States are compensated: what rounding takes from x_k + Δ_k is kept in a second double and enters the next step, so that
+/// round-off grows like a random walk of steps' round-off, not of states'. Arrays are structures of arrays, coordinate j of
+/// lane w at `[j*lanes + w]`; of one lane they are the state itself.
+///
+/// A lane whose step fails rests at its last good state and disturbs no other: its column goes on as a copy of one that
+/// lives, which nobody reads.
+pub struct Walk {
+    stepper: Box<dyn Stepper>,
+    lanes: usize,
+    state: Vec<f64>,
+    low: Vec<f64>,
+    increment: Vec<f64>,
+    outcome: Vec<Result<(), StepError>>,
+    rests: Vec<Option<Rest>>,
+    living: usize,
+    steps: u64,
+    time_step: f64,
+    failed: Vec<(usize, StepError)>,
+}
+
+/// Where a lane stays.
+struct Rest {
+    steps: u64,
+    state: Vec<f64>,
+    error: Option<StepError>,
+}
+
+impl Walk {
+    /// Starts at `initial` with `parameters` and the step sizes ε and h: as many lanes as `initial` holds states.
+    ///
+    /// # Panics
+    /// When `initial` holds no whole number of states of the map's dimension.
+    pub fn new(
+        map: &dyn StepMap,
+        parameters: &[f64],
+        epsilon: f64,
+        h: f64,
+        initial: &[f64],
+    ) -> Self {
+        let lanes = initial.len() / map.dimension().max(1);
+        assert!(
+            lanes > 0 && initial.len() == map.dimension() * lanes,
+            "every initial state has the map's dimension"
+        );
+        Self {
+            stepper: map.stepper(lanes, parameters, epsilon, h),
+            lanes,
+            state: initial.to_vec(),
+            low: vec![0.0; initial.len()],
+            increment: vec![0.0; initial.len()],
+            outcome: vec![Ok(()); lanes],
+            rests: (0..lanes).map(|_| None).collect(),
+            living: lanes,
+            steps: 0,
+            time_step: epsilon * h,
+            failed: Vec::new(),
+        }
+    }
+
+    /// Says which member of an ensemble each lane is: [`Stepper::follow`].
+    pub fn follow(&mut self, members: &[u64]) {
+        self.stepper.follow(members);
+    }
+
+    /// x_k of the lanes that live.
+    pub fn state(&self) -> &[f64] {
+        &self.state
+    }
+
+    /// The part of x_k beyond a double, laid out as [`state`](Self::state).
+    pub fn compensation(&self) -> &[f64] {
+        &self.low
+    }
+
+    /// The number of lanes.
+    pub fn lanes(&self) -> usize {
+        self.lanes
+    }
+
+    /// k.
+    pub fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// t = k ε h.
+    pub fn time(&self) -> f64 {
+        // Of no step backwards in time −0 is 0.
+        self.steps as f64 * self.time_step + 0.0
+    }
+
+    /// The solver's work so far, over all lanes.
+    pub fn statistics(&self) -> SolverStatistics {
+        self.stepper.statistics()
+    }
+
+    /// Evaluations so far, those of [`statistics`](Self::statistics).
+    pub fn evaluations(&self) -> u64 {
+        self.stepper.evaluations()
+    }
+
+    /// Whether a lane goes on.
+    pub fn lives(&self, lane: usize) -> bool {
+        self.rests[lane].is_none()
+    }
+
+    /// The number of lanes that go on.
+    pub fn living(&self) -> usize {
+        self.living
+    }
+
+    /// The last state of a lane, and the number of steps to it.
+    pub fn last(&self, lane: usize) -> (u64, Vec<f64>) {
+        match &self.rests[lane] {
+            Some(rest) => (rest.steps, rest.state.clone()),
+            None => (self.steps, self.column(lane)),
+        }
+    }
+
+    /// Ends a lane at its present state.
+    pub fn rest(&mut self, lane: usize) {
+        self.end(lane, None);
+    }
+
+    /// The lanes that failed in the last [`step`](Self::step) or [`advance`](Self::advance), each with its error.
+    pub fn failed(&self) -> &[(usize, StepError)] {
+        &self.failed
+    }
+
+    /// One step of every lane that lives: x_k ↦ x_{k+1}.
+    ///
+    /// # Errors
+    /// As [`advance`](Self::advance).
+    pub fn step(&mut self) -> Result<(), StepError> {
+        self.advance(1)
+    }
+
+    /// x_k ↦ x_{k+n}, to the same bits as n steps one by one. One lane of straight-line code stays in one loop.
+    ///
+    /// # Errors
+    /// The [`StepError`] of the first lane that fails; [`failed`](Self::failed) has the others of that step, behind which no
+    /// further one is made. Lanes that fail rest at the state before it, the others have made it. Where every lane rests,
+    /// no step is made, and the error is that of the first that failed at some time.
+    pub fn advance(&mut self, steps: u64) -> Result<(), StepError> {
+        self.failed.clear();
+        if self.living == 0 {
+            let mut errors = self.rests.iter().flatten();
+            let first = errors.find_map(|rest| rest.error.clone());
+            return first.map_or(Ok(()), Err);
+        }
+        if self.lanes == 1 {
+            let (state, low) = (&mut self.state, &mut self.low);
+            let (made, outcome) =
+                self.stepper
+                    .advance(steps, state, low, &mut self.increment, None);
+            self.steps += made;
+            return outcome.inspect_err(|error| self.fail(0, error.clone()));
+        }
+        for _ in 0..steps {
+            self.step_side_by_side();
+            if let Some((_, error)) = self.failed.first() {
+                return Err(error.clone());
+            }
+        }
+        Ok(())
+    }
+
+    fn step_side_by_side(&mut self) {
+        self.fill_resting();
+        self.stepper.increment(
+            &self.state,
+            &self.low,
+            &mut self.increment,
+            &mut self.outcome,
+        );
+        let sums = self.state.iter().zip(&self.increment);
+        let are_finite = sums.fold(true, |all, (x, i)| all & (x + i).is_finite());
+        if !are_finite || self.outcome.iter().any(Result::is_err) {
+            for lane in 0..self.lanes {
+                if let Err(error) = self.judge(lane) {
+                    self.fail(lane, error);
+                    (lane..self.state.len())
+                        .step_by(self.lanes)
+                        .for_each(|at| self.increment[at] = 0.0);
+                }
+            }
+        }
+        let places = self.state.iter_mut().zip(&mut self.low);
+        for ((x, low), increment) in places.zip(&self.increment) {
+            (*x, *low) = two_sum(*x, increment + *low);
+        }
+        self.steps += 1;
+    }
+
+    fn judge(&mut self, lane: usize) -> Result<(), StepError> {
+        std::mem::replace(&mut self.outcome[lane], Ok(()))?;
+        let mut places = (lane..self.state.len()).step_by(self.lanes);
+        if places.all(|at| (self.state[at] + self.increment[at]).is_finite()) {
+            return Ok(());
+        }
+        Err(StepError::NonFinite {
+            what: "the new state",
+        })
+    }
+
+    /// Ends a lane that lives, and remembers why.
+    fn fail(&mut self, lane: usize, error: StepError) {
+        if self.lives(lane) {
+            self.failed.push((lane, error.clone()));
+            self.end(lane, Some(error));
+        }
+    }
+
+    fn end(&mut self, lane: usize, error: Option<StepError>) {
+        if self.lives(lane) {
+            let (steps, state) = self.last(lane);
+            self.rests[lane] = Some(Rest {
+                steps,
+                state,
+                error,
+            });
+            self.living -= 1;
+        }
+    }
+
+    /// Copies a lane that lives into those that rest.
+    fn fill_resting(&mut self) {
+        if self.living == self.lanes {
+            return;
+        }
+        let Some(from) = (0..self.lanes).find(|lane| self.lives(*lane)) else {
+            return;
+        };
+        for lane in 0..self.lanes {
+            if self.lives(lane) {
+                continue;
+            }
+            for row in (0..self.state.len()).step_by(self.lanes) {
+                self.state[row + lane] = self.state[row + from];
+                self.low[row + lane] = self.low[row + from];
+            }
+        }
+    }
+
+    fn column(&self, lane: usize) -> Vec<f64> {
+        let column = self.state.iter().skip(lane).step_by(self.lanes);
+        column.copied().collect()
+    }
+
+    /// Everything that later steps depend on: x_k, its compensation and the solver's memory.
+    pub fn checkpoint(&self) -> Checkpoint {
+        Checkpoint {
+            steps: self.steps,
+            state: self.state.clone(),
+            compensation: self.low.clone(),
+            memory: self.stepper.memory(),
+        }
+    }
+
+    /// Continues from a checkpoint, to the same bits as without interruption; every lane goes on.
+    ///
+    /// # Errors
+    /// Returns the expected length when the checkpoint belongs to another method.
+    pub fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), usize> {
+        if checkpoint.state.len() != self.state.len() {
+            return Err(self.state.len());
+        }
+        self.stepper.restore(&checkpoint.memory)?;
+        self.steps = checkpoint.steps;
+        self.state.copy_from_slice(&checkpoint.state);
+        self.low.copy_from_slice(&checkpoint.compensation);
+        self.rests.fill_with(|| None);
+        self.living = self.lanes;
+        self.failed.clear();
+        Ok(())
+    }
+}
+
+/// The state of a [`Walk`] between two steps.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Checkpoint {
+    /// k.
+    pub steps: u64,
+    /// x_k.
+    pub state: Vec<f64>,
+    /// The part of x_k beyond a double.
+    pub compensation: Vec<f64>,
+    /// The solver's memory.
+    pub memory: Vec<f64>,
+}

@@ -1,0 +1,219 @@
+//! What a run records: rows of samples and crossings, windows of invariants, states that its method is judged at.
+
+use leafwise_core::Walk;
+use leafwise_scene::compose::{ComposedRun, Observable, WIDEST_STATE};
+use leafwise_walk::{Course, Ended, FunctionValues, Sample, SampleTimes, Sink};
+
+use crate::crossing::Crossing;
+use crate::error::RunError;
+use crate::invariants::Windows;
+use crate::samples::Samples;
+use crate::snapshots::Snapshots;
+use crate::states::StateTable;
+use crate::watch::Watch;
+
+/// The tables of a run, and what is kept in memory beside them.
+pub(super) struct Records<'a> {
+    run: &'a ComposedRun,
+    course: &'a Course,
+    invariants: FunctionValues,
+    formulas: FunctionValues,
+    columns: Vec<Column>,
+    row: Vec<f64>,
+    shown: Vec<f64>,
+    pub samples: Samples,
+    /// States that are too wide for samples.
+    pub states: Option<StateTable>,
+    /// The rows of the scene's own section, which is the first event.
+    pub crossings: Option<Samples>,
+    /// The crossings of each of the other events.
+    pub found: Vec<Vec<Crossing>>,
+    pub windows: Windows,
+    /// States that the method is judged at.
+    pub watch: Watch,
+    pub snapshots: Snapshots,
+    /// The number of steps to the last sample.
+    pub last_sample: Option<u64>,
+    /// For each formula, the samples at which it has no finite value.
+    pub undefined: Vec<u64>,
+    /// Evaluations of earlier sessions.
+    pub before: u64,
+}
+
+/// Where a recorded value comes from.
+#[derive(Clone, Copy)]
+enum Column {
+    Invariant(usize),
+    Formula(usize),
+    Coordinate(usize),
+}
+
+impl<'a> Records<'a> {
+    /// Nothing recorded yet; `initial` are the invariants at the initial state.
+    pub fn new(
+        run: &'a ComposedRun,
+        course: &'a Course,
+        initial: &[f64],
+        samples: Samples,
+    ) -> Result<Self, RunError> {
+        let parameters = run.system.parameter_values();
+        let mut invariants = course.invariants.values(1, &parameters)?;
+        if let Some(pace) = &course.pace {
+            invariants.measure_from(&[run.plan.initial[pace.time + 1]]);
+        }
+        let mut columns = Vec::with_capacity(run.plan.observables.len());
+        let mut formula = 0;
+        for observable in &run.plan.observables {
+            columns.push(match observable {
+                Observable::Invariant { index, .. } => Column::Invariant(*index),
+                Observable::Formula { .. } => {
+                    formula += 1;
+                    Column::Formula(formula - 1)
+                }
+                Observable::Coordinate { index, .. } => Column::Coordinate(*index),
+            });
+        }
+        let own = usize::from(run.plan.events.section.is_some());
+        Ok(Self {
+            invariants,
+            formulas: run.recorded_functions()?.values(1, &parameters)?,
+            row: vec![0.0; columns.len()],
+            columns,
+            shown: Vec::new(),
+            samples,
+            states: None,
+            crossings: None,
+            found: vec![Vec::new(); course.events.len() - own],
+            windows: Windows::new(initial),
+            watch: Watch::new(&run.plan.initial),
+            snapshots: Snapshots::new(),
+            last_sample: None,
+            undefined: vec![0; formula],
+            before: 0,
+            run,
+            course,
+        })
+    }
+
+    /// Records the state after so many steps, once.
+    pub fn record(&mut self, steps: u64, time: f64, state: &[f64]) -> Result<(), RunError> {
+        if self.last_sample == Some(steps) {
+            return Ok(());
+        }
+        self.record_state(time, state)?;
+        self.last_sample = Some(steps);
+        Ok(())
+    }
+
+    /// Records the state at the end.
+    pub fn record_end(&mut self, ended: &Ended) -> Result<(), RunError> {
+        match ended.is_between {
+            true => self.record_state(ended.time, &ended.state),
+            false => self.record(ended.steps, ended.time, &ended.state),
+        }
+    }
+
+    /// Records a state at its time.
+    fn record_state(&mut self, time: f64, state: &[f64]) -> Result<(), RunError> {
+        self.fill_row(state);
+        for (value, column) in self.row.iter().zip(&self.columns) {
+            if let Column::Formula(index) = *column {
+                self.undefined[index] += u64::from(!value.is_finite());
+            }
+        }
+        if let Some(states) = &mut self.states {
+            let recorded = self.run.plan.states.coordinates();
+            states.push(recorded.map(|at| state[at]))?;
+        }
+        self.samples.push(time, &self.shown, &self.row)?;
+        if let Some(geometry) = self.run.method.lattice()
+            && state.len() > WIDEST_STATE
+        {
+            self.snapshots.push(geometry, time, state);
+        }
+        Ok(())
+    }
+
+    /// The columns of a row behind its time: recorded coordinates in `shown`, observables in `row`.
+    fn fill_row(&mut self, state: &[f64]) {
+        let invariants = self.invariants.at(state);
+        let formulas = self.formulas.at(state);
+        for (value, column) in self.row.iter_mut().zip(&self.columns) {
+            *value = match *column {
+                Column::Invariant(index) => invariants[index],
+                Column::Formula(index) => formulas[index],
+                Column::Coordinate(index) => state[index],
+            };
+        }
+        self.shown.clear();
+        if self.states.is_none() {
+            let recorded = self.run.plan.states.coordinates();
+            self.shown.extend(recorded.map(|at| state[at]));
+        }
+    }
+
+    /// Whether the walk is at the end, which is recorded as the end, where that lies at a time.
+    fn is_beyond(&self, walk: &Walk, time: f64) -> bool {
+        let Some(until) = self.course.until else {
+            return false;
+        };
+        match self.course.pace {
+            Some(_) => !self.course.is_before(time, until),
+            None => walk.steps() >= self.course.steps,
+        }
+    }
+}
+
+impl Sink for Records<'_> {
+    type Error = RunError;
+
+    fn begin_step(&mut self, walk: &Walk) {
+        self.watch.begin(walk.state());
+    }
+
+    fn end_step(&mut self, walk: &Walk) {
+        self.watch.end(walk);
+    }
+
+    fn invariants(&mut self, walk: &Walk, time: f64, values: &[f64]) {
+        let before = self.before;
+        self.windows
+            .push(values, time, || before + walk.evaluations());
+    }
+
+    fn step(&mut self, walk: &Walk, time: f64) -> Result<(), RunError> {
+        let SampleTimes::Every(every) = self.course.samples else {
+            return Ok(());
+        };
+        match walk.steps().is_multiple_of(every) && !self.is_beyond(walk, time) {
+            true => self.record(walk.steps(), time, walk.state()),
+            false => Ok(()),
+        }
+    }
+
+    fn sample(&mut self, sample: Sample<'_>) -> Result<(), RunError> {
+        self.record_state(sample.time, sample.state)?;
+        self.last_sample = sample.steps.or(self.last_sample);
+        Ok(())
+    }
+
+    fn crossing(
+        &mut self,
+        event: usize,
+        _lane: usize,
+        time: f64,
+        state: &[f64],
+    ) -> Result<(), RunError> {
+        let own = usize::from(self.run.plan.events.section.is_some());
+        if event >= own {
+            let state = self.run.own(state).to_vec();
+            self.found[event - own].push(Crossing { time, state });
+            return Ok(());
+        }
+        self.fill_row(state);
+        match &mut self.crossings {
+            Some(crossings) => crossings.push(time, &self.shown, &self.row),
+            None => Ok(()),
+        }
+    }
+}

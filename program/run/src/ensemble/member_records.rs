@@ -1,0 +1,252 @@
+//! What the members of a block record.
+
+use std::path::Path;
+
+use leafwise_core::{BuildError, SolverStatistics, Walk};
+use leafwise_walk::{Ended, FunctionValues, Sample, Sink, Why, column, side_by_side};
+
+use super::block::Begun;
+use super::clock::window;
+use super::plan::{Column, ComposedEnsemble};
+use super::record::{MemberStop, Record};
+use super::section::MemberCrossings;
+use super::statistics::MemberFailure;
+use crate::{Failure, RunError};
+
+/// Observables, deviations of invariants, crossings and ends of a block's members.
+pub(super) struct MemberRecords<'a> {
+    ensemble: &'a ComposedEnsemble,
+    record: Record,
+    /// In all lanes.
+    invariants: FunctionValues,
+    formulas: FunctionValues,
+    /// In one lane: one for all where they have the same parameters.
+    rows: Vec<Option<[FunctionValues; 2]>>,
+    /// What H + e is measured from, beside a pace.
+    origins: Vec<f64>,
+    /// The next sample after a number of steps.
+    next: usize,
+    /// The deviations in the window that each lane is in.
+    deviations: Vec<f64>,
+    /// That window; `None` once it has ended: the lane goes on as a copy of others.
+    window: Vec<Option<usize>>,
+    window_ends: Vec<f64>,
+}
+
+impl<'a> MemberRecords<'a> {
+    /// Nothing recorded yet; `initial` are the invariants at the initial states.
+    pub fn new(
+        ensemble: &'a ComposedEnsemble,
+        directory: &Path,
+        begun: Begun,
+        initial: &[f64],
+    ) -> Result<Self, BuildError> {
+        let shape = ensemble.shape();
+        let lanes = begun.states.len();
+        let values = side_by_side(&begun.parameters);
+        // H + e is measured from e at the beginning.
+        let states = begun.states.iter();
+        let origins: Vec<f64> = states.filter_map(|state| ensemble.origin(state)).collect();
+        let mut invariants = ensemble.course.invariants.values(lanes, &values)?;
+        invariants.measure_from(&origins);
+        let differ = !ensemble.population.varied().is_empty();
+        let members = begun.first..begun.first + lanes as u64;
+        Ok(Self {
+            invariants,
+            formulas: ensemble.formulas.values(lanes, &values)?,
+            rows: (0..if differ { lanes } else { 1 }).map(|_| None).collect(),
+            origins,
+            next: 0,
+            deviations: vec![0.0; shape.invariants * lanes],
+            window: vec![Some(0); lanes],
+            window_ends: ensemble.window_ends(),
+            record: Record {
+                first: begun.first,
+                lanes,
+                samples: vec![0.0; shape.times * shape.observables * lanes],
+                windows: vec![0.0; shape.windows * shape.invariants * lanes],
+                initial: initial.to_vec(),
+                states: begun.drawn.clone(),
+                initial_states: begun.drawn,
+                parameters: begun.parameters,
+                failures: begun.failures,
+                stops: vec![None; lanes],
+                crossings: members
+                    .map(|member| MemberCrossings::new(directory, member))
+                    .collect(),
+                statistics: SolverStatistics::default(),
+            },
+            ensemble,
+        })
+    }
+
+    /// Takes in the observables of all members after a number of steps.
+    pub fn take_sample(&mut self, walk: &Walk) {
+        let lanes = self.record.lanes;
+        let invariants = self.invariants.at(walk.state());
+        let formulas = self.formulas.at(walk.state());
+        let size = self.ensemble.columns.len() * lanes;
+        let row = &mut self.record.samples[self.next * size..][..size];
+        for (values, column) in row.chunks_exact_mut(lanes).zip(&self.ensemble.columns) {
+            let (all, at) = match column {
+                Column::Invariant(at) => (invariants, at),
+                Column::Formula(at) => (formulas, at),
+            };
+            values.copy_from_slice(&all[at * lanes..][..lanes]);
+        }
+        self.next += 1;
+    }
+
+    /// What the members leave behind.
+    pub fn finish(mut self, statistics: SolverStatistics) -> Record {
+        self.record.statistics = statistics;
+        for lane in 0..self.record.lanes {
+            if self.record.failures[lane].is_some() {
+                self.record.crossings[lane].clear();
+            }
+        }
+        self.record
+    }
+
+    /// Writes the observables of a member at a state into the sample with this number.
+    fn put_sample(&mut self, lane: usize, number: usize, state: &[f64]) -> Result<(), BuildError> {
+        let row = self.row(lane, state)?;
+        let from = number * self.ensemble.columns.len();
+        for (value, place) in row.into_iter().zip(from..) {
+            self.record.samples[place * self.record.lanes + lane] = value;
+        }
+        Ok(())
+    }
+
+    /// The observables of a member at a state.
+    fn row(&mut self, lane: usize, state: &[f64]) -> Result<Vec<f64>, BuildError> {
+        let at = lane.min(self.rows.len() - 1);
+        let ensemble = self.ensemble;
+        let slot = &mut self.rows[at];
+        if slot.is_none() {
+            let parameters = &self.record.parameters[lane];
+            let own = [&ensemble.course.invariants, &ensemble.formulas];
+            let [invariants, formulas] = own.map(|of| of.values(1, parameters));
+            *slot = Some([invariants?, formulas?]);
+        }
+        let [invariants, formulas] = slot.as_mut().expect("it was made above");
+        invariants.measure_from(self.origins.get(lane..=lane).unwrap_or_default());
+        let (invariants, formulas) = (invariants.at(state), formulas.at(state));
+        let value = |column: &Column| match *column {
+            Column::Invariant(at) => invariants[at],
+            Column::Formula(at) => formulas[at],
+        };
+        Ok(ensemble.columns.iter().map(value).collect())
+    }
+
+    /// Puts the deviations of lanes away that have come to another window with the last step.
+    fn open_windows(&mut self, walk: &Walk) {
+        let (ensemble, lanes) = (self.ensemble, self.record.lanes);
+        let common =
+            (!ensemble.clock.is_of_time).then(|| window(&self.window_ends, walk.steps() as f64));
+        for lane in 0..lanes {
+            let Some(present) = self.window[lane] else {
+                continue;
+            };
+            let now = common.unwrap_or_else(|| {
+                let state = column(walk.state(), lane, lanes);
+                let time = ensemble.course.time(walk.steps(), &state);
+                window(&self.window_ends, ensemble.clock.mark(walk.steps(), time))
+            });
+            if now != present {
+                self.put_away(lane);
+                self.window[lane] = Some(now);
+            }
+        }
+    }
+
+    /// Writes a lane's deviations into the window it is in.
+    fn put_away(&mut self, lane: usize) {
+        let Some(window) = self.window[lane] else {
+            return;
+        };
+        let (lanes, size) = (self.record.lanes, self.deviations.len());
+        let windows = &mut self.record.windows;
+        let Some(place) = windows.get_mut(window * size..(window + 1) * size) else {
+            return;
+        };
+        for at in (lane..size).step_by(lanes) {
+            place[at] = std::mem::take(&mut self.deviations[at]);
+        }
+    }
+}
+
+impl Sink for MemberRecords<'_> {
+    type Error = RunError;
+
+    fn invariants(&mut self, walk: &Walk, _time: f64, values: &[f64]) {
+        self.open_windows(walk);
+        let largest = self.deviations.iter_mut();
+        for ((largest, value), initial) in largest.zip(values).zip(&self.record.initial) {
+            let deviation = (value - initial).abs();
+            *largest = if deviation > *largest {
+                deviation
+            } else {
+                *largest
+            };
+        }
+    }
+
+    fn step(&mut self, walk: &Walk, _time: f64) -> Result<(), RunError> {
+        let clock = &self.ensemble.clock;
+        if !clock.is_of_time && clock.samples.get(self.next) == Some(&(walk.steps() as f64)) {
+            self.take_sample(walk);
+        }
+        Ok(())
+    }
+
+    fn sample(&mut self, sample: Sample<'_>) -> Result<(), RunError> {
+        let number = usize::try_from(sample.number).unwrap_or(usize::MAX);
+        Ok(self.put_sample(sample.lane, number, sample.state)?)
+    }
+
+    fn crossing(
+        &mut self,
+        _event: usize,
+        lane: usize,
+        time: f64,
+        state: &[f64],
+    ) -> Result<(), RunError> {
+        let recorded = self.ensemble.run.plan.states.coordinates();
+        let mut row: Vec<f64> = recorded.map(|at| state[at]).collect();
+        row.extend(self.row(lane, state)?);
+        let member = self.record.first + lane as u64;
+        self.record.crossings[lane].push(member, time, row.into_iter())
+    }
+
+    fn ended(&mut self, lane: usize, ended: &Ended) -> Result<(), RunError> {
+        self.put_away(lane);
+        self.window[lane] = None;
+        let clock = &self.ensemble.clock;
+        match &ended.why {
+            Why::Failed(fault) => {
+                let failure = Failure::of(fault, ended, &self.ensemble.run);
+                self.record.failures[lane] = Some(MemberFailure {
+                    member: self.record.first + lane as u64,
+                    step: failure.step,
+                    time: failure.time,
+                    message: failure.message,
+                    state: failure.state,
+                });
+            }
+            Why::Stopped | Why::Event(_) => {
+                self.record.stops[lane] = Some(MemberStop {
+                    mark: clock.mark(ended.steps, ended.time),
+                    time: ended.time,
+                    row: self.row(lane, &ended.state)?,
+                });
+            }
+            Why::Done if clock.is_of_time => {
+                self.put_sample(lane, clock.samples.len() - 1, &ended.state)?;
+            }
+            Why::Done => {}
+        }
+        self.record.states[lane].clone_from(&ended.state);
+        Ok(())
+    }
+}

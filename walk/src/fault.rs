@@ -1,0 +1,52 @@
+//! How lanes end.
+
+use leafwise_core::StepError;
+use thiserror::Error;
+
+use crate::pace::NoPace;
+
+/// Why a lane cannot go on.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum Fault {
+    /// A step, or a part of one, could not be taken.
+    #[error(transparent)]
+    Step(#[from] StepError),
+    /// A formula, by its text, has no value.
+    #[error("`{0}` has no finite value at this state")]
+    Undefined(String),
+    /// The state is outside the domain of the first invariant, the energy.
+    #[error("energy has no finite value at this state")]
+    Outside,
+    /// Steps of a fictitious time do not advance the time as they should.
+    #[error(transparent)]
+    Pace(#[from] NoPace),
+}
+
+/// Why a lane has ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Why {
+    /// Every step was made, or the time at the end is reached.
+    Done,
+    /// The condition began to hold.
+    Stopped,
+    /// The event with this number came as often as asked for.
+    Event(usize),
+    /// It cannot go on.
+    Failed(Fault),
+}
+
+/// Where and why a lane has ended.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ended {
+    /// Why.
+    pub why: Why,
+    /// The steps made; for a [`Fault`], those before the one that could not be taken.
+    pub steps: u64,
+    /// The time there.
+    pub time: f64,
+    /// The state there.
+    pub state: Vec<f64>,
+    /// Whether that lies between two steps.
+    pub is_between: bool,
+}

@@ -1,0 +1,149 @@
+//! Functions of a state, at the parameters of one lane or of several.
+
+use std::sync::Arc;
+
+use leafwise_core::system::SystemObservables;
+use leafwise_core::{BuildError, Observe};
+
+/// Makes an observer of one state at values of parameters.
+type Make = dyn Fn(&[f64]) -> Result<Box<dyn Observe>, BuildError> + Send + Sync;
+
+/// Functions f₁(x), …, f_n(x) of a state and of parameters, compiled once for all that evaluate them.
+#[derive(Clone)]
+pub struct StateFunctions(Source);
+
+#[derive(Clone)]
+enum Source {
+    Code(SystemObservables),
+    Each { count: usize, make: Arc<Make> },
+}
+
+impl StateFunctions {
+    /// Functions without code: an observer for each lane.
+    pub fn each(
+        count: usize,
+        make: impl Fn(&[f64]) -> Result<Box<dyn Observe>, BuildError> + Send + Sync + 'static,
+    ) -> Self {
+        let make = Arc::new(make);
+        Self(Source::Each { count, make })
+    }
+
+    /// n, the number of functions.
+    pub fn count(&self) -> usize {
+        match &self.0 {
+            Source::Code(code) => code.observables(),
+            Source::Each { count, .. } => *count,
+        }
+    }
+
+    /// Evaluates in `lanes` at their `parameters`, a structure of arrays.
+    ///
+    /// # Errors
+    /// [`BuildError`] where there is no observer for a lane.
+    pub fn values(&self, lanes: usize, parameters: &[f64]) -> Result<FunctionValues, BuildError> {
+        let evaluator = match &self.0 {
+            Source::Code(code) => Evaluator::Code(code.side_by_side(lanes, parameters)),
+            Source::Each { make, .. } => {
+                let own = |lane: usize| column(parameters, lane, lanes);
+                let observers = (0..lanes).map(|lane| make(&own(lane)));
+                Evaluator::Each {
+                    observers: observers.collect::<Result<_, _>>()?,
+                    state: Vec::new(),
+                    own: vec![0.0; self.count()],
+                }
+            }
+        };
+        Ok(FunctionValues {
+            evaluator,
+            values: vec![0.0; self.count() * lanes],
+            origins: Vec::new(),
+        })
+    }
+}
+
+impl From<SystemObservables> for StateFunctions {
+    fn from(code: SystemObservables) -> Self {
+        Self(Source::Code(code))
+    }
+}
+
+/// Values of [`StateFunctions`] in all lanes: function i of lane w at `[i*lanes + w]`.
+pub struct FunctionValues {
+    evaluator: Evaluator,
+    values: Vec<f64>,
+    origins: Vec<f64>,
+}
+
+enum Evaluator {
+    Code(SystemObservables),
+    Each {
+        observers: Vec<Box<dyn Observe>>,
+        state: Vec<f64>,
+        own: Vec<f64>,
+    },
+}
+
+impl FunctionValues {
+    /// Takes a number of each lane from its first function: e_0 from H + e, so that it is the balance H − ∫ ∂H/∂t dt.
+    pub fn measure_from(&mut self, origins: &[f64]) {
+        self.origins.clear();
+        self.origins.extend_from_slice(origins);
+    }
+
+    /// The values at states, a structure of arrays.
+    pub fn at(&mut self, states: &[f64]) -> &[f64] {
+        if self.values.is_empty() {
+            return &self.values;
+        }
+        match &mut self.evaluator {
+            Evaluator::Code(code) => code.evaluate(states, &mut self.values),
+            Evaluator::Each { observers, .. } if observers.len() == 1 => {
+                observers[0].evaluate(states, &mut self.values);
+            }
+            Evaluator::Each {
+                observers,
+                state,
+                own,
+            } => {
+                let lanes = observers.len();
+                for (lane, observer) in observers.iter_mut().enumerate() {
+                    state.clear();
+                    state.extend(states.iter().skip(lane).step_by(lanes));
+                    observer.evaluate(state, own);
+                    let places = self.values.iter_mut().skip(lane).step_by(lanes);
+                    places.zip(&*own).for_each(|(place, value)| *place = *value);
+                }
+            }
+        }
+        let first = self.values.iter_mut().zip(&self.origins);
+        first.for_each(|(value, origin)| *value -= origin);
+        &self.values
+    }
+
+    /// The values where they were evaluated last.
+    pub fn last(&self) -> &[f64] {
+        &self.values
+    }
+}
+
+impl Observe for FunctionValues {
+    fn observables(&self) -> usize {
+        self.values.len()
+    }
+
+    fn evaluate(&mut self, state: &[f64], values: &mut [f64]) {
+        values.copy_from_slice(self.at(state));
+    }
+}
+
+/// One lane of a structure of arrays.
+pub fn column(all: &[f64], lane: usize, lanes: usize) -> Vec<f64> {
+    all.iter().skip(lane).step_by(lanes).copied().collect()
+}
+
+/// A structure of arrays of states of one length.
+pub fn side_by_side(states: &[Vec<f64>]) -> Vec<f64> {
+    let rows = states.first().map_or(0, Vec::len);
+    let row = |i: usize| states.iter().map(move |state| state[i]);
+    (0..rows).flat_map(row).collect()
+}

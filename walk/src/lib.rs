@@ -1,0 +1,38 @@
+//! Trajectories in memory, watched between steps.
+//!
+//! [`Watched`] advances the lanes of a [`Walk`](leafwise_core::Walk) by what a [`Course`] says and hands what it comes to over to a
+//! [`Sink`]. After each step it looks, in this order, at
+//!
+//! 1. the step itself: a lane whose step fails ends at its last good state;
+//! 2. the [`Pace`]: a lane whose time does not advance as it should ends at the state before;
+//! 3. the condition of [`Stop`]: a lane ends at the first state at which it holds, between two steps;
+//! 4. [`Event`]s in the order of their times, up to one that ends the lane;
+//! 5. invariants: a lane that has left the energy's domain ends;
+//! 6. samples at steps or at times ([`SampleTimes`]);
+//! 7. the end: all steps, or a time.
+//!
+//! States between two steps are ends of shorter steps from the first ([`LastStep`]): of the map's own order, on the leaf of the
+//! trajectory, and of no influence on what follows.
+
+mod alone;
+mod course;
+mod domain;
+mod events;
+mod fault;
+mod functions;
+mod pace;
+mod sink;
+mod step;
+mod times;
+mod watched;
+
+pub use course::Course;
+pub use domain::outside;
+pub use events::{Direction, Event, Section, Side, Stop};
+pub use fault::{Ended, Fault, Why};
+pub use functions::{FunctionValues, StateFunctions, column, side_by_side};
+pub use pace::{NoPace, Pace, PacedSteps};
+pub use sink::{Sample, Sink};
+pub use step::{LastStep, StepStart};
+pub use times::{SampleTimes, is_same_time};
+pub use watched::{Memory, Watched};

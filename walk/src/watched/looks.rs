@@ -1,0 +1,412 @@
+//! The looks at a step.
+
+use std::borrow::Cow;
+
+use leafwise_core::BuildError;
+
+use super::{EventLanes, Watched};
+use crate::domain::outside;
+use crate::events::{crossing, end};
+use crate::fault::{Ended, Fault, Why};
+use crate::pace::Pace;
+use crate::sink::{Sample, Sink};
+use crate::step::{Between, LastStep, StepEnd};
+use crate::times::is_same_time;
+
+/// One lane of a structure of arrays.
+fn lane_of(all: &[f64], lane: usize, lanes: usize) -> Cow<'_, [f64]> {
+    match lanes {
+        1 => Cow::Borrowed(all),
+        _ => Cow::Owned(all.iter().skip(lane).step_by(lanes).copied().collect()),
+    }
+}
+
+/// The time of a state within the last of so many steps.
+fn time_of(pace: Option<&Pace>, last: &LastStep<'_>, steps: u64, between: &Between) -> f64 {
+    match pace {
+        Some(pace) => pace.time_at(&between.state),
+        None => last.time(steps, between.part),
+    }
+}
+
+impl Watched<'_> {
+    /// Ends the lanes whose time does not advance as it should: at the state before the step, since the one that was reached is none of
+    /// the motion's.
+    pub(super) fn look_at_paces(&mut self) -> Result<(), BuildError> {
+        if self.course.pace.is_none() {
+            return Ok(());
+        }
+        let (steps, lanes) = (self.walk.steps(), self.walk.lanes());
+        for lane in 0..lanes {
+            if !self.walk.lives(lane) {
+                continue;
+            }
+            let [state, compensation] =
+                [self.walk.state(), self.walk.compensation()].map(|all| lane_of(all, lane, lanes));
+            let after = StepEnd {
+                state: &state,
+                compensation: &compensation,
+            };
+            let alone = self.alones.at(lane, &self.start)?;
+            let Some(watch) = &mut alone.pace else {
+                continue;
+            };
+            std::mem::swap(&mut watch.steps, &mut self.paced[lane]);
+            let fault = watch.take(&alone.last, after, steps);
+            std::mem::swap(&mut watch.steps, &mut self.paced[lane]);
+            if let Some(fault) = fault {
+                let before = alone.last.start.state.clone();
+                let ended = Ended {
+                    why: Why::Failed(fault.into()),
+                    steps: steps - 1,
+                    time: self.course.time(steps - 1, &before),
+                    state: before,
+                    is_between: false,
+                };
+                self.end(lane, ended);
+            }
+        }
+        Ok(())
+    }
+
+    /// Ends the lanes that end where they begin.
+    pub(super) fn look_at_initial_states(&mut self) {
+        for at in 0..self.events.len() {
+            let EventLanes { event, values, .. } = &self.events[at];
+            let text = event.section.text.clone();
+            let undefined = values.last().iter().map(|value| value.is_nan());
+            let undefined: Vec<bool> = undefined.collect();
+            for (lane, is_undefined) in undefined.into_iter().enumerate() {
+                if is_undefined && self.walk.lives(lane) {
+                    self.fail(lane, Fault::Undefined(text.clone()), 0);
+                }
+            }
+        }
+        let (Some((stop, _)), Some(values)) = (&self.course.stop, &mut self.stop) else {
+            return;
+        };
+        let values = values.at(self.walk.state()).to_vec();
+        for (lane, value) in values.into_iter().enumerate() {
+            if !self.walk.lives(lane) {
+                continue;
+            }
+            if value.is_nan() {
+                self.fail(lane, Fault::Undefined(stop.text.clone()), 0);
+            } else if stop.holds(value) {
+                let ended = Ended {
+                    why: Why::Stopped,
+                    steps: 0,
+                    time: 0.0,
+                    state: self.present(lane),
+                    is_between: false,
+                };
+                self.end(lane, ended);
+            }
+        }
+    }
+
+    /// Ends the lanes that the condition ends in the last step.
+    pub(super) fn look_for_stops(&mut self) -> Result<(), BuildError> {
+        let (Some((stop, _)), Some(values)) = (&self.course.stop, &mut self.stop) else {
+            return Ok(());
+        };
+        let looks = |value: f64| stop.holds(value) || value.is_nan();
+        let values = values.at(self.walk.state());
+        // Most steps end no lane.
+        if !values.iter().any(|value| looks(*value)) {
+            return Ok(());
+        }
+        let (steps, values) = (self.walk.steps(), values.to_vec());
+        for (lane, value) in values.into_iter().enumerate() {
+            if !self.walk.lives(lane) || !looks(value) {
+                continue;
+            }
+            let after = self.present(lane);
+            let alone = self.alones.at(lane, &self.start)?;
+            let own = &mut alone.stop;
+            let mut difference =
+                |state: &[f64]| own.as_mut().map_or(f64::NAN, |own| own.at(state)[0]);
+            match end(stop, &mut difference, &mut alone.last, &after, value) {
+                Err(fault) => self.fail(lane, fault, steps),
+                Ok(None) => {}
+                Ok(Some(between)) => {
+                    let pace = self.course.pace.as_ref();
+                    let time = time_of(pace, &alone.last, steps, &between);
+                    if self.is_on_the_way(lane, time) {
+                        self.end_between(lane, Why::Stopped, time, between.state);
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn end_between(&mut self, lane: usize, why: Why, time: f64, state: Vec<f64>) {
+        let ended = Ended {
+            why,
+            steps: self.walk.steps(),
+            time,
+            state,
+            is_between: true,
+        };
+        self.end(lane, ended);
+    }
+
+    /// Whether a time comes before a lane's end, where that is known.
+    fn is_on_the_way(&self, lane: usize, time: f64) -> bool {
+        let ended = self.ends[lane].as_ref().map(|ended| ended.time);
+        let end = ended.or(self.course.until);
+        end.is_none_or(|end| !self.course.is_before(end, time))
+    }
+
+    /// Takes in the events of the last step in the order in which they come, up to one that ends the lane.
+    pub(super) fn look_for_events<S: Sink>(&mut self, sink: &mut S) -> Result<(), S::Error> {
+        if self.events.is_empty() {
+            return Ok(());
+        }
+        for event in &mut self.events {
+            event.values.at(self.walk.state());
+        }
+        for lane in 0..self.walk.lanes() {
+            if self.moved[lane] && !self.has_failed(lane) {
+                self.look_for_events_of(lane, sink)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn has_failed(&self, lane: usize) -> bool {
+        let why = self.ends[lane].as_ref().map(|ended| &ended.why);
+        matches!(why, Some(Why::Failed(_)))
+    }
+
+    fn look_for_events_of<S: Sink>(&mut self, lane: usize, sink: &mut S) -> Result<(), S::Error> {
+        let steps = self.walk.steps();
+        let mut found = Vec::new();
+        for at in 0..self.events.len() {
+            let own = &mut self.events[at];
+            let (side, value) = (own.sides[lane], own.values.last()[lane]);
+            if let Some(side) = side.stays(value) {
+                own.sides[lane] = side;
+                continue;
+            }
+            let after = lane_of(self.walk.state(), lane, self.walk.lanes());
+            let alone = self.alones.at(lane, &self.start)?;
+            let values = &mut alone.events[at];
+            let mut difference = |state: &[f64]| values.at(state)[0];
+            let section = &own.event.section;
+            let last = &mut alone.last;
+            match crossing(section, &mut difference, last, &after, (side, value, steps)) {
+                Ok((side, None)) => own.sides[lane] = side,
+                Ok((side, Some(between))) => {
+                    let pace = self.course.pace.as_ref();
+                    let time = time_of(pace, last, steps, &between);
+                    found.push((time, at, between.state, side));
+                }
+                Err(fault) => {
+                    self.fail(lane, fault, steps);
+                    return Ok(());
+                }
+            }
+        }
+        let forward = self.course.step();
+        found.sort_by(|(one, ..), (other, ..)| (one * forward).total_cmp(&(other * forward)));
+        for (time, at, state, side) in found {
+            if !self.is_on_the_way(lane, time) {
+                break;
+            }
+            self.events[at].sides[lane] = side;
+            self.take_crossing(at, lane, (time, state, true), sink)?;
+        }
+        Ok(())
+    }
+
+    /// Takes in a crossing, and ends the lane where that is the last one asked for.
+    fn take_crossing<S: Sink>(
+        &mut self,
+        at: usize,
+        lane: usize,
+        (time, state, is_between): (f64, Vec<f64>, bool),
+        sink: &mut S,
+    ) -> Result<(), S::Error> {
+        sink.crossing(at, lane, time, &state)?;
+        let own = &mut self.events[at];
+        own.counts[lane] += 1;
+        if own.event.last == Some(own.counts[lane]) {
+            let ended = Ended {
+                why: Why::Event(at),
+                steps: self.walk.steps(),
+                time,
+                state,
+                is_between,
+            };
+            self.end(lane, ended);
+        }
+        Ok(())
+    }
+
+    /// Takes in the events on whose surfaces lanes end.
+    ///
+    /// # Errors
+    /// Those of the sink.
+    pub fn end_on_events<S: Sink>(&mut self, sink: &mut S) -> Result<(), S::Error> {
+        for lane in 0..self.walk.lanes() {
+            for at in 0..self.events.len() {
+                let Some(ended) = self.ends[lane].clone() else {
+                    continue;
+                };
+                if matches!(ended.why, Why::Failed(_)) {
+                    continue;
+                }
+                let value = self.alones.at(lane, &self.start)?.events[at].at(&ended.state)[0];
+                let own = &self.events[at];
+                let section = &own.event.section;
+                if own.sides[lane].ends_there(section, value, ended.steps) {
+                    let place = (ended.time, ended.state, ended.is_between);
+                    self.take_crossing(at, lane, place, sink)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Hands over the invariants; the lanes that have left the energy's domain. Where the energy is infinite, or a Casimir has no value,
+    /// the motion may be regular: it goes on.
+    pub(super) fn look_at_invariants<S: Sink>(&mut self, sink: &mut S) -> Vec<usize> {
+        let values = self.invariants.at(self.walk.state());
+        let (mut lost, mut is_none_inside) = (Vec::new(), false);
+        if !values.iter().all(|value| value.is_finite()) {
+            let outside = self.outside();
+            is_none_inside = !outside.contains(&false);
+            let lanes = outside.into_iter().enumerate();
+            let lanes = lanes.filter(|(lane, outside)| *outside && self.walk.lives(*lane));
+            lost.extend(lanes.map(|(lane, _)| lane));
+        }
+        if !is_none_inside {
+            let time = self.time(0);
+            sink.invariants(&self.walk, time, self.invariants.last());
+        }
+        lost
+    }
+
+    /// For each lane, whether its state is outside the energy's domain.
+    pub(super) fn outside(&mut self) -> Vec<bool> {
+        let lanes = self.walk.lanes();
+        let invariants = &mut self.invariants;
+        let energies = |state: &[f64], is_nan: &mut Vec<bool>| {
+            let energies = &invariants.at(state)[..lanes];
+            is_nan.extend(energies.iter().map(|value| value.is_nan()));
+        };
+        let outside = outside(self.walk.state(), lanes, energies);
+        self.invariants.at(self.walk.state());
+        outside
+    }
+
+    /// Takes in the states at the times that lanes have passed in the last step.
+    pub(super) fn take_times<S: Sink>(&mut self, sink: &mut S) -> Result<(), S::Error> {
+        if self.course.samples.are_steps() {
+            return Ok(());
+        }
+        for lane in 0..self.walk.lanes() {
+            while self.moved[lane] && !self.has_failed(lane) {
+                let Some(time) = self.passed_time(lane) else {
+                    break;
+                };
+                self.take_time(lane, time, sink)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn take_time<S: Sink>(&mut self, lane: usize, time: f64, sink: &mut S) -> Result<(), S::Error> {
+        let (steps, lanes, present) = (self.walk.steps(), self.walk.lanes(), self.time(lane));
+        let number = self.next[lane];
+        let [state, compensation] =
+            [self.walk.state(), self.walk.compensation()].map(|all| lane_of(all, lane, lanes));
+        let after = StepEnd {
+            state: &state,
+            compensation: &compensation,
+        };
+        let alone = self.alones.at(lane, &self.start)?;
+        let is_met = self.course.pace.is_none() && is_same_time(present, time);
+        let found = match &alone.pace {
+            Some(pace) => pace.state_at(&mut alone.last, after, time),
+            None if is_met => Ok(state.to_vec()),
+            None => alone.last.state_at(steps, time),
+        };
+        match found {
+            Ok(state) => {
+                self.next[lane] += 1;
+                sink.sample(Sample {
+                    lane,
+                    number,
+                    time,
+                    state: &state,
+                    steps: is_met.then_some(steps),
+                })
+            }
+            Err(error) => {
+                self.fail(lane, error.into(), steps);
+                Ok(())
+            }
+        }
+    }
+
+    /// The time of a lane's next sample, where the last step has passed it.
+    fn passed_time(&self, lane: usize) -> Option<f64> {
+        let course = self.course;
+        let time = course.samples.time(self.next[lane], course.step())?;
+        // The end itself is recorded as the end.
+        let ended = self.ends[lane].as_ref().map(|ended| ended.time);
+        let is_end = |end: f64| course.samples.is_end(time, end, course.until);
+        let is_ahead = |end: f64| course.is_before(time, end) && !is_end(end);
+        if !ended.into_iter().chain(course.until).all(is_ahead) {
+            return None;
+        }
+        let present = self.time(lane);
+        let is_met = course.pace.is_none() && is_same_time(present, time);
+        (is_met || !course.is_before(present, time)).then_some(time)
+    }
+
+    /// Ends the lanes that have come to the end of the course.
+    ///
+    /// # Errors
+    /// [`BuildError`] where a function has no evaluator.
+    pub fn arrive(&mut self) -> Result<(), BuildError> {
+        let (steps, lanes) = (self.walk.steps(), self.walk.lanes());
+        for lane in 0..lanes {
+            if !self.walk.lives(lane) {
+                continue;
+            }
+            if !self.is_there(lane) {
+                continue;
+            }
+            let (Some(_), Some(until)) = (&self.course.pace, self.course.until) else {
+                let ended = Ended {
+                    why: Why::Done,
+                    steps,
+                    time: self.time(lane),
+                    state: self.present(lane),
+                    is_between: false,
+                };
+                self.end(lane, ended);
+                continue;
+            };
+            let [state, compensation] =
+                [self.walk.state(), self.walk.compensation()].map(|all| lane_of(all, lane, lanes));
+            let after = StepEnd {
+                state: &state,
+                compensation: &compensation,
+            };
+            let alone = self.alones.at(lane, &self.start)?;
+            let Some(pace) = &alone.pace else {
+                continue;
+            };
+            match pace.state_at(&mut alone.last, after, until) {
+                Ok(state) => self.end_between(lane, Why::Done, until, state),
+                Err(error) => self.fail(lane, error.into(), steps),
+            }
+        }
+        Ok(())
+    }
+}

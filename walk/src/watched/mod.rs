@@ -1,0 +1,364 @@
+//! The step loop: one step of all lanes, and the looks at it in their order.
+
+mod looks;
+
+use leafwise_core::walk::Checkpoint;
+use leafwise_core::{BuildError, SolverStatistics, StepMap, Walk};
+
+use crate::alone::Alones;
+use crate::course::Course;
+use crate::events::{Event, Side};
+use crate::fault::{Ended, Fault, Why};
+use crate::functions::{FunctionValues, column, side_by_side};
+use crate::pace::PacedSteps;
+use crate::sink::Sink;
+use crate::step::StepStart;
+
+/// A [`Walk`] of one or of several lanes on its [`Course`]: a lane comes to what it would come to alone.
+pub struct Watched<'a> {
+    course: &'a Course,
+    walk: Walk,
+    /// Where the last step begins, in all lanes; nothing where no state between is asked for.
+    start: StepStart,
+    invariants: FunctionValues,
+    stop: Option<FunctionValues>,
+    events: Vec<EventLanes<'a>>,
+    paced: Vec<PacedSteps>,
+    /// The number of the next sample at a time, for each lane.
+    next: Vec<u64>,
+    ends: Vec<Option<Ended>>,
+    /// The lanes that have made the last step, and go on from there by their pace.
+    moved: Vec<bool>,
+    /// Lanes that have ended, and that the sink has not heard of.
+    fresh: Vec<usize>,
+    alones: Alones<'a>,
+}
+
+/// An event in all lanes.
+struct EventLanes<'a> {
+    event: &'a Event,
+    values: FunctionValues,
+    /// Where each lane stands beside the surface after the last step.
+    sides: Vec<Side>,
+    /// How often each has crossed it.
+    counts: Vec<u64>,
+}
+
+/// Everything that later steps and looks of one lane depend on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Memory {
+    /// x_k, its compensation and the solver's memory.
+    pub walk: Checkpoint,
+    /// Where the last step begins.
+    pub start: StepStart,
+    /// How the pace has gone.
+    pub paced: PacedSteps,
+    /// Where it stands beside the surface of each event.
+    pub sides: Vec<Side>,
+    /// Samples taken at times.
+    pub samples: u64,
+}
+
+impl<'a> Watched<'a> {
+    /// Lanes at their `initial` states with their `parameters`.
+    ///
+    /// # Errors
+    /// [`BuildError`] where a function of the course has no evaluator.
+    ///
+    /// # Panics
+    /// Where there is no lane, or a state has another dimension than the map.
+    pub fn new(
+        course: &'a Course,
+        map: &'a dyn StepMap,
+        parameters: Vec<Vec<f64>>,
+        initial: &[Vec<f64>],
+    ) -> Result<Self, BuildError> {
+        let lanes = initial.len();
+        let values = side_by_side(&parameters);
+        let walk = Walk::new(
+            map,
+            &values,
+            course.epsilon,
+            course.h,
+            &side_by_side(initial),
+        );
+        let mut invariants = course.invariants.values(lanes, &values)?;
+        if let Some(pace) = &course.pace {
+            // H + e is measured from e at the beginning.
+            let origins = initial.iter().map(|state| state[pace.time + 1]);
+            invariants.measure_from(&origins.collect::<Vec<_>>());
+        }
+        let stop = course.stop.as_ref();
+        let events = course.events.iter().map(|(event, of)| {
+            Ok::<_, BuildError>(EventLanes {
+                event,
+                values: of.values(lanes, &values)?,
+                sides: vec![Side::default(); lanes],
+                counts: vec![0; lanes],
+            })
+        });
+        let events: Vec<EventLanes> = events.collect::<Result<_, _>>()?;
+        let mut watched = Self {
+            course,
+            start: StepStart::default(),
+            invariants,
+            stop: stop.map(|(_, of)| of.values(lanes, &values)).transpose()?,
+            events,
+            paced: vec![PacedSteps::default(); lanes],
+            next: vec![1; lanes],
+            ends: vec![None; lanes],
+            moved: vec![false; lanes],
+            fresh: Vec::new(),
+            alones: Alones::new(course, map, parameters),
+            walk,
+        };
+        if course.looks_between() {
+            watched.start.keep(&watched.walk);
+        }
+        for event in &mut watched.events {
+            let values = event.values.at(watched.walk.state());
+            let sides = event.sides.iter_mut().zip(values);
+            sides.for_each(|(side, value)| *side = Side::begin(*value));
+        }
+        watched.invariants.at(watched.walk.state());
+        watched.mark_moved();
+        Ok(watched)
+    }
+
+    /// Says which member of an ensemble each lane is: steps with noise draw that member's numbers.
+    pub fn follow(&mut self, members: &[u64]) {
+        self.walk.follow(members);
+    }
+
+    /// Leaves a lane out.
+    pub fn leave_out(&mut self, lane: usize) {
+        self.walk.rest(lane);
+    }
+
+    /// The states that are stepped.
+    pub fn walk(&self) -> &Walk {
+        &self.walk
+    }
+
+    /// The course.
+    pub fn course(&self) -> &'a Course {
+        self.course
+    }
+
+    /// The invariants after the last step: invariant i of lane w at `[i*lanes + w]`.
+    pub fn invariants(&mut self) -> &[f64] {
+        self.invariants.at(self.walk.state())
+    }
+
+    /// The time after the last step, in one lane.
+    pub fn time(&self, lane: usize) -> f64 {
+        match &self.course.pace {
+            None => self.walk.time(),
+            Some(pace) => self.walk.state()[pace.time * self.walk.lanes() + lane],
+        }
+    }
+
+    /// Whether every lane has ended, or come to the end of the course.
+    pub fn is_at_end(&self) -> bool {
+        let mut lanes = 0..self.walk.lanes();
+        lanes.all(|lane| !self.walk.lives(lane) || self.is_there(lane))
+    }
+
+    /// Whether a lane has come to the end of the course.
+    fn is_there(&self, lane: usize) -> bool {
+        match (&self.course.pace, self.course.until) {
+            (Some(_), Some(until)) => !self.course.is_before(self.time(lane), until),
+            _ => self.walk.steps() >= self.course.steps,
+        }
+    }
+
+    /// Where and why a lane has ended.
+    pub fn ended(&self, lane: usize) -> Option<&Ended> {
+        self.ends[lane].as_ref()
+    }
+
+    /// The least and the largest time of a step in one lane, where they differ by a pace.
+    pub fn step_times(&self, lane: usize) -> Option<[f64; 2]> {
+        let PacedSteps { least, most, .. } = self.paced[lane];
+        (most > 0.0).then_some([least, most])
+    }
+
+    /// The solver's work so far, over all lanes.
+    pub fn statistics(&self) -> SolverStatistics {
+        self.walk.statistics()
+    }
+
+    /// Everything that later steps and looks of a walk of one lane depend on.
+    pub fn memory(&self) -> Memory {
+        Memory {
+            walk: self.walk.checkpoint(),
+            start: self.start.clone(),
+            paced: self.paced[0].clone(),
+            sides: self.events.iter().map(|event| event.sides[0]).collect(),
+            samples: self.next[0],
+        }
+    }
+
+    /// Continues a walk of one lane from its memory, to the same bits as without interruption.
+    ///
+    /// # Errors
+    /// Returns the expected length of the list that belongs to another walk.
+    pub fn restore(&mut self, memory: &Memory) -> Result<(), usize> {
+        let (own, sides) = (self.start.state.len(), self.events.len());
+        if memory.start.state.len() != own || memory.start.compensation.len() != own {
+            return Err(own);
+        }
+        if memory.sides.len() != sides {
+            return Err(sides);
+        }
+        self.walk.restore(&memory.walk)?;
+        self.mark_moved();
+        self.start.clone_from(&memory.start);
+        self.paced[0].clone_from(&memory.paced);
+        self.next[0] = memory.samples;
+        for (event, side) in self.events.iter_mut().zip(&memory.sides) {
+            event.sides[0] = *side;
+        }
+        Ok(())
+    }
+
+    /// Looks whether the condition holds after the last step: the first thing behind [`restore`](Self::restore).
+    ///
+    /// # Errors
+    /// [`BuildError`] where a function has no evaluator.
+    pub fn look_again(&mut self) -> Result<(), BuildError> {
+        match self.walk.steps() {
+            0 => Ok(()),
+            _ => self.look_for_stops(),
+        }
+    }
+
+    /// Looks at the states where a session begins: the lanes that end at their initial states, or, after [`restore`](Self::restore),
+    /// what lies in the last step behind the end of a shorter walk.
+    ///
+    /// # Errors
+    /// Those of the sink.
+    pub fn begin<S: Sink>(&mut self, sink: &mut S) -> Result<(), S::Error> {
+        let steps = self.walk.steps();
+        if !self.invariants().iter().all(|value| value.is_finite()) {
+            for (lane, is_outside) in self.outside().into_iter().enumerate() {
+                if is_outside && self.walk.lives(lane) {
+                    self.fail(lane, Fault::Outside, steps);
+                }
+            }
+        }
+        if steps == 0 {
+            self.look_at_initial_states();
+        } else {
+            self.look_for_events(sink)?;
+            self.take_times(sink)?;
+        }
+        self.arrive()?;
+        self.report(sink)
+    }
+
+    /// One step of every lane that goes on, and the looks at it.
+    ///
+    /// # Errors
+    /// Those of the sink.
+    pub fn step<S: Sink>(&mut self, sink: &mut S) -> Result<(), S::Error> {
+        let looks_between = self.course.looks_between();
+        if looks_between {
+            self.start.keep(&self.walk);
+        }
+        sink.begin_step(&self.walk);
+        let is_whole = self.walk.step().is_ok();
+        if !is_whole {
+            self.take_failures();
+        }
+        if self.walk.living() > 0 {
+            sink.end_step(&self.walk);
+            self.look(looks_between, sink)?;
+        }
+        self.report(sink)
+    }
+
+    /// The looks at the last step, in their order.
+    fn look<S: Sink>(&mut self, looks_between: bool, sink: &mut S) -> Result<(), S::Error> {
+        let steps = self.walk.steps();
+        if looks_between {
+            self.look_at_paces()?;
+            self.mark_moved();
+            self.look_for_stops()?;
+            self.look_for_events(sink)?;
+        }
+        let is_last = self.course.pace.is_none() && steps == self.course.steps;
+        let mut lost = Vec::new();
+        if is_last || steps.is_multiple_of(self.course.invariants_every) {
+            lost = self.look_at_invariants(sink);
+        }
+        if self.walk.living() > 0 {
+            sink.step(&self.walk, self.time(0))?;
+        }
+        if looks_between {
+            self.take_times(sink)?;
+        }
+        for lane in lost {
+            self.fail(lane, Fault::Outside, steps);
+        }
+        if is_last || self.course.pace.is_some() {
+            self.arrive()?;
+        }
+        Ok(())
+    }
+
+    /// Tells the sink of lanes that have ended.
+    fn report<S: Sink>(&mut self, sink: &mut S) -> Result<(), S::Error> {
+        for lane in self.fresh.drain(..) {
+            if let Some(ended) = &self.ends[lane] {
+                sink.ended(lane, ended)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn mark_moved(&mut self) {
+        for lane in 0..self.moved.len() {
+            self.moved[lane] = self.walk.lives(lane);
+        }
+    }
+
+    /// The state of a lane after the last step, while that goes on or has just ended.
+    fn present(&self, lane: usize) -> Vec<f64> {
+        column(self.walk.state(), lane, self.walk.lanes())
+    }
+
+    fn end(&mut self, lane: usize, ended: Ended) {
+        self.walk.rest(lane);
+        if self.ends[lane].replace(ended).is_none() {
+            self.fresh.push(lane);
+        }
+    }
+
+    /// Ends a lane that cannot go on from its present state, which so many steps have led to.
+    fn fail(&mut self, lane: usize, fault: Fault, steps: u64) {
+        let state = self.present(lane);
+        let ended = Ended {
+            why: Why::Failed(fault),
+            steps,
+            time: self.course.time(steps, &state),
+            state,
+            is_between: false,
+        };
+        self.end(lane, ended);
+    }
+
+    fn take_failures(&mut self) {
+        for (lane, error) in self.walk.failed() {
+            let (steps, state) = self.walk.last(*lane);
+            self.fresh.push(*lane);
+            self.ends[*lane] = Some(Ended {
+                why: Why::Failed(error.clone().into()),
+                steps,
+                time: self.course.time(steps, &state),
+                state,
+                is_between: false,
+            });
+        }
+    }
+}
