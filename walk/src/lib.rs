@@ -1,7 +1,7 @@
 //! Trajectories in memory, watched between steps.
 //!
-//! [`Watched`] advances the lanes of a [`Walk`](leafwise_core::Walk) by what a [`Course`] says and hands what it comes to over to a
-//! [`Sink`]. After each step it looks, in this order, at
+//! [`Watched`] advances the lanes of a [`Walk`](leafwise_core::Walk) by what a [`Course`] says and hands each [`Look`] over to who
+//! takes it. After each step it looks, in this order, at
 //!
 //! 1. the step itself: a lane whose step fails ends at its last good state;
 //! 2. the [`Pace`]: a lane whose time does not advance as it should ends at the state before;
@@ -20,8 +20,8 @@ mod domain;
 mod events;
 mod fault;
 mod functions;
+mod look;
 mod pace;
-mod sink;
 mod step;
 mod times;
 mod watched;
@@ -31,8 +31,8 @@ pub use domain::outside;
 pub use events::{Direction, Event, Section, Side, Stop};
 pub use fault::{Ended, Fault, Why};
 pub use functions::{FunctionValues, StateFunctions, column, side_by_side};
+pub use look::{Look, Take};
 pub use pace::{NoPace, Pace, PacedSteps};
-pub use sink::{Sample, Sink};
 pub use step::{LastStep, StepStart};
 pub use times::{SampleTimes, is_same_time};
 pub use watched::{Memory, Watched};

@@ -8,8 +8,8 @@ use super::{EventLanes, Watched};
 use crate::domain::outside;
 use crate::events::{crossing, end};
 use crate::fault::{Ended, Fault, Why};
+use crate::look::{Look, Take};
 use crate::pace::Pace;
-use crate::sink::{Sample, Sink};
 use crate::step::{Between, LastStep, StepEnd};
 use crate::times::is_same_time;
 
@@ -160,7 +160,10 @@ impl Watched<'_> {
     }
 
     /// Takes in the events of the last step in the order in which they come, up to one that ends the lane.
-    pub(super) fn look_for_events<S: Sink>(&mut self, sink: &mut S) -> Result<(), S::Error> {
+    pub(super) fn look_for_events<E: From<BuildError>>(
+        &mut self,
+        take: Take<'_, E>,
+    ) -> Result<(), E> {
         if self.events.is_empty() {
             return Ok(());
         }
@@ -169,7 +172,7 @@ impl Watched<'_> {
         }
         for lane in 0..self.walk.lanes() {
             if self.moved[lane] && !self.has_failed(lane) {
-                self.look_for_events_of(lane, sink)?;
+                self.look_for_events_of(lane, take)?;
             }
         }
         Ok(())
@@ -180,7 +183,11 @@ impl Watched<'_> {
         matches!(why, Some(Why::Failed(_)))
     }
 
-    fn look_for_events_of<S: Sink>(&mut self, lane: usize, sink: &mut S) -> Result<(), S::Error> {
+    fn look_for_events_of<E: From<BuildError>>(
+        &mut self,
+        lane: usize,
+        take: Take<'_, E>,
+    ) -> Result<(), E> {
         let steps = self.walk.steps();
         let mut found = Vec::new();
         for at in 0..self.events.len() {
@@ -216,20 +223,26 @@ impl Watched<'_> {
                 break;
             }
             self.events[at].sides[lane] = side;
-            self.take_crossing(at, lane, (time, state, true), sink)?;
+            self.take_crossing(at, lane, (time, state, true), take)?;
         }
         Ok(())
     }
 
     /// Takes in a crossing, and ends the lane where that is the last one asked for.
-    fn take_crossing<S: Sink>(
+    fn take_crossing<E: From<BuildError>>(
         &mut self,
         at: usize,
         lane: usize,
         (time, state, is_between): (f64, Vec<f64>, bool),
-        sink: &mut S,
-    ) -> Result<(), S::Error> {
-        sink.crossing(at, lane, time, &state)?;
+        take: Take<'_, E>,
+    ) -> Result<(), E> {
+        let event = at;
+        take(Look::Crossing {
+            event,
+            lane,
+            time,
+            state: &state,
+        })?;
         let own = &mut self.events[at];
         own.counts[lane] += 1;
         if own.event.last == Some(own.counts[lane]) {
@@ -248,8 +261,8 @@ impl Watched<'_> {
     /// Takes in the events on whose surfaces lanes end.
     ///
     /// # Errors
-    /// Those of the sink.
-    pub fn end_on_events<S: Sink>(&mut self, sink: &mut S) -> Result<(), S::Error> {
+    /// Those of `take`, and [`BuildError`] where a function has no evaluator.
+    pub fn end_on_events<E: From<BuildError>>(&mut self, take: Take<'_, E>) -> Result<(), E> {
         for lane in 0..self.walk.lanes() {
             for at in 0..self.events.len() {
                 let Some(ended) = self.ends[lane].clone() else {
@@ -263,7 +276,7 @@ impl Watched<'_> {
                 let section = &own.event.section;
                 if own.sides[lane].ends_there(section, value, ended.steps) {
                     let place = (ended.time, ended.state, ended.is_between);
-                    self.take_crossing(at, lane, place, sink)?;
+                    self.take_crossing(at, lane, place, take)?;
                 }
             }
         }
@@ -272,7 +285,10 @@ impl Watched<'_> {
 
     /// Hands over the invariants; the lanes that have left the energy's domain. Where the energy is infinite, or a Casimir has no value,
     /// the motion may be regular: it goes on.
-    pub(super) fn look_at_invariants<S: Sink>(&mut self, sink: &mut S) -> Vec<usize> {
+    pub(super) fn look_at_invariants<E: From<BuildError>>(
+        &mut self,
+        take: Take<'_, E>,
+    ) -> Result<Vec<usize>, E> {
         let values = self.invariants.at(self.walk.state());
         let (mut lost, mut is_none_inside) = (Vec::new(), false);
         if !values.iter().all(|value| value.is_finite()) {
@@ -284,9 +300,10 @@ impl Watched<'_> {
         }
         if !is_none_inside {
             let time = self.time(0);
-            sink.invariants(&self.walk, time, self.invariants.last());
+            let (walk, values) = (&self.walk, self.invariants.last());
+            take(Look::Invariants { walk, time, values })?;
         }
-        lost
+        Ok(lost)
     }
 
     /// For each lane, whether its state is outside the energy's domain.
@@ -303,7 +320,7 @@ impl Watched<'_> {
     }
 
     /// Takes in the states at the times that lanes have passed in the last step.
-    pub(super) fn take_times<S: Sink>(&mut self, sink: &mut S) -> Result<(), S::Error> {
+    pub(super) fn take_times<E: From<BuildError>>(&mut self, take: Take<'_, E>) -> Result<(), E> {
         if self.course.samples.are_steps() {
             return Ok(());
         }
@@ -312,13 +329,18 @@ impl Watched<'_> {
                 let Some(time) = self.passed_time(lane) else {
                     break;
                 };
-                self.take_time(lane, time, sink)?;
+                self.take_time(lane, time, take)?;
             }
         }
         Ok(())
     }
 
-    fn take_time<S: Sink>(&mut self, lane: usize, time: f64, sink: &mut S) -> Result<(), S::Error> {
+    fn take_time<E: From<BuildError>>(
+        &mut self,
+        lane: usize,
+        time: f64,
+        take: Take<'_, E>,
+    ) -> Result<(), E> {
         let (steps, lanes, present) = (self.walk.steps(), self.walk.lanes(), self.time(lane));
         let number = self.next[lane];
         let [state, compensation] =
@@ -337,7 +359,7 @@ impl Watched<'_> {
         match found {
             Ok(state) => {
                 self.next[lane] += 1;
-                sink.sample(Sample {
+                take(Look::Sample {
                     lane,
                     number,
                     time,

@@ -10,8 +10,8 @@ use crate::course::Course;
 use crate::events::{Event, Side};
 use crate::fault::{Ended, Fault, Why};
 use crate::functions::{FunctionValues, column, side_by_side};
+use crate::look::{Look, Take};
 use crate::pace::PacedSteps;
-use crate::sink::Sink;
 use crate::step::StepStart;
 
 /// A [`Walk`] of one or of several lanes on its [`Course`]: a lane comes to what it would come to alone.
@@ -29,7 +29,7 @@ pub struct Watched<'a> {
     ends: Vec<Option<Ended>>,
     /// The lanes that have made the last step, and go on from there by their pace.
     moved: Vec<bool>,
-    /// Lanes that have ended, and that the sink has not heard of.
+    /// Lanes that have ended, and that nobody has heard of.
     fresh: Vec<usize>,
     alones: Alones<'a>,
 }
@@ -237,8 +237,8 @@ impl<'a> Watched<'a> {
     /// what lies in the last step behind the end of a shorter walk.
     ///
     /// # Errors
-    /// Those of the sink.
-    pub fn begin<S: Sink>(&mut self, sink: &mut S) -> Result<(), S::Error> {
+    /// Those of `take`, and [`BuildError`] where a function has no evaluator.
+    pub fn begin<E: From<BuildError>>(&mut self, take: Take<'_, E>) -> Result<(), E> {
         let steps = self.walk.steps();
         if !self.invariants().iter().all(|value| value.is_finite()) {
             for (lane, is_outside) in self.outside().into_iter().enumerate() {
@@ -250,53 +250,58 @@ impl<'a> Watched<'a> {
         if steps == 0 {
             self.look_at_initial_states();
         } else {
-            self.look_for_events(sink)?;
-            self.take_times(sink)?;
+            self.look_for_events(take)?;
+            self.take_times(take)?;
         }
         self.arrive()?;
-        self.report(sink)
+        self.report(take)
     }
 
     /// One step of every lane that goes on, and the looks at it.
     ///
     /// # Errors
-    /// Those of the sink.
-    pub fn step<S: Sink>(&mut self, sink: &mut S) -> Result<(), S::Error> {
+    /// Those of `take`, and [`BuildError`] where a function has no evaluator.
+    pub fn step<E: From<BuildError>>(&mut self, take: Take<'_, E>) -> Result<(), E> {
         let looks_between = self.course.looks_between();
         if looks_between {
             self.start.keep(&self.walk);
         }
-        sink.begin_step(&self.walk);
+        take(Look::Before(&self.walk))?;
         let is_whole = self.walk.step().is_ok();
         if !is_whole {
             self.take_failures();
         }
         if self.walk.living() > 0 {
-            sink.end_step(&self.walk);
-            self.look(looks_between, sink)?;
+            take(Look::After(&self.walk))?;
+            self.look(looks_between, take)?;
         }
-        self.report(sink)
+        self.report(take)
     }
 
     /// The looks at the last step, in their order.
-    fn look<S: Sink>(&mut self, looks_between: bool, sink: &mut S) -> Result<(), S::Error> {
+    fn look<E: From<BuildError>>(
+        &mut self,
+        looks_between: bool,
+        take: Take<'_, E>,
+    ) -> Result<(), E> {
         let steps = self.walk.steps();
         if looks_between {
             self.look_at_paces()?;
             self.mark_moved();
             self.look_for_stops()?;
-            self.look_for_events(sink)?;
+            self.look_for_events(take)?;
         }
         let is_last = self.course.pace.is_none() && steps == self.course.steps;
         let mut lost = Vec::new();
         if is_last || steps.is_multiple_of(self.course.invariants_every) {
-            lost = self.look_at_invariants(sink);
+            lost = self.look_at_invariants(take)?;
         }
         if self.walk.living() > 0 {
-            sink.step(&self.walk, self.time(0))?;
+            let (walk, time) = (&self.walk, self.time(0));
+            take(Look::Step { walk, time })?;
         }
         if looks_between {
-            self.take_times(sink)?;
+            self.take_times(take)?;
         }
         for lane in lost {
             self.fail(lane, Fault::Outside, steps);
@@ -307,11 +312,11 @@ impl<'a> Watched<'a> {
         Ok(())
     }
 
-    /// Tells the sink of lanes that have ended.
-    fn report<S: Sink>(&mut self, sink: &mut S) -> Result<(), S::Error> {
+    /// Hands over the lanes that have ended.
+    fn report<E: From<BuildError>>(&mut self, take: Take<'_, E>) -> Result<(), E> {
         for lane in self.fresh.drain(..) {
             if let Some(ended) = &self.ends[lane] {
-                sink.ended(lane, ended)?;
+                take(Look::Ended { lane, ended })?;
             }
         }
         Ok(())

@@ -124,14 +124,14 @@ impl Session<'_> {
     pub fn drive(&mut self, progress: &mut dyn Progress) -> Result<RunOutcome, RunError> {
         let stride = (COORDINATES_A_LOOK / self.run.dimension().max(1)).max(1);
         let (mut flushed, mut saved) = (Instant::now(), Instant::now());
-        self.watched.begin(&mut self.records)?;
+        self.watched.begin(&mut |look| self.records.take(look))?;
         loop {
             let started = Instant::now();
             for _ in 0..stride {
                 if self.watched.walk().living() == 0 {
                     break;
                 }
-                self.watched.step(&mut self.records)?;
+                self.watched.step(&mut |look| self.records.take(look))?;
             }
             self.wall += started.elapsed();
             progress.show(&self.status());
@@ -181,7 +181,8 @@ impl Session<'_> {
         if let Some(ended) = self.watched.ended(0) {
             self.records.record_end(ended)?;
         }
-        self.watched.end_on_events(&mut self.records)
+        self.watched
+            .end_on_events(&mut |look| self.records.take(look))
     }
 
     /// The invariants without a finite value at the start or at the end, each with whether that is so at the start.

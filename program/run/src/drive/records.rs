@@ -2,7 +2,7 @@
 
 use leafwise_core::Walk;
 use leafwise_scene::compose::{ComposedRun, Observable, WIDEST_STATE};
-use leafwise_walk::{Course, Ended, FunctionValues, Sample, SampleTimes, Sink};
+use leafwise_walk::{Course, Ended, FunctionValues, Look, SampleTimes};
 
 use crate::crossing::Crossing;
 use crate::error::RunError;
@@ -162,48 +162,40 @@ impl<'a> Records<'a> {
             None => walk.steps() >= self.course.steps,
         }
     }
-}
 
-impl Sink for Records<'_> {
-    type Error = RunError;
-
-    fn begin_step(&mut self, walk: &Walk) {
-        self.watch.begin(walk.state());
-    }
-
-    fn end_step(&mut self, walk: &Walk) {
-        self.watch.end(walk);
-    }
-
-    fn invariants(&mut self, walk: &Walk, time: f64, values: &[f64]) {
-        let before = self.before;
-        self.windows
-            .push(values, time, || before + walk.evaluations());
-    }
-
-    fn step(&mut self, walk: &Walk, time: f64) -> Result<(), RunError> {
-        let SampleTimes::Every(every) = self.course.samples else {
-            return Ok(());
-        };
-        match walk.steps().is_multiple_of(every) && !self.is_beyond(walk, time) {
-            true => self.record(walk.steps(), time, walk.state()),
-            false => Ok(()),
+    /// Takes in what the walk comes to.
+    pub fn take(&mut self, look: Look<'_>) -> Result<(), RunError> {
+        match look {
+            Look::Before(walk) => self.watch.begin(walk.state()),
+            Look::After(walk) => self.watch.end(walk),
+            Look::Invariants { walk, time, values } => {
+                let before = self.before;
+                self.windows
+                    .push(values, time, || before + walk.evaluations());
+            }
+            Look::Step { walk, time } => {
+                if let SampleTimes::Every(every) = self.course.samples
+                    && walk.steps().is_multiple_of(every)
+                    && !self.is_beyond(walk, time)
+                {
+                    self.record(walk.steps(), time, walk.state())?;
+                }
+            }
+            Look::Sample {
+                time, state, steps, ..
+            } => {
+                self.record_state(time, state)?;
+                self.last_sample = steps.or(self.last_sample);
+            }
+            Look::Crossing {
+                event, time, state, ..
+            } => self.take_crossing(event, time, state)?,
+            Look::Ended { .. } => {}
         }
-    }
-
-    fn sample(&mut self, sample: Sample<'_>) -> Result<(), RunError> {
-        self.record_state(sample.time, sample.state)?;
-        self.last_sample = sample.steps.or(self.last_sample);
         Ok(())
     }
 
-    fn crossing(
-        &mut self,
-        event: usize,
-        _lane: usize,
-        time: f64,
-        state: &[f64],
-    ) -> Result<(), RunError> {
+    fn take_crossing(&mut self, event: usize, time: f64, state: &[f64]) -> Result<(), RunError> {
         let own = usize::from(self.run.plan.events.section.is_some());
         if event >= own {
             let state = self.run.own(state).to_vec();

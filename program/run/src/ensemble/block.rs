@@ -45,7 +45,7 @@ pub(super) fn run(
         }
     }
     let mut records = MemberRecords::new(ensemble, directory, begun, watched.invariants())?;
-    watched.begin(&mut records)?;
+    watched.begin(&mut |look| records.take(look))?;
     records.take_sample(watched.walk());
     let total = ensemble.run.plan.steps;
     let stride = (COORDINATES_A_LOOK / (lanes * ensemble.population.dimension())).max(1) as u64;
@@ -57,7 +57,7 @@ pub(super) fn run(
         let until = total.min(steps.saturating_add(stride));
         while steps < until && watched.walk().living() > 0 {
             steps += 1;
-            watched.step(&mut records)?;
+            watched.step(&mut |look| records.take(look))?;
         }
         // Members that have ended count as those that go on; where steps are not counted, each is one.
         let is_over = watched.walk().living() == 0;
@@ -71,7 +71,7 @@ pub(super) fn run(
             .fetch_add((made - shown) * lanes as u64, Ordering::Relaxed);
         shown = made;
     }
-    watched.end_on_events(&mut records)?;
+    watched.end_on_events(&mut |look| records.take(look))?;
     Ok(Some(records.finish(watched.statistics())))
 }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use leafwise_core::{BuildError, SolverStatistics, Walk};
-use leafwise_walk::{Ended, FunctionValues, Sample, Sink, Why, column, side_by_side};
+use leafwise_walk::{Ended, FunctionValues, Look, Why, column, side_by_side};
 
 use super::block::Begun;
 use super::clock::window;
@@ -174,13 +174,47 @@ impl<'a> MemberRecords<'a> {
             place[at] = std::mem::take(&mut self.deviations[at]);
         }
     }
-}
 
-impl Sink for MemberRecords<'_> {
-    type Error = RunError;
+    /// Takes in what the walk of the block comes to.
+    pub fn take(&mut self, look: Look<'_>) -> Result<(), RunError> {
+        match look {
+            Look::Before(_) | Look::After(_) => Ok(()),
+            Look::Invariants { walk, values, .. } => {
+                self.open_windows(walk);
+                self.take_deviations(values);
+                Ok(())
+            }
+            Look::Step { walk, .. } => {
+                let clock = &self.ensemble.clock;
+                let mark = walk.steps() as f64;
+                if !clock.is_of_time && clock.samples.get(self.next) == Some(&mark) {
+                    self.take_sample(walk);
+                }
+                Ok(())
+            }
+            Look::Sample {
+                lane,
+                number,
+                state,
+                ..
+            } => {
+                let number = usize::try_from(number).unwrap_or(usize::MAX);
+                Ok(self.put_sample(lane, number, state)?)
+            }
+            Look::Crossing {
+                lane, time, state, ..
+            } => {
+                let recorded = self.ensemble.run.plan.states.coordinates();
+                let mut row: Vec<f64> = recorded.map(|at| state[at]).collect();
+                row.extend(self.row(lane, state)?);
+                let member = self.record.first + lane as u64;
+                self.record.crossings[lane].push(member, time, row.into_iter())
+            }
+            Look::Ended { lane, ended } => self.take_end(lane, ended),
+        }
+    }
 
-    fn invariants(&mut self, walk: &Walk, _time: f64, values: &[f64]) {
-        self.open_windows(walk);
+    fn take_deviations(&mut self, values: &[f64]) {
         let largest = self.deviations.iter_mut();
         for ((largest, value), initial) in largest.zip(values).zip(&self.record.initial) {
             let deviation = (value - initial).abs();
@@ -192,34 +226,7 @@ impl Sink for MemberRecords<'_> {
         }
     }
 
-    fn step(&mut self, walk: &Walk, _time: f64) -> Result<(), RunError> {
-        let clock = &self.ensemble.clock;
-        if !clock.is_of_time && clock.samples.get(self.next) == Some(&(walk.steps() as f64)) {
-            self.take_sample(walk);
-        }
-        Ok(())
-    }
-
-    fn sample(&mut self, sample: Sample<'_>) -> Result<(), RunError> {
-        let number = usize::try_from(sample.number).unwrap_or(usize::MAX);
-        Ok(self.put_sample(sample.lane, number, sample.state)?)
-    }
-
-    fn crossing(
-        &mut self,
-        _event: usize,
-        lane: usize,
-        time: f64,
-        state: &[f64],
-    ) -> Result<(), RunError> {
-        let recorded = self.ensemble.run.plan.states.coordinates();
-        let mut row: Vec<f64> = recorded.map(|at| state[at]).collect();
-        row.extend(self.row(lane, state)?);
-        let member = self.record.first + lane as u64;
-        self.record.crossings[lane].push(member, time, row.into_iter())
-    }
-
-    fn ended(&mut self, lane: usize, ended: &Ended) -> Result<(), RunError> {
+    fn take_end(&mut self, lane: usize, ended: &Ended) -> Result<(), RunError> {
         self.put_away(lane);
         self.window[lane] = None;
         let clock = &self.ensemble.clock;
