@@ -47,4 +47,5 @@ mod theorems;
 mod time;
 mod truncation_high;
 mod units;
+mod watched;
 mod written_parts;

@@ -37,6 +37,11 @@ impl<'a> Alones<'a> {
         }
     }
 
+    /// The parameters of each lane.
+    pub fn parameters(&self) -> &[Vec<f64>] {
+        &self.parameters
+    }
+
     /// A lane, whose last step begins at its state of `start`.
     pub fn at(&mut self, lane: usize, start: &StepStart) -> Result<&mut Alone<'a>, BuildError> {
         let at = lane.min(self.slots.len() - 1);

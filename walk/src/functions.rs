@@ -36,6 +36,11 @@ impl StateFunctions {
         }
     }
 
+    /// Whether they are code, which many lanes share.
+    pub fn is_code(&self) -> bool {
+        matches!(self.0, Source::Code(_))
+    }
+
     /// Evaluates in `lanes` at their `parameters`, a structure of arrays.
     ///
     /// # Errors

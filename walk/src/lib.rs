@@ -12,9 +12,11 @@
 //! 7. the end: all steps, or a time.
 //!
 //! States between two steps are ends of shorter steps from the first ([`LastStep`]): of the map's own order, on the leaf of the
-//! trajectory, and of no influence on what follows.
+//! trajectory, and of no influence on what follows. Where nobody looks between steps, many are made before they are looked at, and
+//! invariants are evaluated at all of their states at once.
 
 mod alone;
+mod batch;
 mod course;
 mod domain;
 mod events;
@@ -31,7 +33,7 @@ pub use domain::outside;
 pub use events::{Direction, Event, Section, Side, Stop};
 pub use fault::{Ended, Fault, Why};
 pub use functions::{FunctionValues, StateFunctions, column, side_by_side};
-pub use look::{Look, Take};
+pub use look::{At, Look, Take};
 pub use pace::{NoPace, Pace, PacedSteps};
 pub use step::{LastStep, StepStart};
 pub use times::{SampleTimes, is_same_time};

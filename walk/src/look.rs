@@ -1,30 +1,33 @@
 //! What a walk comes to.
 
-use leafwise_core::Walk;
-
 use crate::fault::Ended;
+
+/// The states between two steps.
+#[derive(Clone, Copy, Debug)]
+pub struct At<'a> {
+    /// The number of steps made.
+    pub steps: u64,
+    /// The time of the first lane.
+    pub time: f64,
+    /// The states: coordinate j of lane w at `[j*lanes + w]`.
+    pub state: &'a [f64],
+    /// Evaluations so far, those of the solver's statistics.
+    pub evaluations: u64,
+}
 
 /// A record of a [`Watched`](crate::Watched) walk, handed over in the order of the way.
 pub enum Look<'a> {
-    /// The states before a step.
-    Before(&'a Walk),
-    /// The states after a step that some lane has made.
-    After(&'a Walk),
-    /// The invariants after a step: invariant i of lane w at `[i*lanes + w]`.
-    Invariants {
-        /// The states there.
-        walk: &'a Walk,
-        /// The time of the first lane.
-        time: f64,
-        /// Their values.
-        values: &'a [f64],
-    },
-    /// The states after a step from which some lane goes on, or which is the last.
+    /// A step that some lane has made, before anything is said of it.
+    Made(At<'a>),
+    /// A step that was looked at.
     Step {
-        /// The states.
-        walk: &'a Walk,
-        /// The time of the first lane.
-        time: f64,
+        /// The states after it.
+        at: At<'a>,
+        /// The invariants there, where they were looked at and some lane is inside of the energy's domain: invariant i of lane w
+        /// at `[i*lanes + w]`.
+        invariants: Option<&'a [f64]>,
+        /// Whether some lane goes on, or this is the last step.
+        goes_on: bool,
     },
     /// A state at a time that is asked for.
     Sample {

@@ -1,6 +1,5 @@
 //! States of a run that its method is judged at, whatever the scene records.
 
-use leafwise_core::Walk;
 use serde::{Deserialize, Serialize};
 
 use crate::advice::{LARGEST, MOST_STATES};
@@ -92,7 +91,7 @@ impl Watch {
         }
     }
 
-    /// Takes in the state before a step.
+    /// Takes in the state that a session begins at.
     pub fn begin(&mut self, state: &[f64]) {
         if state.len() == self.low.len() {
             self.from.clear();
@@ -100,17 +99,8 @@ impl Watch {
         }
     }
 
-    /// Takes in the step, which was taken.
-    pub fn end(&mut self, integrator: &Walk) {
-        let evaluations = match integrator.state().len() == self.low.len() {
-            true => integrator.evaluations(),
-            false => 0,
-        };
-        self.take(integrator.state(), integrator.steps(), evaluations);
-    }
-
-    /// Takes in the state after so many steps, and what the session's took together.
-    fn take(&mut self, state: &[f64], steps: u64, evaluations: u64) {
+    /// Takes in the state after so many steps, and the session's evaluations up to there.
+    pub fn take(&mut self, state: &[f64], steps: u64, evaluations: u64) {
         if steps >= self.next && !self.even.is_empty() {
             self.keep_evenly(state, steps);
         }
@@ -142,6 +132,7 @@ impl Watch {
             self.motion.extend(motion);
         }
         std::mem::swap(&mut self.before, &mut self.from);
+        self.begin(state);
     }
 
     /// Takes a state beyond the ranges into them, and returns the size of the step at hand in the new ones.

@@ -283,27 +283,18 @@ impl Watched<'_> {
         Ok(())
     }
 
-    /// Hands over the invariants; the lanes that have left the energy's domain. Where the energy is infinite, or a Casimir has no value,
-    /// the motion may be regular: it goes on.
-    pub(super) fn look_at_invariants<E: From<BuildError>>(
-        &mut self,
-        take: Take<'_, E>,
-    ) -> Result<Vec<usize>, E> {
+    /// Evaluates the invariants: whether some lane is inside of the energy's domain, and the lanes that have left it. Where the energy is
+    /// infinite, or a Casimir has no value, the motion may be regular: it goes on.
+    pub(super) fn look_at_invariants(&mut self) -> (bool, Vec<usize>) {
         let values = self.invariants.at(self.walk.state());
-        let (mut lost, mut is_none_inside) = (Vec::new(), false);
-        if !values.iter().all(|value| value.is_finite()) {
-            let outside = self.outside();
-            is_none_inside = !outside.contains(&false);
-            let lanes = outside.into_iter().enumerate();
-            let lanes = lanes.filter(|(lane, outside)| *outside && self.walk.lives(*lane));
-            lost.extend(lanes.map(|(lane, _)| lane));
+        if values.iter().all(|value| value.is_finite()) {
+            return (true, Vec::new());
         }
-        if !is_none_inside {
-            let time = self.time(0);
-            let (walk, values) = (&self.walk, self.invariants.last());
-            take(Look::Invariants { walk, time, values })?;
-        }
-        Ok(lost)
+        let outside = self.outside();
+        let is_some_inside = outside.contains(&false);
+        let lanes = outside.into_iter().enumerate();
+        let lost = lanes.filter(|(lane, outside)| *outside && self.walk.lives(*lane));
+        (is_some_inside, lost.map(|(lane, _)| lane).collect())
     }
 
     /// For each lane, whether its state is outside the energy's domain.

@@ -1,16 +1,18 @@
 //! The step loop: one step of all lanes, and the looks at it in their order.
 
+mod at_once;
 mod looks;
 
 use leafwise_core::walk::Checkpoint;
 use leafwise_core::{BuildError, SolverStatistics, StepMap, Walk};
 
 use crate::alone::Alones;
+use crate::batch::Batch;
 use crate::course::Course;
 use crate::events::{Event, Side};
 use crate::fault::{Ended, Fault, Why};
 use crate::functions::{FunctionValues, column, side_by_side};
-use crate::look::{Look, Take};
+use crate::look::{At, Look, Take};
 use crate::pace::PacedSteps;
 use crate::step::StepStart;
 
@@ -32,6 +34,13 @@ pub struct Watched<'a> {
     /// Lanes that have ended, and that nobody has heard of.
     fresh: Vec<usize>,
     alones: Alones<'a>,
+    map: &'a dyn StepMap,
+    /// The members that lanes are, where they are told.
+    members: Vec<u64>,
+    /// Where many steps are made before they are looked at.
+    batch: Option<Batch>,
+    /// The work of a stepper that was given up.
+    earlier: SolverStatistics,
 }
 
 /// An event in all lanes.
@@ -109,8 +118,12 @@ impl<'a> Watched<'a> {
             ends: vec![None; lanes],
             moved: vec![false; lanes],
             fresh: Vec::new(),
+            batch: Batch::of(course, map.dimension(), &parameters)?,
             alones: Alones::new(course, map, parameters),
             walk,
+            map,
+            members: Vec::new(),
+            earlier: SolverStatistics::default(),
         };
         if course.looks_between() {
             watched.start.keep(&watched.walk);
@@ -128,6 +141,7 @@ impl<'a> Watched<'a> {
     /// Says which member of an ensemble each lane is: steps with noise draw that member's numbers.
     pub fn follow(&mut self, members: &[u64]) {
         self.walk.follow(members);
+        self.members = members.to_vec();
     }
 
     /// Leaves a lane out.
@@ -185,7 +199,7 @@ impl<'a> Watched<'a> {
 
     /// The solver's work so far, over all lanes.
     pub fn statistics(&self) -> SolverStatistics {
-        self.walk.statistics()
+        self.earlier.and(self.walk.statistics())
     }
 
     /// Everything that later steps and looks of a walk of one lane depend on.
@@ -257,6 +271,23 @@ impl<'a> Watched<'a> {
         self.report(take)
     }
 
+    /// Up to `steps` steps of every lane that goes on, and the looks at each.
+    ///
+    /// # Errors
+    /// Those of `take`, and [`BuildError`] where a function has no evaluator.
+    pub fn advance<E: From<BuildError>>(&mut self, steps: u64, take: Take<'_, E>) -> Result<(), E> {
+        let mut left = steps;
+        while left > 0 && self.walk.living() > 0 {
+            let many = self.at_once().min(left);
+            match many {
+                0 | 1 => self.step(take)?,
+                _ => self.steps_at_once(many, take)?,
+            }
+            left -= many.max(1);
+        }
+        Ok(())
+    }
+
     /// One step of every lane that goes on, and the looks at it.
     ///
     /// # Errors
@@ -266,13 +297,11 @@ impl<'a> Watched<'a> {
         if looks_between {
             self.start.keep(&self.walk);
         }
-        take(Look::Before(&self.walk))?;
-        let is_whole = self.walk.step().is_ok();
-        if !is_whole {
+        if self.walk.step().is_err() {
             self.take_failures();
         }
         if self.walk.living() > 0 {
-            take(Look::After(&self.walk))?;
+            take(Look::Made(self.here()))?;
             self.look(looks_between, take)?;
         }
         self.report(take)
@@ -292,14 +321,16 @@ impl<'a> Watched<'a> {
             self.look_for_events(take)?;
         }
         let is_last = self.course.pace.is_none() && steps == self.course.steps;
-        let mut lost = Vec::new();
-        if is_last || steps.is_multiple_of(self.course.invariants_every) {
-            lost = self.look_at_invariants(take)?;
-        }
-        if self.walk.living() > 0 {
-            let (walk, time) = (&self.walk, self.time(0));
-            take(Look::Step { walk, time })?;
-        }
+        let is_looked_at = is_last || steps.is_multiple_of(self.course.invariants_every);
+        let (is_some_inside, lost) = match is_looked_at {
+            true => self.look_at_invariants(),
+            false => (false, Vec::new()),
+        };
+        take(Look::Step {
+            at: self.here(),
+            invariants: is_some_inside.then(|| self.invariants.last()),
+            goes_on: self.walk.living() > 0,
+        })?;
         if looks_between {
             self.take_times(take)?;
         }
@@ -310,6 +341,16 @@ impl<'a> Watched<'a> {
             self.arrive()?;
         }
         Ok(())
+    }
+
+    /// The states after the last step.
+    fn here(&self) -> At<'_> {
+        At {
+            steps: self.walk.steps(),
+            time: self.time(0),
+            state: self.walk.state(),
+            evaluations: self.earlier.evaluations + self.walk.evaluations(),
+        }
     }
 
     /// Hands over the lanes that have ended.

@@ -122,17 +122,14 @@ impl Session<'_> {
     /// the program be killed before it has said how the run ended, the next session comes to the
     /// same failure with the same counts.
     pub fn drive(&mut self, progress: &mut dyn Progress) -> Result<RunOutcome, RunError> {
-        let stride = (COORDINATES_A_LOOK / self.run.dimension().max(1)).max(1);
+        let stride = (COORDINATES_A_LOOK / self.run.dimension().max(1)).max(1) as u64;
         let (mut flushed, mut saved) = (Instant::now(), Instant::now());
+        self.records.watch.begin(self.watched.walk().state());
         self.watched.begin(&mut |look| self.records.take(look))?;
         loop {
             let started = Instant::now();
-            for _ in 0..stride {
-                if self.watched.walk().living() == 0 {
-                    break;
-                }
-                self.watched.step(&mut |look| self.records.take(look))?;
-            }
+            self.watched
+                .advance(stride, &mut |look| self.records.take(look))?;
             self.wall += started.elapsed();
             progress.show(&self.status());
             if self.watched.walk().living() == 0 || progress.is_interrupted() {

@@ -1,6 +1,5 @@
 //! What a run records: rows of samples and crossings, windows of invariants, states that its method is judged at.
 
-use leafwise_core::Walk;
 use leafwise_scene::compose::{ComposedRun, Observable, WIDEST_STATE};
 use leafwise_walk::{Course, Ended, FunctionValues, Look, SampleTimes};
 
@@ -153,32 +152,35 @@ impl<'a> Records<'a> {
     }
 
     /// Whether the walk is at the end, which is recorded as the end, where that lies at a time.
-    fn is_beyond(&self, walk: &Walk, time: f64) -> bool {
+    fn is_beyond(&self, steps: u64, time: f64) -> bool {
         let Some(until) = self.course.until else {
             return false;
         };
         match self.course.pace {
             Some(_) => !self.course.is_before(time, until),
-            None => walk.steps() >= self.course.steps,
+            None => steps >= self.course.steps,
         }
     }
 
     /// Takes in what the walk comes to.
     pub fn take(&mut self, look: Look<'_>) -> Result<(), RunError> {
         match look {
-            Look::Before(walk) => self.watch.begin(walk.state()),
-            Look::After(walk) => self.watch.end(walk),
-            Look::Invariants { walk, time, values } => {
-                let before = self.before;
-                self.windows
-                    .push(values, time, || before + walk.evaluations());
-            }
-            Look::Step { walk, time } => {
+            Look::Made(at) => self.watch.take(at.state, at.steps, at.evaluations),
+            Look::Step {
+                at,
+                invariants,
+                goes_on,
+            } => {
+                if let Some(values) = invariants {
+                    let evaluations = self.before + at.evaluations;
+                    self.windows.push(values, at.time, || evaluations);
+                }
                 if let SampleTimes::Every(every) = self.course.samples
-                    && walk.steps().is_multiple_of(every)
-                    && !self.is_beyond(walk, time)
+                    && goes_on
+                    && at.steps.is_multiple_of(every)
+                    && !self.is_beyond(at.steps, at.time)
                 {
-                    self.record(walk.steps(), time, walk.state())?;
+                    self.record(at.steps, at.time, at.state)?;
                 }
             }
             Look::Sample {

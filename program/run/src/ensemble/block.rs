@@ -3,13 +3,12 @@
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use leafwise_scene::compose::ParameterDomain;
 use leafwise_walk::Watched;
 
+use super::begun::Begun;
 use super::member_records::MemberRecords;
 use super::plan::ComposedEnsemble;
 use super::record::Record;
-use super::statistics::MemberFailure;
 use crate::RunError;
 
 /// Coordinates stepped between two looks at the flag: about a millisecond's work.
@@ -46,7 +45,7 @@ pub(super) fn run(
     }
     let mut records = MemberRecords::new(ensemble, directory, begun, watched.invariants())?;
     watched.begin(&mut |look| records.take(look))?;
-    records.take_sample(watched.walk());
+    records.take_sample(watched.walk().state());
     let total = ensemble.run.plan.steps;
     let stride = (COORDINATES_A_LOOK / (lanes * ensemble.population.dimension())).max(1) as u64;
     let (mut steps, mut shown) = (0_u64, 0);
@@ -55,10 +54,8 @@ pub(super) fn run(
             return Ok(None);
         }
         let until = total.min(steps.saturating_add(stride));
-        while steps < until && watched.walk().living() > 0 {
-            steps += 1;
-            watched.step(&mut |look| records.take(look))?;
-        }
+        watched.advance(until - steps, &mut |look| records.take(look))?;
+        steps = until;
         // Members that have ended count as those that go on; where steps are not counted, each is one.
         let is_over = watched.walk().living() == 0;
         let made = match ensemble.steps() {
@@ -73,55 +70,4 @@ pub(super) fn run(
     }
     watched.end_on_events(&mut |look| records.take(look))?;
     Ok(Some(records.finish(watched.statistics())))
-}
-
-/// The members of a block where they begin.
-pub(super) struct Begun {
-    /// The number of the first.
-    pub first: u64,
-    /// Their initial states as drawn.
-    pub drawn: Vec<Vec<f64>>,
-    /// The same, with the scene's own where a member has none that it can begin at.
-    pub states: Vec<Vec<f64>>,
-    /// Their parameters.
-    pub parameters: Vec<Vec<f64>>,
-    /// Why members do not begin.
-    pub failures: Vec<Option<MemberFailure>>,
-}
-
-impl Begun {
-    fn draw(ensemble: &ComposedEnsemble, first: u64, lanes: usize) -> Self {
-        let domain = ParameterDomain::of(&ensemble.run.system, ensemble.run.method.noise());
-        let mut begun = Self {
-            first,
-            drawn: Vec::with_capacity(lanes),
-            states: Vec::with_capacity(lanes),
-            parameters: Vec::with_capacity(lanes),
-            failures: Vec::with_capacity(lanes),
-        };
-        for member in first..first + lanes as u64 {
-            let drawn = ensemble.population.drawn(member);
-            let begins = drawn.begins.map_err(|reason| reason.to_string());
-            let begins = begins.and_then(|()| {
-                let inside = domain.check(&drawn.parameters);
-                inside.map_err(|reason| reason.to_string())
-            });
-            let failure = begins.err().map(|message| MemberFailure {
-                member,
-                step: 0,
-                time: 0.0,
-                message,
-                state: ensemble.run.own(&drawn.state).to_vec(),
-            });
-            // A lane that is left out rests where evaluations have values.
-            begun.states.push(match failure {
-                None => drawn.state.clone(),
-                Some(_) => ensemble.run.plan.initial.clone(),
-            });
-            begun.failures.push(failure);
-            begun.drawn.push(drawn.state);
-            begun.parameters.push(drawn.parameters);
-        }
-        begun
-    }
 }

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use leafwise_core::{BuildError, SolverStatistics, Walk};
-use leafwise_walk::{Ended, FunctionValues, Look, Why, column, side_by_side};
+use leafwise_core::{BuildError, SolverStatistics};
+use leafwise_walk::{At, Ended, FunctionValues, Look, Why, column, side_by_side};
 
-use super::block::Begun;
+use super::begun::Begun;
 use super::clock::window;
 use super::plan::{Column, ComposedEnsemble};
 use super::record::{MemberStop, Record};
@@ -81,10 +81,10 @@ impl<'a> MemberRecords<'a> {
     }
 
     /// Takes in the observables of all members after a number of steps.
-    pub fn take_sample(&mut self, walk: &Walk) {
+    pub fn take_sample(&mut self, states: &[f64]) {
         let lanes = self.record.lanes;
-        let invariants = self.invariants.at(walk.state());
-        let formulas = self.formulas.at(walk.state());
+        let invariants = self.invariants.at(states);
+        let formulas = self.formulas.at(states);
         let size = self.ensemble.columns.len() * lanes;
         let row = &mut self.record.samples[self.next * size..][..size];
         for (values, column) in row.chunks_exact_mut(lanes).zip(&self.ensemble.columns) {
@@ -140,18 +140,18 @@ impl<'a> MemberRecords<'a> {
     }
 
     /// Puts the deviations of lanes away that have come to another window with the last step.
-    fn open_windows(&mut self, walk: &Walk) {
+    fn open_windows(&mut self, at: At<'_>) {
         let (ensemble, lanes) = (self.ensemble, self.record.lanes);
         let common =
-            (!ensemble.clock.is_of_time).then(|| window(&self.window_ends, walk.steps() as f64));
+            (!ensemble.clock.is_of_time).then(|| window(&self.window_ends, at.steps as f64));
         for lane in 0..lanes {
             let Some(present) = self.window[lane] else {
                 continue;
             };
             let now = common.unwrap_or_else(|| {
-                let state = column(walk.state(), lane, lanes);
-                let time = ensemble.course.time(walk.steps(), &state);
-                window(&self.window_ends, ensemble.clock.mark(walk.steps(), time))
+                let state = column(at.state, lane, lanes);
+                let time = ensemble.course.time(at.steps, &state);
+                window(&self.window_ends, ensemble.clock.mark(at.steps, time))
             });
             if now != present {
                 self.put_away(lane);
@@ -178,17 +178,20 @@ impl<'a> MemberRecords<'a> {
     /// Takes in what the walk of the block comes to.
     pub fn take(&mut self, look: Look<'_>) -> Result<(), RunError> {
         match look {
-            Look::Before(_) | Look::After(_) => Ok(()),
-            Look::Invariants { walk, values, .. } => {
-                self.open_windows(walk);
-                self.take_deviations(values);
-                Ok(())
-            }
-            Look::Step { walk, .. } => {
+            Look::Made(_) => Ok(()),
+            Look::Step {
+                at,
+                invariants,
+                goes_on,
+            } => {
+                if let Some(values) = invariants {
+                    self.open_windows(at);
+                    self.take_deviations(values);
+                }
                 let clock = &self.ensemble.clock;
-                let mark = walk.steps() as f64;
-                if !clock.is_of_time && clock.samples.get(self.next) == Some(&mark) {
-                    self.take_sample(walk);
+                let mark = at.steps as f64;
+                if goes_on && !clock.is_of_time && clock.samples.get(self.next) == Some(&mark) {
+                    self.take_sample(at.state);
                 }
                 Ok(())
             }

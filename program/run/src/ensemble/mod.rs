@@ -3,7 +3,7 @@
 //! - `plan`: [`compose_ensemble`], a scene's system and method with its members;
 //! - `population`: [`Population`], the members' initial states and parameters by number;
 //! - `states`: [`Members`] that are given, by a file too;
-//! - `clock`: when they are looked at; `block`: members side by side; `member_records`, `record`: what they leave behind;
+//! - `clock`: when they are looked at; `begun`, `block`: members side by side; `member_records`, `record`: what they leave behind;
 //! - `drive`: blocks on threads, taken in by number, so that no result depends on either;
 //! - `section`: the crossings in one file;
 //! - `statistics`, `quantiles`, `losses`: what members are reduced to; `tree`: in which order;
@@ -13,6 +13,7 @@
 //!   bytes of one process.
 
 mod advice;
+mod begun;
 mod block;
 mod checkpoint;
 mod clock;

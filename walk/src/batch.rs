@@ -1,0 +1,94 @@
+//! Room for the states of many steps of one lane.
+
+use leafwise_core::BuildError;
+
+use crate::course::Course;
+use crate::functions::FunctionValues;
+
+/// Steps that are made before they are looked at, at most, and at least where any are.
+const MOST: usize = 64;
+const LEAST: usize = 8;
+
+/// Coordinates of all their states, at most: they stay in the nearest cache.
+const COORDINATES: usize = 2048;
+
+/// Room for the states of many steps.
+pub(crate) struct Batch {
+    /// Steps at most.
+    pub most: usize,
+    /// The states, one after the other, and the evaluations up to each.
+    states: Vec<f64>,
+    pub evaluations: Vec<u64>,
+    /// The states as a structure of arrays, and the invariants in as many lanes.
+    columns: Vec<f64>,
+    invariants: FunctionValues,
+    /// The invariants at one of them.
+    pub values: Vec<f64>,
+}
+
+impl Batch {
+    /// Room where one lane is stepped, nobody looks between steps, and the invariants are code that is evaluated at each state; `None`
+    /// elsewhere.
+    pub fn of(
+        course: &Course,
+        dimension: usize,
+        parameters: &[Vec<f64>],
+    ) -> Result<Option<Self>, BuildError> {
+        let most = (COORDINATES / dimension.max(1)).min(MOST);
+        let is_watched = course.looks_between() || course.invariants_every != 1;
+        let [parameters] = parameters else {
+            return Ok(None);
+        };
+        if is_watched || most < LEAST || !course.invariants.is_code() {
+            return Ok(None);
+        }
+        let lanes = parameters
+            .iter()
+            .flat_map(|x| std::iter::repeat_n(*x, most));
+        let invariants = course.invariants.values(most, &lanes.collect::<Vec<_>>())?;
+        Ok(Some(Self {
+            most,
+            states: vec![0.0; dimension * most],
+            evaluations: vec![0; most],
+            columns: vec![0.0; dimension * most],
+            invariants,
+            values: vec![0.0; course.invariants.count()],
+        }))
+    }
+
+    /// Keeps the state after a step.
+    pub fn keep(&mut self, at: usize, state: &[f64], evaluations: u64) {
+        self.states[at * state.len()..][..state.len()].copy_from_slice(state);
+        for (x, place) in state.iter().zip((at..).step_by(self.most)) {
+            self.columns[place] = *x;
+        }
+        self.evaluations[at] = evaluations;
+    }
+
+    /// Evaluates the invariants at the states of so many steps.
+    pub fn evaluate(&mut self, made: usize) {
+        // Lanes without a state repeat the last one.
+        for row in self.columns.chunks_exact_mut(self.most) {
+            let last = row[made - 1];
+            row[made..].fill(last);
+        }
+        self.invariants.at(&self.columns);
+    }
+
+    /// The state after a step, counted from 0.
+    pub fn state(&self, at: usize) -> &[f64] {
+        let dimension = self.states.len() / self.most;
+        &self.states[at * dimension..][..dimension]
+    }
+
+    /// Copies the invariants after a step; whether all are finite.
+    pub fn take_values(&mut self, at: usize) -> bool {
+        let own = self.invariants.last().iter().skip(at).step_by(self.most);
+        let mut are_finite = true;
+        for (place, value) in self.values.iter_mut().zip(own) {
+            *place = *value;
+            are_finite &= value.is_finite();
+        }
+        are_finite
+    }
+}

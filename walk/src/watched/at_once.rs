@@ -1,0 +1,121 @@
+//! Many steps of one lane before they are looked at, invariants at all of their states at once.
+
+use leafwise_core::walk::Checkpoint;
+use leafwise_core::{BuildError, SolverStatistics, Walk};
+
+use super::Watched;
+use crate::batch::Batch;
+use crate::domain::outside;
+use crate::fault::Fault;
+use crate::look::{At, Look, Take};
+
+/// Where a batch begins.
+struct Begin {
+    walk: Checkpoint,
+    statistics: SolverStatistics,
+}
+
+impl Watched<'_> {
+    /// The number of steps that may be made before they are looked at.
+    pub(super) fn at_once(&self) -> u64 {
+        let most = self.batch.as_ref().map_or(1, |batch| batch.most as u64);
+        most.min(self.course.steps.saturating_sub(self.walk.steps()))
+    }
+
+    /// So many steps of the one lane, then the looks at each, as if they had been made one by one.
+    pub(super) fn steps_at_once<E: From<BuildError>>(
+        &mut self,
+        count: u64,
+        take: Take<'_, E>,
+    ) -> Result<(), E> {
+        let Some(mut batch) = self.batch.take() else {
+            return self.step(take);
+        };
+        let outcome = self.steps_of(&mut batch, count, take);
+        self.batch = Some(batch);
+        outcome?;
+        if self.walk.steps() == self.course.steps {
+            self.arrive()?;
+        }
+        self.report(take)
+    }
+
+    fn steps_of<E: From<BuildError>>(
+        &mut self,
+        batch: &mut Batch,
+        count: u64,
+        take: Take<'_, E>,
+    ) -> Result<(), E> {
+        let begin = Begin {
+            walk: self.walk.checkpoint(),
+            statistics: self.statistics(),
+        };
+        let before = self.earlier.evaluations;
+        let (mut made, mut is_whole) = (0, true);
+        while is_whole && (made as u64) < count {
+            is_whole = self.walk.step().is_ok();
+            if is_whole {
+                let evaluations = before + self.walk.evaluations();
+                batch.keep(made, self.walk.state(), evaluations);
+                made += 1;
+            }
+        }
+        if made > 0 {
+            batch.evaluate(made);
+        }
+        for at in 0..made {
+            let steps = begin.walk.steps + at as u64 + 1;
+            let is_lost = !batch.take_values(at) && self.is_outside(batch.state(at));
+            let here = At {
+                steps,
+                time: self.course.time(steps, &[]),
+                state: batch.state(at),
+                evaluations: batch.evaluations[at],
+            };
+            let step = Look::Step {
+                at: here,
+                invariants: (!is_lost).then_some(&batch.values),
+                goes_on: true,
+            };
+            let taken = take(Look::Made(here)).and_then(|()| take(step));
+            if taken.is_err() || is_lost {
+                self.go_back(&begin, at as u64 + 1);
+            }
+            taken?;
+            if is_lost {
+                self.fail(0, Fault::Outside, steps);
+                return Ok(());
+            }
+        }
+        if !is_whole {
+            self.take_failures();
+        }
+        Ok(())
+    }
+
+    /// Whether a state is outside the energy's domain.
+    fn is_outside(&mut self, state: &[f64]) -> bool {
+        let invariants = &mut self.invariants;
+        let is_nan = |state: &[f64], is_nan: &mut Vec<bool>| {
+            is_nan.push(invariants.at(state)[0].is_nan());
+        };
+        outside(state, 1, is_nan) == [true]
+    }
+
+    /// Steps again from the beginning of a batch, so many steps: the walk stands where the looks have come to, with the work up to there.
+    fn go_back(&mut self, begin: &Begin, steps: u64) {
+        let (course, parameters) = (self.course, &self.alones.parameters()[0]);
+        let (epsilon, h) = (course.epsilon, course.h);
+        let mut walk = Walk::new(self.map, parameters, epsilon, h, &begin.walk.state);
+        if !self.members.is_empty() {
+            walk.follow(&self.members);
+        }
+        let restored = walk.restore(&begin.walk);
+        debug_assert!(restored.is_ok(), "it is of the same method");
+        // They were made before.
+        let again = walk.advance(steps);
+        debug_assert!(again.is_ok(), "the same steps have the same bits");
+        self.earlier = begin.statistics;
+        self.walk = walk;
+    }
+}
