@@ -126,7 +126,7 @@ fn a_look_that_fails_leaves_the_walk_there() {
     });
     assert!(refused.is_err());
     whole
-        .advance::<BuildError>(37, &mut |_| Ok(()))
+        .advance::<BuildError, _>(37, &mut |_| Ok(()))
         .expect("steps");
     assert_eq!(full.walk().steps(), 37);
     assert_eq!(bits(full.walk().state()), bits(whole.walk().state()));

@@ -18,6 +18,7 @@ mod problems;
 mod products;
 mod source;
 mod steps;
+mod walks;
 
 use std::path::Path;
 
@@ -28,8 +29,9 @@ use crate::problems::{LotkaVolterra, RigidBody};
 /// A part of the page: its name, and what measures it.
 type Section = (&'static str, fn() -> String);
 
-const SECTIONS: [Section; 10] = [
+const SECTIONS: [Section; 11] = [
     ("steps", steps::table),
+    ("walks", walks::table),
     ("products", products::table),
     ("rigid-body", || {
         accuracy::tables::<RigidBody>(&[(1e-4, &[4, 6, 8, 10]), (1e-8, &[6, 8, 10, 12])])

@@ -75,6 +75,22 @@ pub fn interleaved(contestants: &mut [Run<'_>], rounds: usize) -> Times {
     Times(times)
 }
 
+/// What a contestant does once; its seconds, by its own clock.
+pub type Clocked<'a> = Box<dyn FnMut() -> f64 + 'a>;
+
+/// The same of contestants that take their own time, each once a round.
+pub fn alternating(contestants: &mut [Clocked<'_>], rounds: usize) -> Times {
+    let mut times = vec![Vec::with_capacity(rounds); contestants.len()];
+    let mut order: Vec<usize> = (0..contestants.len()).collect();
+    for _ in 0..rounds {
+        for &at in &order {
+            times[at].push(contestants[at]());
+        }
+        order.reverse();
+    }
+    Times(times)
+}
+
 /// Seconds a run, the mean of `repeats`.
 fn seconds(run: &mut Run<'_>, repeats: usize) -> f64 {
     let started = Instant::now();

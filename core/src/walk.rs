@@ -173,6 +173,18 @@ impl Walk {
         Ok(())
     }
 
+    /// n steps, each followed by a look at where it has led to.
+    ///
+    /// # Errors
+    /// As [`advance`](Self::advance); a step that fails is not looked at.
+    pub fn watch(&mut self, steps: u64, mut look: impl FnMut(&Self)) -> Result<(), StepError> {
+        for _ in 0..steps {
+            self.step()?;
+            look(self);
+        }
+        Ok(())
+    }
+
     fn step_side_by_side(&mut self) {
         self.fill_resting();
         self.stepper.increment(

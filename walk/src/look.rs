@@ -61,6 +61,3 @@ pub enum Look<'a> {
         ended: &'a Ended,
     },
 }
-
-/// Takes looks in, until it fails.
-pub type Take<'t, E> = &'t mut dyn FnMut(Look<'_>) -> Result<(), E>;

@@ -8,6 +8,7 @@ use super::program::LatticeEvaluator;
 use super::sites::SiteNumbers;
 use super::source::LatticeSource;
 pub use super::source::SiteDensity;
+use crate::compensation::two_sum;
 use crate::error::BuildError;
 use crate::observe::Observe;
 
@@ -77,23 +78,47 @@ impl Observe for LatticeObservables {
     fn evaluate(&mut self, state: &[f64], values: &mut [f64]) {
         let state = state.iter().copied();
         self.densities.evaluate(&mut self.evaluator, state);
-        for (number, (value, constant)) in values.iter_mut().zip(&self.constants).enumerate() {
-            *value = compensated_sum(*constant, self.densities.of_sites(&self.evaluator, number));
+        let mut number = 0;
+        for (values, constants) in values
+            .chunks_mut(TOGETHER)
+            .zip(self.constants.chunks(TOGETHER))
+        {
+            let mut sums = [Compensated::default(); TOGETHER];
+            let terms: [&[f64]; TOGETHER] = std::array::from_fn(|at| match at < constants.len() {
+                true => self.densities.of_sites(&self.evaluator, number + at),
+                false => self.densities.of_sites(&self.evaluator, number),
+            });
+            for (sum, constant) in sums.iter_mut().zip(constants) {
+                sum.high = *constant;
+            }
+            add(&mut sums, terms);
+            for (value, sum) in values.iter_mut().zip(sums) {
+                *value = sum.high + sum.low;
+            }
+            number += constants.len();
         }
     }
 }
 
+/// Sums that are formed together: each waits for its own last addition, and meanwhile the others go on.
+const TOGETHER: usize = 4;
+
 /// Neumaier's sum: the result does not depend on how sites are grouped.
-fn compensated_sum(start: f64, terms: &[f64]) -> f64 {
-    let (mut sum, mut low) = (start, 0.0);
-    for &term in terms {
-        let next = sum + term;
-        low += if sum.abs() >= term.abs() {
-            (sum - next) + term
-        } else {
-            (term - next) + sum
-        };
-        sum = next;
+#[derive(Clone, Copy, Default)]
+struct Compensated {
+    high: f64,
+    low: f64,
+}
+
+/// Adds the terms of every sum in the order of the sites.
+fn add(sums: &mut [Compensated; TOGETHER], terms: [&[f64]; TOGETHER]) {
+    let sites = terms[0].len();
+    let [a, b, c, d] = terms.map(|terms| &terms[..sites]);
+    for site in 0..sites {
+        for (sum, term) in sums.iter_mut().zip([a[site], b[site], c[site], d[site]]) {
+            let (high, error) = two_sum(sum.high, term);
+            sum.high = high;
+            sum.low += error;
+        }
     }
-    sum + low
 }

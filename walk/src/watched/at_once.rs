@@ -7,7 +7,7 @@ use super::Watched;
 use crate::batch::Batch;
 use crate::domain::outside;
 use crate::fault::Fault;
-use crate::look::{At, Look, Take};
+use crate::look::{At, Look};
 
 /// Where a batch begins.
 struct Begin {
@@ -23,10 +23,10 @@ impl Watched<'_> {
     }
 
     /// So many steps of the one lane, then the looks at each, as if they had been made one by one.
-    pub(super) fn steps_at_once<E: From<BuildError>>(
+    pub(super) fn steps_at_once<E: From<BuildError>, F: FnMut(Look<'_>) -> Result<(), E>>(
         &mut self,
         count: u64,
-        take: Take<'_, E>,
+        take: &mut F,
     ) -> Result<(), E> {
         let Some(mut batch) = self.batch.take() else {
             return self.step(take);
@@ -40,11 +40,11 @@ impl Watched<'_> {
         self.report(take)
     }
 
-    fn steps_of<E: From<BuildError>>(
+    fn steps_of<E: From<BuildError>, F: FnMut(Look<'_>) -> Result<(), E>>(
         &mut self,
         batch: &mut Batch,
         count: u64,
-        take: Take<'_, E>,
+        take: &mut F,
     ) -> Result<(), E> {
         let begin = Begin {
             walk: self.walk.checkpoint(),

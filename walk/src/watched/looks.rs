@@ -8,7 +8,7 @@ use super::{EventLanes, Watched};
 use crate::domain::outside;
 use crate::events::{crossing, end};
 use crate::fault::{Ended, Fault, Why};
-use crate::look::{Look, Take};
+use crate::look::Look;
 use crate::pace::Pace;
 use crate::step::{Between, LastStep, StepEnd};
 use crate::times::is_same_time;
@@ -160,9 +160,9 @@ impl Watched<'_> {
     }
 
     /// Takes in the events of the last step in the order in which they come, up to one that ends the lane.
-    pub(super) fn look_for_events<E: From<BuildError>>(
+    pub(super) fn look_for_events<E: From<BuildError>, F: FnMut(Look<'_>) -> Result<(), E>>(
         &mut self,
-        take: Take<'_, E>,
+        take: &mut F,
     ) -> Result<(), E> {
         if self.events.is_empty() {
             return Ok(());
@@ -183,10 +183,10 @@ impl Watched<'_> {
         matches!(why, Some(Why::Failed(_)))
     }
 
-    fn look_for_events_of<E: From<BuildError>>(
+    fn look_for_events_of<E: From<BuildError>, F: FnMut(Look<'_>) -> Result<(), E>>(
         &mut self,
         lane: usize,
-        take: Take<'_, E>,
+        take: &mut F,
     ) -> Result<(), E> {
         let steps = self.walk.steps();
         let mut found = Vec::new();
@@ -229,12 +229,12 @@ impl Watched<'_> {
     }
 
     /// Takes in a crossing, and ends the lane where that is the last one asked for.
-    fn take_crossing<E: From<BuildError>>(
+    fn take_crossing<E: From<BuildError>, F: FnMut(Look<'_>) -> Result<(), E>>(
         &mut self,
         at: usize,
         lane: usize,
         (time, state, is_between): (f64, Vec<f64>, bool),
-        take: Take<'_, E>,
+        take: &mut F,
     ) -> Result<(), E> {
         let event = at;
         take(Look::Crossing {
@@ -262,7 +262,10 @@ impl Watched<'_> {
     ///
     /// # Errors
     /// Those of `take`, and [`BuildError`] where a function has no evaluator.
-    pub fn end_on_events<E: From<BuildError>>(&mut self, take: Take<'_, E>) -> Result<(), E> {
+    pub fn end_on_events<E: From<BuildError>, F: FnMut(Look<'_>) -> Result<(), E>>(
+        &mut self,
+        take: &mut F,
+    ) -> Result<(), E> {
         for lane in 0..self.walk.lanes() {
             for at in 0..self.events.len() {
                 let Some(ended) = self.ends[lane].clone() else {
@@ -311,7 +314,10 @@ impl Watched<'_> {
     }
 
     /// Takes in the states at the times that lanes have passed in the last step.
-    pub(super) fn take_times<E: From<BuildError>>(&mut self, take: Take<'_, E>) -> Result<(), E> {
+    pub(super) fn take_times<E: From<BuildError>, F: FnMut(Look<'_>) -> Result<(), E>>(
+        &mut self,
+        take: &mut F,
+    ) -> Result<(), E> {
         if self.course.samples.are_steps() {
             return Ok(());
         }
@@ -326,11 +332,11 @@ impl Watched<'_> {
         Ok(())
     }
 
-    fn take_time<E: From<BuildError>>(
+    fn take_time<E: From<BuildError>, F: FnMut(Look<'_>) -> Result<(), E>>(
         &mut self,
         lane: usize,
         time: f64,
-        take: Take<'_, E>,
+        take: &mut F,
     ) -> Result<(), E> {
         let (steps, lanes, present) = (self.walk.steps(), self.walk.lanes(), self.time(lane));
         let number = self.next[lane];

@@ -12,7 +12,7 @@ use crate::course::Course;
 use crate::events::{Event, Side};
 use crate::fault::{Ended, Fault, Why};
 use crate::functions::{FunctionValues, column, side_by_side};
-use crate::look::{At, Look, Take};
+use crate::look::{At, Look};
 use crate::pace::PacedSteps;
 use crate::step::StepStart;
 
@@ -252,7 +252,10 @@ impl<'a> Watched<'a> {
     ///
     /// # Errors
     /// Those of `take`, and [`BuildError`] where a function has no evaluator.
-    pub fn begin<E: From<BuildError>>(&mut self, take: Take<'_, E>) -> Result<(), E> {
+    pub fn begin<E: From<BuildError>, F: FnMut(Look<'_>) -> Result<(), E>>(
+        &mut self,
+        take: &mut F,
+    ) -> Result<(), E> {
         let steps = self.walk.steps();
         if !self.invariants().iter().all(|value| value.is_finite()) {
             for (lane, is_outside) in self.outside().into_iter().enumerate() {
@@ -275,7 +278,11 @@ impl<'a> Watched<'a> {
     ///
     /// # Errors
     /// Those of `take`, and [`BuildError`] where a function has no evaluator.
-    pub fn advance<E: From<BuildError>>(&mut self, steps: u64, take: Take<'_, E>) -> Result<(), E> {
+    pub fn advance<E: From<BuildError>, F: FnMut(Look<'_>) -> Result<(), E>>(
+        &mut self,
+        steps: u64,
+        take: &mut F,
+    ) -> Result<(), E> {
         let mut left = steps;
         while left > 0 && self.walk.living() > 0 {
             let many = self.at_once().min(left);
@@ -292,7 +299,10 @@ impl<'a> Watched<'a> {
     ///
     /// # Errors
     /// Those of `take`, and [`BuildError`] where a function has no evaluator.
-    pub fn step<E: From<BuildError>>(&mut self, take: Take<'_, E>) -> Result<(), E> {
+    pub fn step<E: From<BuildError>, F: FnMut(Look<'_>) -> Result<(), E>>(
+        &mut self,
+        take: &mut F,
+    ) -> Result<(), E> {
         let looks_between = self.course.looks_between();
         if looks_between {
             self.start.keep(&self.walk);
@@ -308,10 +318,10 @@ impl<'a> Watched<'a> {
     }
 
     /// The looks at the last step, in their order.
-    fn look<E: From<BuildError>>(
+    fn look<E: From<BuildError>, F: FnMut(Look<'_>) -> Result<(), E>>(
         &mut self,
         looks_between: bool,
-        take: Take<'_, E>,
+        take: &mut F,
     ) -> Result<(), E> {
         let steps = self.walk.steps();
         if looks_between {
@@ -354,7 +364,10 @@ impl<'a> Watched<'a> {
     }
 
     /// Hands over the lanes that have ended.
-    fn report<E: From<BuildError>>(&mut self, take: Take<'_, E>) -> Result<(), E> {
+    fn report<E: From<BuildError>, F: FnMut(Look<'_>) -> Result<(), E>>(
+        &mut self,
+        take: &mut F,
+    ) -> Result<(), E> {
         for lane in self.fresh.drain(..) {
             if let Some(ended) = &self.ends[lane] {
                 take(Look::Ended { lane, ended })?;

@@ -143,7 +143,7 @@ pub(crate) fn states_from(run: &ComposedRun, x: &[f64], count: usize) -> Vec<Vec
     let mut integrator = Walk::new(run.method.map(), &parameters, epsilon, h, x);
     let stride = (run.plan.steps / count as u64).clamp(1, MOST_STRIDE);
     while states.len() < count {
-        if (0..stride).any(|_| integrator.step().is_err()) {
+        if integrator.advance(stride).is_err() {
             break;
         }
         states.push(integrator.state().to_vec());
@@ -162,12 +162,8 @@ pub(crate) fn orbit_from(
     let (epsilon, h) = (run.plan.epsilon, run.plan.h);
     let mut integrator = Walk::new(run.method.map(), parameters, epsilon, h, x);
     let mut states = vec![x.to_vec()];
-    for _ in 0..count {
-        if integrator.step().is_err() {
-            break;
-        }
-        states.push(integrator.state().to_vec());
-    }
+    // The orbit ends where a step fails.
+    let _ = integrator.watch(count, |walk| states.push(walk.state().to_vec()));
     states
 }
 

@@ -96,10 +96,21 @@ impl<'a> Records<'a> {
 
     /// Records the state after so many steps, once.
     pub fn record(&mut self, steps: u64, time: f64, state: &[f64]) -> Result<(), RunError> {
+        self.record_with(steps, time, state, None)
+    }
+
+    /// The same where the invariants there are known.
+    fn record_with(
+        &mut self,
+        steps: u64,
+        time: f64,
+        state: &[f64],
+        invariants: Option<&[f64]>,
+    ) -> Result<(), RunError> {
         if self.last_sample == Some(steps) {
             return Ok(());
         }
-        self.record_state(time, state)?;
+        self.record_state(time, state, invariants)?;
         self.last_sample = Some(steps);
         Ok(())
     }
@@ -107,14 +118,19 @@ impl<'a> Records<'a> {
     /// Records the state at the end.
     pub fn record_end(&mut self, ended: &Ended) -> Result<(), RunError> {
         match ended.is_between {
-            true => self.record_state(ended.time, &ended.state),
+            true => self.record_state(ended.time, &ended.state, None),
             false => self.record(ended.steps, ended.time, &ended.state),
         }
     }
 
     /// Records a state at its time.
-    fn record_state(&mut self, time: f64, state: &[f64]) -> Result<(), RunError> {
-        self.fill_row(state);
+    fn record_state(
+        &mut self,
+        time: f64,
+        state: &[f64],
+        invariants: Option<&[f64]>,
+    ) -> Result<(), RunError> {
+        self.fill_row(state, invariants);
         for (value, column) in self.row.iter().zip(&self.columns) {
             if let Column::Formula(index) = *column {
                 self.undefined[index] += u64::from(!value.is_finite());
@@ -134,8 +150,8 @@ impl<'a> Records<'a> {
     }
 
     /// The columns of a row behind its time: recorded coordinates in `shown`, observables in `row`.
-    fn fill_row(&mut self, state: &[f64]) {
-        let invariants = self.invariants.at(state);
+    fn fill_row(&mut self, state: &[f64], invariants: Option<&[f64]>) {
+        let invariants = invariants.unwrap_or_else(|| self.invariants.at(state));
         let formulas = self.formulas.at(state);
         for (value, column) in self.row.iter_mut().zip(&self.columns) {
             *value = match *column {
@@ -180,13 +196,13 @@ impl<'a> Records<'a> {
                     && at.steps.is_multiple_of(every)
                     && !self.is_beyond(at.steps, at.time)
                 {
-                    self.record(at.steps, at.time, at.state)?;
+                    self.record_with(at.steps, at.time, at.state, invariants)?;
                 }
             }
             Look::Sample {
                 time, state, steps, ..
             } => {
-                self.record_state(time, state)?;
+                self.record_state(time, state, None)?;
                 self.last_sample = steps.or(self.last_sample);
             }
             Look::Crossing {
@@ -204,7 +220,7 @@ impl<'a> Records<'a> {
             self.found[event - own].push(Crossing { time, state });
             return Ok(());
         }
-        self.fill_row(state);
+        self.fill_row(state, None);
         match &mut self.crossings {
             Some(crossings) => crossings.push(time, &self.shown, &self.row),
             None => Ok(()),

@@ -91,9 +91,7 @@ fn orbits_return(_: &StressOptions) -> Result<Outcome, StressError> {
     }
     let end = integrator.state().to_vec();
     let mut back = Walk::new(&method, &parameters, 1.0, -0.1, &end);
-    for _ in 0..steps {
-        back.step()?;
-    }
+    back.advance(steps)?;
     let missed = distance(back.state(), &TUMBLING);
     let bound = 1e3 * UNIT_ROUNDOFF / apart * separation;
     Ok(Outcome {

@@ -63,10 +63,9 @@ fn coordinate_planes(_: &StressOptions) -> Result<Outcome, StressError> {
             x[zero] = 0.0;
             let mut integrator = Walk::new(&method, &[], 0.01, 2.0, &x);
             let mut stays = true;
-            for _ in 0..100 {
-                integrator.step()?;
-                stays &= integrator.state()[zero] == 0.0;
-            }
+            integrator.watch(100, |walk| {
+                stays &= walk.state()[zero] == 0.0;
+            })?;
             let moved = distance(integrator.state(), &x);
             tally.take(stays && moved > 0.1, || {
                 format!("x{} = 0 from {x:?}: {:?}", zero + 1, integrator.state())

@@ -44,13 +44,12 @@ fn drifts(run: &ComposedRun) -> Result<(Vec<f64>, Vec<f64>), StressError> {
     let mut first = vec![0.0; invariants.observables()];
     invariants.evaluate(integrator.state(), &mut first);
     let (mut values, mut worst) = (first.clone(), vec![0.0; first.len()]);
-    for _ in 0..run.plan.steps {
-        integrator.step()?;
-        invariants.evaluate(integrator.state(), &mut values);
+    integrator.watch(run.plan.steps, |walk| {
+        invariants.evaluate(walk.state(), &mut values);
         for (worst, (value, first)) in worst.iter_mut().zip(values.iter().zip(&first)) {
             *worst = largest(&[*worst, value - first]);
         }
-    }
+    })?;
     Ok((integrator.state().to_vec(), worst))
 }
 

@@ -59,18 +59,17 @@ fn measure(steps: u64, n: i64, m: i64, t: f64) -> Result<Outcome, StressError> {
     let every = steps.div_ceil(SAMPLES).max(1);
     let mut samples = vec![0.0];
     let mut largest = 0.0_f64;
-    for step in 1..=steps {
-        integrator.step()?;
-        let drift = (casimir(&integrator) - start) / start;
+    integrator.watch(steps, |walk| {
+        let drift = (casimir(walk) - start) / start;
         largest = if drift.abs() <= largest {
             largest
         } else {
             drift.abs()
         };
-        if step % every == 0 {
+        if walk.steps() % every == 0 {
             samples.push(drift);
         }
-    }
+    })?;
     let exponent = growth_exponent(&samples);
     Ok(Outcome {
         is_met: largest < LARGEST && exponent < LARGEST_EXPONENT,

@@ -46,12 +46,11 @@ fn unstable_axis(_: &StressOptions) -> Result<Outcome, StressError> {
     let (i1, i2, i3) = (1.0, 0.75, 1.25);
     let lambda = libm::sqrt((1.0 / i1 - 1.0 / i3) * (1.0 / i2 - 1.0 / i1));
     let mut worst = 0.0_f64;
-    for step in 1..=200 {
-        integrator.step()?;
-        let exact = NEAR * libm::cosh(lambda * 0.1 * f64::from(step));
-        let error = (integrator.state()[1] - exact).abs() / exact;
+    integrator.watch(200, |walk| {
+        let exact = NEAR * libm::cosh(lambda * 0.1 * walk.steps() as f64);
+        let error = (walk.state()[1] - exact).abs() / exact;
         worst = larger(worst, error);
-    }
+    })?;
     Ok(Outcome {
         is_met: worst <= 1e-11,
         measured: format!(
@@ -72,16 +71,15 @@ fn separatrix(_: &StressOptions) -> Result<Outcome, StressError> {
     let mut integrator = Walk::new(&method, &parameters, 1.0, 0.1, &start);
     let (mut of_spin, mut of_energy, mut turns) = (0.0_f64, 0.0_f64, 0);
     let mut sign = 1.0;
-    for _ in 0..100_000 {
-        integrator.step()?;
-        let x = integrator.state();
+    integrator.watch(100_000, |walk| {
+        let x = walk.state();
         of_spin = of_spin.max((spin(x) - spin(&start)).abs() / spin(&start));
         of_energy = of_energy.max((energy(x) - energy(&start)).abs() / energy(&start));
         if x[0] * sign < -0.5 {
             sign = -sign;
             turns += 1;
         }
-    }
+    })?;
     let is_finite = integrator.state().iter().all(|x| x.is_finite());
     Ok(Outcome {
         is_met: is_finite && of_spin <= 1e-13 && of_energy <= 1e-8 && turns > 10,
@@ -100,12 +98,11 @@ fn coordinate_plane(_: &StressOptions) -> Result<Outcome, StressError> {
     let mut integrator = run.integrator();
     let start = casimir(&run.plan.initial);
     let (mut worst, mut smallest) = (0.0_f64, f64::INFINITY);
-    for _ in 0..run.plan.steps {
-        integrator.step()?;
-        let drift = (casimir(integrator.state()) - start).abs();
+    integrator.watch(run.plan.steps, |walk| {
+        let drift = (casimir(walk.state()) - start).abs();
         worst = larger(worst, drift);
-        smallest = smallest.min(integrator.state()[0]);
-    }
+        smallest = smallest.min(walk.state()[0]);
+    })?;
     // Relative to its largest logarithm.
     let relative = worst / (2.0 * libm::log(NEAR)).abs();
     Ok(Outcome {

@@ -63,9 +63,7 @@ fn dynamics(_: &StressOptions) -> Result<Outcome, StressError> {
         let parameters = problem.system.parameter_values();
         let method = method(&problem.system, n, 12)?;
         let mut integrator = Walk::new(&method, &parameters, 1.0, t, &problem.initial);
-        for _ in 0..20 {
-            integrator.step()?;
-        }
+        integrator.advance(20)?;
         let flow = problem.flow(&registry, 20.0 * t)?;
         let error = distance(integrator.state(), &flow) / largest(&flow);
         worst = worst.max(error);

@@ -42,9 +42,7 @@ fn symmetric_top(_: &StressOptions) -> Result<Outcome, StressError> {
     let parameters = problem.system.parameter_values();
     let method: Method = method(&problem.system, 10, 8)?;
     let mut integrator = Walk::new(&method, &parameters, 1.0, t, &x);
-    for _ in 0..steps {
-        integrator.step()?;
-    }
+    integrator.advance(u64::from(steps))?;
     // ẋ = {H, x} = −x × ω turns (x1, x2) by +x3 (1/I3 − 1/I1) t.
     let angle = x[2] * (1e6 - 1.0) * t * f64::from(steps);
     let exact = [libm::cos(angle), libm::sin(angle), x[2]];

@@ -28,9 +28,7 @@ pub(super) fn rests(tally: &mut Tally, name: &str, system: &PoissonSystem, x: &[
         let outcome = method(system, n, m).and_then(|method| {
             let parameters = system.parameter_values();
             let mut integrator = Walk::new(&method, &parameters, 0.1, 2.0, x);
-            for _ in 0..10 {
-                integrator.step()?;
-            }
+            integrator.advance(10)?;
             let is_whole = integrator.compensation().iter().all(|low| *low == 0.0);
             Ok(is_whole && same_bits(integrator.state(), x))
         });

@@ -64,14 +64,13 @@ fn heteroclinic(_: &StressOptions) -> Result<Outcome, StressError> {
     let mut integrator = Walk::new(&method, &[], 0.1, 2.0, &START);
     let mut most_negative = 0.0_f64;
     let mut underflow = None;
-    for step in 1..=1000 {
-        integrator.step()?;
-        let x = integrator.state();
+    integrator.watch(1000, |walk| {
+        let x = walk.state();
         most_negative = x.iter().copied().fold(most_negative, f64::min);
         if underflow.is_none() && x.iter().any(|x| *x < f64::MIN_POSITIVE) {
-            underflow = Some(step);
+            underflow = Some(walk.steps());
         }
-    }
+    })?;
     let x = integrator.state();
     let energy = (x.iter().sum::<f64>() - 7.0).abs() / 7.0;
     let unit = f64::from_bits(1);

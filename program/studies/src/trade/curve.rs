@@ -182,9 +182,9 @@ fn states(
     };
     keep(initial);
     for _ in 0..count {
-        for _ in 0..stride {
-            integrator.step().map_err(|error| error.to_string())?;
-        }
+        integrator
+            .advance(stride)
+            .map_err(|error| error.to_string())?;
         keep(integrator.state());
     }
     Ok((states, integrator.statistics().cost()))

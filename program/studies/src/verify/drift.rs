@@ -44,9 +44,7 @@ impl Drift {
         let start = || Walk::new(map, &values, 1.0, t, &problem.initial);
         let mut timed = start();
         let started = Instant::now();
-        for _ in 0..TIMED_STEPS {
-            timed.step()?;
-        }
+        timed.advance(TIMED_STEPS as u64)?;
         let nanoseconds = started.elapsed().as_secs_f64() * 1e9 / TIMED_STEPS as f64;
         let mut integrator = start();
         let invariants = match SystemInvariants::new(&problem.system, &values) {
@@ -55,11 +53,9 @@ impl Drift {
         };
         let mut states = vec![problem.initial.clone()];
         let mut orbit = start();
-        for step in 1..=STEPS {
-            orbit.step()?;
-            if step.is_multiple_of(STEPS / STATES) {
-                states.push(orbit.state().to_vec());
-            }
+        for _ in 0..STATES {
+            orbit.advance((STEPS / STATES) as u64)?;
+            states.push(orbit.state().to_vec());
         }
         let sizes = casimir_sizes(&problem.system, &values, &states).unwrap_or_default();
         let (energy, casimirs) = match invariants.split_first() {

@@ -110,9 +110,7 @@ impl Problem {
         let values = self.system.parameter_values();
         let step = t / f64::from(REFERENCE_STEPS);
         let mut integrator = Walk::new(map.as_ref(), &values, 1.0, step, &self.initial);
-        for _ in 0..REFERENCE_STEPS {
-            integrator.step()?;
-        }
+        integrator.advance(u64::from(REFERENCE_STEPS))?;
         Ok(integrator.state().to_vec())
     }
 }

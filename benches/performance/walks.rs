@@ -1,0 +1,145 @@
+//! What a run costs beside its bare steps, and a row of its table.
+
+use std::hint::black_box;
+
+use leafwise::core::Registry;
+use leafwise::run::{Quiet, RunOptions, run};
+use leafwise::scene::{ComposedRun, SceneDocument, compose};
+
+use crate::accuracy::ratio;
+use crate::document::{Table, time};
+use crate::measure::{Times, alternating};
+
+const ROUNDS: usize = 9;
+
+/// Coordinates that are stepped in one sample.
+const COORDINATES: u64 = 1_500_000;
+
+/// A system with a method: its name, its scene without `[run]`, and where it begins.
+const CASES: [(&str, &str, &str); 7] = [
+    (
+        "rigid body, Hamilton–Jacobi 8",
+        "[system]\nlibrary = \"rigid-body\"\n[method]\nrealization = \"so3-exponential\"\n\
+         dynamics = { name = \"hamilton-jacobi\", order = 8 }\ntime-step = 0.1\n",
+        "[1, 3, 3]",
+    ),
+    (
+        "rigid body, splitting",
+        "[system]\nlibrary = \"rigid-body\"\n[method]\nstepper = \"splitting\"\ncomposition = \"blanes-moan-6\"\n\
+         time-step = 0.1\n",
+        "[1, 3, 3]",
+    ),
+    (
+        "rigid body, Gauss of 8 stages",
+        "[system]\nlibrary = \"rigid-body\"\n[method]\nrealization = \"clebsch\"\n\
+         dynamics = { name = \"collective\", integrator = \"gauss\", stages = 8 }\ntime-step = 0.4\n",
+        "[1, 3, 3]",
+    ),
+    (
+        "Lotka–Volterra, Hamilton–Jacobi 8",
+        "[system]\nlibrary = \"lotka-volterra-periodic\"\n[method]\nrealization = \"log-canonical\"\n\
+         dynamics = { name = \"hamilton-jacobi\", order = 8 }\ntime-step = 0.05\n",
+        "[1, 1.9, 0.5]",
+    ),
+    (
+        "heavy top, Hamilton–Jacobi 4",
+        "[system]\nlibrary = \"heavy-top\"\n[method]\nrealization = \"lie-poisson\"\n\
+         dynamics = { name = \"hamilton-jacobi\", order = 4 }\ntime-step = 0.05\n",
+        "[0.5, -0.4, 1.2, 0.6, 0.0, 0.8]",
+    ),
+    (
+        "Volterra lattice of 1000 sites, splitting",
+        "[system]\nlibrary = \"volterra-lattice\"\nfamilies = { x = 1000 }\n[method]\n\
+         stepper = \"splitting\"\ncomposition = \"blanes-moan-4\"\ntime-step = 0.1\n",
+        "{ \"x[i]\" = \"1 + 0.1*sin(2*pi*i/N)\" }",
+    ),
+    (
+        "Volterra lattice of 100000 sites, splitting",
+        "[system]\nlibrary = \"volterra-lattice\"\nfamilies = { x = 100000 }\n[method]\n\
+         stepper = \"splitting\"\ncomposition = \"blanes-moan-4\"\ntime-step = 0.1\n",
+        "{ \"x[i]\" = \"1 + 0.1*sin(2*pi*i/N)\" }",
+    ),
+];
+
+/// A scene of so many steps, with a record every so many.
+fn scene(system: &str, initial: &str, steps: u64, every: u64) -> (SceneDocument, ComposedRun) {
+    let text = format!(
+        "{system}[run]\ninitial = {initial}\nsteps = {steps}\nrecord = {{ every = {every} }}\n"
+    );
+    let registry = Registry::with_builtin();
+    let document = SceneDocument::parse("bench.toml", &text, &registry).expect("a scene");
+    let run = compose(&document, &registry).expect("a method");
+    (document, run)
+}
+
+/// Seconds of the steps of a run into a directory, all that it looks at and records with them.
+fn whole(document: &SceneDocument, composed: &ComposedRun) -> f64 {
+    let directory =
+        std::env::temp_dir().join(format!("leafwise-bench-walk-{}", std::process::id()));
+    let options = RunOptions {
+        directory: directory.clone(),
+        force: true,
+        allow_non_poisson: false,
+        command: String::new(),
+        checkpoint_every: RunOptions::CHECKPOINT_EVERY,
+    };
+    let report = run(
+        document,
+        composed,
+        &Registry::with_builtin(),
+        &options,
+        &mut Quiet,
+    );
+    let _ = std::fs::remove_dir_all(&directory);
+    report.expect("a run").wall_seconds
+}
+
+/// The table of all cases.
+pub fn table() -> String {
+    let mut table = Table::new(&[
+        "system and method",
+        "a bare step",
+        "a step of a run",
+        "ratio",
+        "a row of `samples.csv`",
+    ]);
+    for (name, system, initial) in CASES {
+        let dimension = scene(system, initial, 1, 1).1.dimension() as u64;
+        let steps = (COORDINATES / dimension).max(20);
+        let (document, composed) = scene(system, initial, steps, steps);
+        let (recorded, recorded_run) = scene(system, initial, steps, 1);
+        let bare = || {
+            let mut walk = composed.integrator();
+            let started = std::time::Instant::now();
+            walk.advance(steps).expect("steps");
+            let seconds = started.elapsed().as_secs_f64();
+            black_box(walk.state());
+            seconds
+        };
+        let has_rows = dimension <= 12;
+        let rows = || match has_rows {
+            true => whole(&recorded, &recorded_run),
+            false => 0.0,
+        };
+        let times: Times = alternating(
+            &mut [
+                Box::new(bare),
+                Box::new(|| whole(&document, &composed)),
+                Box::new(rows),
+            ],
+            ROUNDS,
+        );
+        let a_step = |at: usize| times.seconds(at).low / steps as f64;
+        table.row(&[
+            name.to_owned(),
+            time(a_step(0)),
+            time(a_step(1)),
+            ratio(times.ratio(1, 0)),
+            match has_rows {
+                true => time(a_step(2) - a_step(1)),
+                false => "—".to_owned(),
+            },
+        ]);
+    }
+    table.finish()
+}
