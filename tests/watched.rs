@@ -56,6 +56,15 @@ fn story(run: &ComposedRun, strides: &[u64]) -> Story {
             Look::Step { at, invariants, .. } => {
                 story.looked_at.push((at.steps, invariants.map(bits)));
             }
+            Look::Steps(steps) => {
+                for k in 0..steps.count {
+                    let at = steps.at(k);
+                    let invariants = [steps.invariant(0)[k]];
+                    assert_eq!(steps.coordinate(1)[k].to_bits(), at.state[1].to_bits());
+                    story.made.push((at.steps, at.evaluations, bits(at.state)));
+                    story.looked_at.push((at.steps, Some(bits(&invariants))));
+                }
+            }
             Look::Ended { ended, .. } => story.ended.push(ended.clone()),
             Look::Sample { .. } | Look::Crossing { .. } => {}
         }
@@ -117,11 +126,14 @@ fn a_look_that_fails_leaves_the_walk_there() {
     };
     let [mut full, mut whole] = [new(), new()];
     let refused = full.advance(100, &mut |look| match look {
-        Look::Step { at, .. } if at.steps == 37 => Err(BuildError::Dimension {
-            what: "step 37".to_owned(),
-            expected: 0,
-            found: 37,
-        }),
+        Look::Steps(steps) if steps.before < 37 && 37 < steps.before + steps.count as u64 => {
+            steps.taken.set(37 - steps.before as usize);
+            Err(BuildError::Dimension {
+                what: "step 38".to_owned(),
+                expected: 0,
+                found: 38,
+            })
+        }
         _ => Ok(()),
     });
     assert!(refused.is_err());

@@ -22,8 +22,6 @@ pub(crate) struct Batch {
     /// The states as a structure of arrays, and the invariants in as many lanes.
     columns: Vec<f64>,
     invariants: FunctionValues,
-    /// The invariants at one of them.
-    pub values: Vec<f64>,
 }
 
 impl Batch {
@@ -52,7 +50,6 @@ impl Batch {
             evaluations: vec![0; most],
             columns: vec![0.0; dimension * most],
             invariants,
-            values: vec![0.0; course.invariants.count()],
         }))
     }
 
@@ -81,14 +78,27 @@ impl Batch {
         &self.states[at * dimension..][..dimension]
     }
 
-    /// Copies the invariants after a step; whether all are finite.
-    pub fn take_values(&mut self, at: usize) -> bool {
-        let own = self.invariants.last().iter().skip(at).step_by(self.most);
-        let mut are_finite = true;
-        for (place, value) in self.values.iter_mut().zip(own) {
-            *place = *value;
-            are_finite &= value.is_finite();
-        }
-        are_finite
+    /// One coordinate after each step.
+    pub fn column(&self, coordinate: usize) -> &[f64] {
+        &self.columns[coordinate * self.most..][..self.most]
+    }
+
+    /// One of the invariants after each step.
+    pub fn invariant(&self, invariant: usize) -> &[f64] {
+        &self.invariants.last()[invariant * self.most..][..self.most]
+    }
+
+    /// Whether all invariants are finite after each of so many steps.
+    pub fn are_finite(&self, made: usize) -> bool {
+        let rows = self.invariants.last().chunks_exact(self.most);
+        // 0·v is 0 where v is finite, and no number elsewhere.
+        let sum = |row: &[f64]| row[..made].iter().fold(0.0, |sum, v| sum + 0.0 * v);
+        rows.map(sum).sum::<f64>() == 0.0
+    }
+
+    /// Whether all invariants are finite after a step, counted from 0.
+    pub fn is_finite(&self, at: usize) -> bool {
+        let mut own = self.invariants.last().iter().skip(at).step_by(self.most);
+        own.all(|value| value.is_finite())
     }
 }

@@ -33,7 +33,7 @@ pub use domain::outside;
 pub use events::{Direction, Event, Section, Side, Stop};
 pub use fault::{Ended, Fault, Why};
 pub use functions::{FunctionValues, StateFunctions, column, side_by_side};
-pub use look::{At, Look};
+pub use look::{At, Look, Steps};
 pub use pace::{NoPace, Pace, PacedSteps};
 pub use step::{LastStep, StepStart};
 pub use times::{SampleTimes, is_same_time};

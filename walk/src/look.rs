@@ -1,5 +1,8 @@
 //! What a walk comes to.
 
+use std::cell::Cell;
+
+use crate::batch::Batch;
 use crate::fault::Ended;
 
 /// The states between two steps.
@@ -13,6 +16,47 @@ pub struct At<'a> {
     pub state: &'a [f64],
     /// Evaluations so far, those of the solver's statistics.
     pub evaluations: u64,
+}
+
+/// Steps of one lane that are looked at together, as if one by one: each is inside of the energy's domain.
+pub struct Steps<'a> {
+    /// The number of steps made before the first of these.
+    pub before: u64,
+    /// How many they are.
+    pub count: usize,
+    pub(crate) batch: &'a Batch,
+    pub(crate) time_step: f64,
+    /// How many have been taken in: where one cannot be, the walk goes back to the last that was.
+    pub taken: Cell<usize>,
+}
+
+impl Steps<'_> {
+    /// The state after a step, counted from 0.
+    pub fn at(&self, at: usize) -> At<'_> {
+        let steps = self.before + at as u64 + 1;
+        At {
+            steps,
+            // As of every walk whose steps are of the time itself.
+            time: steps as f64 * self.time_step + 0.0,
+            state: self.batch.state(at),
+            evaluations: self.batch.evaluations[at],
+        }
+    }
+
+    /// One coordinate after each step.
+    pub fn coordinate(&self, coordinate: usize) -> &[f64] {
+        &self.batch.column(coordinate)[..self.count]
+    }
+
+    /// One of the invariants after each step.
+    pub fn invariant(&self, invariant: usize) -> &[f64] {
+        &self.batch.invariant(invariant)[..self.count]
+    }
+
+    /// Evaluations up to each step.
+    pub fn evaluations(&self) -> &[u64] {
+        &self.batch.evaluations[..self.count]
+    }
 }
 
 /// A record of a [`Watched`](crate::Watched) walk, handed over in the order of the way.
@@ -29,6 +73,8 @@ pub enum Look<'a> {
         /// Whether some lane goes on, or this is the last step.
         goes_on: bool,
     },
+    /// Many steps of one lane, each made and looked at.
+    Steps(&'a Steps<'a>),
     /// A state at a time that is asked for.
     Sample {
         /// The lane.

@@ -1,5 +1,8 @@
 //! Deviations of energy and Casimirs at every step, their maxima over windows.
 
+use std::ops::Range;
+
+use leafwise_walk::Steps;
 use serde::{Deserialize, Serialize};
 
 /// The most windows that are kept; one more and neighbours are merged.
@@ -53,9 +56,33 @@ impl Windows {
         if self.filled < self.width {
             return;
         }
+        self.end_window(evaluations());
+    }
+
+    /// Takes in the values after each of these steps, to the same bits; `before` are the evaluations of earlier sessions.
+    pub fn push_steps(&mut self, steps: &Steps<'_>, range: Range<usize>, before: u64) {
+        let mut begin = range.start;
+        while begin < range.end {
+            let room = (self.width - self.filled).min(MOST_WINDOWS as u64 * 1024) as usize;
+            let end = range.end.min(begin + room);
+            for (at, (maximum, initial)) in self.current.iter_mut().zip(&self.initial).enumerate() {
+                let values = &steps.invariant(at)[begin..end];
+                *maximum = larger(*maximum, largest_change(values, *initial));
+            }
+            let last = steps.at(end - 1);
+            self.time = last.time;
+            self.filled += (end - begin) as u64;
+            if self.filled == self.width {
+                self.end_window(before + last.evaluations);
+            }
+            begin = end;
+        }
+    }
+
+    fn end_window(&mut self, evaluations: u64) {
         self.maxima.extend_from_slice(&self.current);
-        self.evaluations.push(evaluations());
-        self.times.push(time);
+        self.evaluations.push(evaluations);
+        self.times.push(self.time);
         self.current.fill(0.0);
         self.filled = 0;
         if self.evaluations.len() == MOST_WINDOWS {
@@ -125,6 +152,22 @@ impl Windows {
             })
             .collect()
     }
+}
+
+/// max |v − initial|, NaN where one is.
+fn largest_change(values: &[f64], initial: f64) -> f64 {
+    // In lanes, which do not wait for each other.
+    let mut lanes = [0.0_f64; 8];
+    let (whole, rest) = values.as_chunks::<8>();
+    for values in whole {
+        for (lane, value) in lanes.iter_mut().zip(values) {
+            *lane = larger(*lane, (value - initial).abs());
+        }
+    }
+    for (lane, value) in lanes.iter_mut().zip(rest) {
+        *lane = larger(*lane, (value - initial).abs());
+    }
+    lanes.into_iter().fold(0.0, larger)
 }
 
 /// The larger of two deviations; NaN once either is.

@@ -1,5 +1,8 @@
 //! States of a run that its method is judged at, whatever the scene records.
 
+use std::ops::Range;
+
+use leafwise_walk::Steps;
 use serde::{Deserialize, Serialize};
 
 use crate::advice::{LARGEST, MOST_STATES};
@@ -40,9 +43,18 @@ pub(super) struct Watch {
     /// Evaluations of this session so far.
     #[serde(skip)]
     evaluations: u64,
+    /// The motions of many steps.
+    #[serde(skip)]
+    sizes: Vec<f64>,
     /// The steps after which the next evenly spaced state is kept, 0 where that is to be found.
     #[serde(skip)]
     next: u64,
+}
+
+/// Whether all values lie between two.
+fn is_within(values: &[f64], low: f64, high: f64) -> bool {
+    let inside = values.iter().map(|x| u32::from(!(*x < low || *x > high)));
+    inside.sum::<u32>() as usize == values.len()
 }
 
 /// By what a checkpoint keeps.
@@ -133,6 +145,79 @@ impl Watch {
         }
         std::mem::swap(&mut self.before, &mut self.from);
         self.begin(state);
+    }
+
+    /// Takes in each of these steps, to the same bits.
+    pub fn take_steps(&mut self, steps: &Steps<'_>, range: Range<usize>) {
+        let d = self.low.len();
+        let is_judged = steps.at(range.start).state.len() == d;
+        let columns = || (0..d).map(|i| &steps.coordinate(i)[range.clone()]);
+        let is_inside = is_judged
+            && self.inverse.len() == d
+            && columns()
+                .zip(self.low.iter().zip(&self.high))
+                .all(|(column, (low, high))| is_within(column, *low, *high));
+        if !is_inside {
+            for at in range.map(|k| steps.at(k)) {
+                self.take(at.state, at.steps, at.evaluations);
+            }
+            return;
+        }
+        let (first, last) = (
+            steps.before + range.start as u64 + 1,
+            steps.before + range.end as u64,
+        );
+        while !self.even.is_empty() && self.next <= last {
+            let next = self.next.max(first);
+            let at = steps.at((next - steps.before) as usize - 1);
+            self.keep_evenly(at.state, next);
+        }
+        let mut dearest = None;
+        for (k, evaluations) in range.clone().zip(&steps.evaluations()[range.clone()]) {
+            let before = std::mem::replace(&mut self.evaluations, *evaluations);
+            let is_first = steps.before + k as u64 == 0;
+            if !is_first && evaluations - before > self.dearest.1 {
+                self.dearest.1 = evaluations - before;
+                dearest = Some(k);
+            }
+        }
+        self.sizes.clear();
+        self.sizes.resize(range.len(), 0.0);
+        for (column, (from, inverse)) in columns().zip(self.from.iter().zip(&self.inverse)) {
+            self.sizes[0] += (column[0] - from).abs() * inverse;
+            let moves = column
+                .windows(2)
+                .map(|pair| (pair[1] - pair[0]).abs() * inverse);
+            let sizes = self.sizes[1..].iter_mut().zip(moves);
+            sizes.for_each(|(size, moved)| *size += moved);
+        }
+        let mut fastest = None;
+        for (k, size) in range.clone().zip(&self.sizes) {
+            if *size > self.size {
+                self.size = *size;
+                fastest = Some(k);
+            }
+        }
+        // The state before a step.
+        let begin = std::mem::take(&mut self.from);
+        let before = |k: usize| match k == range.start {
+            true => begin.as_slice(),
+            false => steps.at(k - 1).state,
+        };
+        if let Some(k) = dearest {
+            self.dearest.0 = before(k).to_vec();
+        }
+        if let Some(k) = fastest {
+            self.fastest = before(k).to_vec();
+            let motion = steps.at(k).state.iter().zip(before(k));
+            self.motion.clear();
+            self.motion.extend(motion.map(|(x, from)| x - from));
+        }
+        let end = range.end - 1;
+        self.before.clear();
+        self.before.extend_from_slice(before(end));
+        self.from = begin;
+        self.begin(steps.at(end).state);
     }
 
     /// Takes a state beyond the ranges into them, and returns the size of the step at hand in the new ones.

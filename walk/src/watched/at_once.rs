@@ -1,5 +1,7 @@
 //! Many steps of one lane before they are looked at, invariants at all of their states at once.
 
+use std::cell::Cell;
+
 use leafwise_core::walk::Checkpoint;
 use leafwise_core::{BuildError, SolverStatistics, Walk};
 
@@ -7,7 +9,7 @@ use super::Watched;
 use crate::batch::Batch;
 use crate::domain::outside;
 use crate::fault::Fault;
-use crate::look::{At, Look};
+use crate::look::{Look, Steps};
 
 /// Where a batch begins.
 struct Begin {
@@ -60,32 +62,40 @@ impl Watched<'_> {
                 made += 1;
             }
         }
-        if made > 0 {
-            batch.evaluate(made);
+        if made == 0 {
+            self.take_failures();
+            return Ok(());
         }
-        for at in 0..made {
-            let steps = begin.walk.steps + at as u64 + 1;
-            let is_lost = !batch.take_values(at) && self.is_outside(batch.state(at));
-            let here = At {
-                steps,
-                time: self.course.time(steps, &[]),
-                state: batch.state(at),
-                evaluations: batch.evaluations[at],
-            };
-            let step = Look::Step {
-                at: here,
-                invariants: (!is_lost).then_some(&batch.values),
+        batch.evaluate(made);
+        let mut lost = None;
+        if !batch.are_finite(made) {
+            let is_lost = |at: &usize| !batch.is_finite(*at) && self.is_outside(batch.state(*at));
+            lost = (0..made).find(is_lost);
+        }
+        let steps = Steps {
+            before: begin.walk.steps,
+            count: lost.unwrap_or(made),
+            batch,
+            time_step: self.course.step(),
+            taken: Cell::new(0),
+        };
+        if steps.count > 0
+            && let Err(error) = take(Look::Steps(&steps))
+        {
+            self.go_back(&begin, steps.taken.get() as u64);
+            return Err(error);
+        }
+        if let Some(lost) = lost {
+            let at = steps.at(lost);
+            self.go_back(&begin, lost as u64 + 1);
+            take(Look::Made(at))?;
+            take(Look::Step {
+                at,
+                invariants: None,
                 goes_on: true,
-            };
-            let taken = take(Look::Made(here)).and_then(|()| take(step));
-            if taken.is_err() || is_lost {
-                self.go_back(&begin, at as u64 + 1);
-            }
-            taken?;
-            if is_lost {
-                self.fail(0, Fault::Outside, steps);
-                return Ok(());
-            }
+            })?;
+            self.fail(0, Fault::Outside, at.steps);
+            return Ok(());
         }
         if !is_whole {
             self.take_failures();

@@ -1,7 +1,7 @@
 //! What a run records: rows of samples and crossings, windows of invariants, states that its method is judged at.
 
 use leafwise_scene::compose::{ComposedRun, Observable, WIDEST_STATE};
-use leafwise_walk::{Course, Ended, FunctionValues, Look, SampleTimes};
+use leafwise_walk::{Course, Ended, FunctionValues, Look, SampleTimes, Steps};
 
 use crate::crossing::Crossing;
 use crate::error::RunError;
@@ -20,6 +20,8 @@ pub(super) struct Records<'a> {
     columns: Vec<Column>,
     row: Vec<f64>,
     shown: Vec<f64>,
+    /// The invariants at one of many steps.
+    values: Vec<f64>,
     pub samples: Samples,
     /// States that are too wide for samples.
     pub states: Option<StateTable>,
@@ -79,6 +81,7 @@ impl<'a> Records<'a> {
             row: vec![0.0; columns.len()],
             columns,
             shown: Vec::new(),
+            values: Vec::new(),
             samples,
             states: None,
             crossings: None,
@@ -199,6 +202,7 @@ impl<'a> Records<'a> {
                     self.record_with(at.steps, at.time, at.state, invariants)?;
                 }
             }
+            Look::Steps(steps) => self.take_steps(steps)?,
             Look::Sample {
                 time, state, steps, ..
             } => {
@@ -209,6 +213,35 @@ impl<'a> Records<'a> {
                 event, time, state, ..
             } => self.take_crossing(event, time, state)?,
             Look::Ended { .. } => {}
+        }
+        Ok(())
+    }
+
+    fn take_steps(&mut self, steps: &Steps<'_>) -> Result<(), RunError> {
+        let mut begin = 0;
+        while begin < steps.count {
+            let (mut end, mut is_recorded) = (steps.count, false);
+            if let SampleTimes::Every(every) = self.course.samples {
+                let made = steps.before + begin as u64;
+                let left = (every - made % every).min(usize::MAX as u64) as usize;
+                is_recorded = left <= end - begin;
+                end = end.min(begin.saturating_add(left));
+            }
+            self.watch.take_steps(steps, begin..end);
+            self.windows.push_steps(steps, begin..end, self.before);
+            let at = steps.at(end - 1);
+            if is_recorded && !self.is_beyond(at.steps, at.time) {
+                let invariants =
+                    (0..self.windows.initial.len()).map(|i| steps.invariant(i)[end - 1]);
+                self.values.clear();
+                self.values.extend(invariants);
+                let values = std::mem::take(&mut self.values);
+                let recorded = self.record_with(at.steps, at.time, at.state, Some(&values));
+                self.values = values;
+                recorded?;
+            }
+            steps.taken.set(end);
+            begin = end;
         }
         Ok(())
     }

@@ -179,20 +179,20 @@ impl<'a> MemberRecords<'a> {
     pub fn take(&mut self, look: Look<'_>) -> Result<(), RunError> {
         match look {
             Look::Made(_) => Ok(()),
+            Look::Steps(steps) => {
+                let count = self.record.initial.len();
+                for k in 0..steps.count {
+                    let values: Vec<f64> = (0..count).map(|i| steps.invariant(i)[k]).collect();
+                    self.take_step(steps.at(k), Some(&values), true);
+                }
+                Ok(())
+            }
             Look::Step {
                 at,
                 invariants,
                 goes_on,
             } => {
-                if let Some(values) = invariants {
-                    self.open_windows(at);
-                    self.take_deviations(values);
-                }
-                let clock = &self.ensemble.clock;
-                let mark = at.steps as f64;
-                if goes_on && !clock.is_of_time && clock.samples.get(self.next) == Some(&mark) {
-                    self.take_sample(at.state);
-                }
+                self.take_step(at, invariants, goes_on);
                 Ok(())
             }
             Look::Sample {
@@ -214,6 +214,18 @@ impl<'a> MemberRecords<'a> {
                 self.record.crossings[lane].push(member, time, row.into_iter())
             }
             Look::Ended { lane, ended } => self.take_end(lane, ended),
+        }
+    }
+
+    fn take_step(&mut self, at: At<'_>, invariants: Option<&[f64]>, goes_on: bool) {
+        if let Some(values) = invariants {
+            self.open_windows(at);
+            self.take_deviations(values);
+        }
+        let clock = &self.ensemble.clock;
+        let mark = at.steps as f64;
+        if goes_on && !clock.is_of_time && clock.samples.get(self.next) == Some(&mark) {
+            self.take_sample(at.state);
         }
     }
 
