@@ -168,10 +168,10 @@ fn main() {
         let step = |execution: Execution| {
             execution.set_default_of_process();
             let run = composed(&text);
-            let mut integrator = run.integrator();
-            (0..3000).for_each(|_| integrator.step().expect("a step"));
-            let time = nanoseconds(500, || integrator.step().expect("a step"));
-            (time, integrator.statistics().evaluations_per_step())
+            let mut walk = run.walk();
+            (0..3000).for_each(|_| walk.step().expect("a step"));
+            let time = nanoseconds(500, || walk.step().expect("a step"));
+            (time, walk.statistics().evaluations_per_step())
         };
         let (interpreted, _) = step(Execution::Interpreted);
         let (compiled, evaluations) = step(Execution::Compiled);

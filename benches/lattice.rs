@@ -13,11 +13,11 @@ const SITES: [usize; 4] = [1_000, 10_000, 100_000, 1_000_000];
 /// Steps from the initial wave in one measurement.
 const STEPS: u64 = 10;
 
-fn advance(mut integrator: Walk) -> Walk {
+fn advance(mut walk: Walk) -> Walk {
     for _ in 0..STEPS {
-        integrator.step().expect("a step");
+        walk.step().expect("a step");
     }
-    integrator
+    walk
 }
 
 fn lattice(criterion: &mut Criterion) {
@@ -30,9 +30,9 @@ fn lattice(criterion: &mut Criterion) {
         eprintln!("N = {sites}: built in {:.1} ms", built.as_secs_f64() * 1e3);
         group.throughput(Throughput::Elements(STEPS * sites as u64));
         group.bench_function(format!("N={sites}"), |bencher| {
-            bencher.iter_batched(|| run.integrator(), advance, BatchSize::PerIteration);
+            bencher.iter_batched(|| run.walk(), advance, BatchSize::PerIteration);
         });
-        let statistics = advance(run.integrator()).statistics();
+        let statistics = advance(run.walk()).statistics();
         eprintln!(
             "  {:.2} evaluations a step",
             statistics.evaluations_per_step()

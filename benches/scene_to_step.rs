@@ -5,9 +5,9 @@ use leafwise_benches::{HEAVY_TOP, RIGID_BODY, composed, lattice_scene, scene};
 
 fn to_first_step(text: &str) -> f64 {
     let run = composed(text);
-    let mut integrator = run.integrator();
-    integrator.step().expect("a step");
-    integrator.state()[0]
+    let mut walk = run.walk();
+    walk.step().expect("a step");
+    walk.state()[0]
 }
 
 fn build(criterion: &mut Criterion) {

@@ -18,9 +18,9 @@ fn step(criterion: &mut Criterion) {
         group.sample_size(20);
         for (n, m) in orders {
             let run = composed(&scene(library, initial, n, m, 0.05));
-            let mut integrator = run.integrator();
+            let mut walk = run.walk();
             group.bench_function(format!("n={n} m={m}"), |bencher| {
-                bencher.iter(|| integrator.step().expect("a step"));
+                bencher.iter(|| walk.step().expect("a step"));
             });
         }
         group.finish();

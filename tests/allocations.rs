@@ -35,10 +35,10 @@ fn assert_allocates_nothing(problem: &Problem, map: &dyn StepMap) {
         true => NODES,
         false => 1,
     };
-    let mut integrator = Walk::new(map, &parameters, 1.0, step, &problem.initial);
-    (0..WARM_UP).for_each(|_| integrator.step().expect("a step"));
+    let mut walk = Walk::new(map, &parameters, 1.0, step, &problem.initial);
+    (0..WARM_UP).for_each(|_| walk.step().expect("a step"));
     let allocates_nothing = (0..windows).any(|_| {
-        measure(|| (0..STEPS).for_each(|_| integrator.step().expect("a step"))).count_total == 0
+        measure(|| (0..STEPS).for_each(|_| walk.step().expect("a step"))).count_total == 0
     });
     assert!(allocates_nothing, "{}", map.describe());
 
@@ -126,11 +126,11 @@ fn lattices_and_observers() {
     };
     let mut observers = lattice.invariants.clone();
     let mut values = vec![0.0; observers.observables()];
-    let mut integrator = run.integrator();
+    let mut walk = run.walk();
     let mut steps = |count: usize| {
         for _ in 0..count {
-            integrator.step().expect("a step");
-            observers.evaluate(integrator.state(), &mut values);
+            walk.step().expect("a step");
+            observers.evaluate(walk.state(), &mut values);
         }
     };
     steps(WARM_UP);

@@ -29,7 +29,7 @@ fn a_restored_run_continues_to_the_same_bits() {
             whole.step().expect("a step");
         }
         let checkpoint = whole.checkpoint();
-        // The second integrator has a history of its own, which the checkpoint must replace.
+        // The second walk has a history of its own, which the checkpoint must replace.
         let mut restored = start();
         for _ in 0..3 {
             restored.step().expect("a step");
@@ -62,12 +62,12 @@ fn a_restored_run_continues_to_the_same_bits() {
 fn a_checkpoint_of_another_dimension_is_refused() {
     let (body, top) = (library("rigid-body"), library("heavy-top"));
     let (body_method, top_method) = (method(&body.system, 2, 2), method(&top.system, 2, 2));
-    let integrator = |problem: &leafwise_tests::Problem, method| {
+    let walk = |problem: &leafwise_tests::Problem, method| {
         let parameters = problem.system.parameter_values();
         Walk::new(method, &parameters, 0.1, 1.0, &problem.initial)
     };
-    let foreign = integrator(&top, &top_method).checkpoint();
-    let mut own = integrator(&body, &body_method);
+    let foreign = walk(&top, &top_method).checkpoint();
+    let mut own = walk(&body, &body_method);
     assert_eq!(own.restore(&foreign), Err(3));
     let mut truncated = own.checkpoint();
     truncated.memory.pop();

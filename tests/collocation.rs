@@ -259,12 +259,12 @@ fn a_fused_step_takes_few_evaluations() {
     for (at, (system, initial, m, t, most)) in cases.into_iter().enumerate() {
         let (fused, _) = methods(&system, m);
         let values = system.parameter_values();
-        let mut integrator = Walk::new(&fused, &values, 1.0, t, &initial);
-        (0..50).for_each(|_| integrator.step().expect("a step"));
-        let before = integrator.statistics().evaluations;
-        (0..200).for_each(|_| integrator.step().expect("a step"));
-        let mean = (integrator.statistics().evaluations - before) as f64 / 200.0;
-        println!("{at}: {mean} evaluations, {:?}", integrator.statistics());
+        let mut walk = Walk::new(&fused, &values, 1.0, t, &initial);
+        (0..50).for_each(|_| walk.step().expect("a step"));
+        let before = walk.statistics().evaluations;
+        (0..200).for_each(|_| walk.step().expect("a step"));
+        let mean = (walk.statistics().evaluations - before) as f64 / 200.0;
+        println!("{at}: {mean} evaluations, {:?}", walk.statistics());
         assert!(mean <= most, "{at}: {mean} evaluations a step");
     }
 }
@@ -283,12 +283,12 @@ fn steps_far_from_a_fold_follow_no_branch() {
         ];
         let runs = runs.map(|system| {
             let (fused, _) = methods(&system, 2);
-            let mut integrator = Walk::new(&fused, &values, 1.0, t, &problem.initial);
-            integrator.step().expect("a step");
-            let first = integrator.statistics().evaluations;
-            (0..500).for_each(|_| integrator.step().expect("a step"));
-            let later = integrator.statistics().evaluations - first;
-            (first, later, integrator.state().to_vec())
+            let mut walk = Walk::new(&fused, &values, 1.0, t, &problem.initial);
+            walk.step().expect("a step");
+            let first = walk.statistics().evaluations;
+            (0..500).for_each(|_| walk.step().expect("a step"));
+            let later = walk.statistics().evaluations - first;
+            (first, later, walk.state().to_vec())
         });
         println!("{id}: {runs:?}");
         let [derivatives, values] = runs;

@@ -18,7 +18,7 @@ fn drift(n: usize, m: usize, epsilon: f64, h: f64) -> f64 {
     let body = library("rigid-body");
     let method = method(&body.system, n, m);
     let parameters = body.system.parameter_values();
-    let mut integrator = Walk::new(&method, &parameters, epsilon, h, &body.initial);
+    let mut walk = Walk::new(&method, &parameters, epsilon, h, &body.initial);
     let casimir = |x: &[f64], low: &[f64]| -> f64 {
         x.iter()
             .zip(low)
@@ -28,11 +28,11 @@ fn drift(n: usize, m: usize, epsilon: f64, h: f64) -> f64 {
     let start = casimir(&body.initial, &[0.0; 3]);
     let mut worst = 0.0_f64;
     for _ in 0..STEPS {
-        integrator.step().expect("a step");
-        let now = casimir(integrator.state(), integrator.compensation());
+        walk.step().expect("a step");
+        let now = casimir(walk.state(), walk.compensation());
         worst = worst.max((now - start).abs() / start);
     }
-    let work = integrator.statistics().evaluations_per_step();
+    let work = walk.statistics().evaluations_per_step();
     println!("n = {n} m = {m} eps = {epsilon} h = {h}: drift {worst:.1e}, {work:.2} evaluations");
     worst
 }
@@ -89,13 +89,13 @@ fn the_compensation_is_part_of_the_state() {
 fn dying_species_keep_their_relative_accuracy() {
     let species = library("lotka-volterra");
     let method = method(&species.system, 8, 2);
-    let mut integrator = Walk::new(&method, &[], 0.01, 2.0, &[1.0, 3.0, 3.0]);
-    while integrator.state()[0] > 1e-100 {
-        integrator.step().expect("a step");
-        let x = integrator.state();
+    let mut walk = Walk::new(&method, &[], 0.01, 2.0, &[1.0, 3.0, 3.0]);
+    while walk.state()[0] > 1e-100 {
+        walk.step().expect("a step");
+        let x = walk.state();
         assert!(x.iter().all(|x| *x > 0.0), "{x:?}");
         let drift = (x[0] * x[2] / x[1] - 1.0).abs();
-        assert!(drift <= 1e-9, "step {}: {drift:e}", integrator.steps());
+        assert!(drift <= 1e-9, "step {}: {drift:e}", walk.steps());
     }
 }
 
@@ -117,8 +117,8 @@ fn a_value_that_is_lost_at_one_step_is_not_forgotten() {
     let registry = Registry::with_builtin();
     let method = registry.automatic(&problem.system, 2).expect("a method");
     for lost in 0..20 {
-        let mut integrator = Walk::new(&method, &values, 1.0, 0.01, &problem.initial);
-        let drifts = measure_drift(&mut integrator, &mut LostAt(lost, 0), 10).expect("steps");
+        let mut walk = Walk::new(&method, &values, 1.0, 0.01, &problem.initial);
+        let drifts = measure_drift(&mut walk, &mut LostAt(lost, 0), 10).expect("steps");
         assert_eq!(drifts[0].largest.is_nan(), lost <= 10, "lost at {lost}");
     }
 }

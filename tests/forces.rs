@@ -121,7 +121,7 @@ fn a_damped_and_a_driven_oscillator_follow_their_closed_forms() {
 
 /// max |C(x_k) − C(x_0)| / C(x_0) of C = |x|² over all steps, with what the state holds beyond a double.
 fn spin_drift(run: &ComposedRun, steps: u64) -> f64 {
-    let mut integrator = run.integrator();
+    let mut walk = run.walk();
     let spin = |x: &[f64], low: &[f64]| -> f64 {
         x.iter()
             .zip(low)
@@ -131,8 +131,8 @@ fn spin_drift(run: &ComposedRun, steps: u64) -> f64 {
     let start = spin(&run.plan.initial, &[0.0; 3]);
     let mut worst = 0.0_f64;
     for _ in 0..steps {
-        integrator.step().expect("a step");
-        let now = spin(integrator.state(), integrator.compensation());
+        walk.step().expect("a step");
+        let now = spin(walk.state(), walk.compensation());
         worst = worst.max((now - start).abs() / start);
     }
     worst
@@ -174,11 +174,11 @@ fn a_damped_rigid_body_loses_energy_at_every_step_and_ends_on_its_largest_axis()
     let run = until(system, "", "[1.0, 0.1, 0.2]", (2000.0, 20_000));
     let formulas = run.system.expressions().expect("formulas").clone();
     let energy = |x: &[f64]| observe(&run.system, &[formulas.hamiltonian()], x)[0];
-    let mut integrator = run.integrator();
-    let mut last = energy(integrator.state());
+    let mut walk = run.walk();
+    let mut last = energy(walk.state());
     for step in 0..20_000 {
-        integrator.step().expect("a step");
-        let now = energy(integrator.state());
+        walk.step().expect("a step");
+        let now = energy(walk.state());
         let slack = 8.0 * UNIT_ROUNDOFF * last;
         assert!(now <= last + slack, "step {step}: {last:e} to {now:e}");
         last = now;
@@ -189,7 +189,7 @@ fn a_damped_rigid_body_loses_energy_at_every_step_and_ends_on_its_largest_axis()
         known.expect("an inertia").value
     });
     let largest_axis = (0..3).max_by(|i, j| inertia[*i].total_cmp(&inertia[*j]));
-    let x = integrator.state();
+    let x = walk.state();
     let spin = libm::sqrt(x.iter().map(|x| x * x).sum());
     let axis = largest_axis.expect("three axes");
     // Deviations fall as e^{−κt}, κt in the hundreds; the energy is flat there, so that √u is what its rounding leaves.

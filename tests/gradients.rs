@@ -267,12 +267,9 @@ fn operations_of_a_gradient() {
             every: 2000,
         };
         let at = trajectory(&run, &parameters);
-        let mut integrator = run.integrator();
-        integrator.advance(plan.steps).expect("a run");
-        let forward = integrator
-            .statistics()
-            .operations
-            .expect("they are counted");
+        let mut walk = run.walk();
+        walk.advance(plan.steps).expect("a run");
+        let forward = walk.statistics().operations.expect("they are counted");
         let back = pulled(&at, initial, plan, Way::Back).operations;
         let ratio = 1.0 + back.expect("they are counted") as f64 / forward as f64;
         println!("{system} {method}: {ratio:.2} runs");

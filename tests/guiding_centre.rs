@@ -65,17 +65,17 @@ fn follow(run: &ComposedRun) -> (Vec<f64>, [Vec<f64>; 2]) {
     let mut workspace = kernel.workspace(1);
     kernel.prepare(&mut workspace, &values, &[1.0], &[1.0]);
     let mut seen = [Vec::new(), Vec::new()];
-    let mut integrator = run.integrator();
+    let mut walk = run.walk();
     for step in 0..=run.plan.steps {
         if step > 0 {
-            integrator.step().expect("a step");
+            walk.step().expect("a step");
         }
         let mut both = [0.0; 2];
-        kernel.evaluate(&mut workspace, integrator.state(), &mut both);
+        kernel.evaluate(&mut workspace, walk.state(), &mut both);
         seen[0].push(both[0]);
         seen[1].push(both[1]);
     }
-    (integrator.state().to_vec(), seen)
+    (walk.state().to_vec(), seen)
 }
 
 fn largest_relative(values: &[f64]) -> f64 {
@@ -135,12 +135,12 @@ fn a_step_is_a_poisson_map() {
             run.plan.h,
         )
         .expect("code");
-        let mut integrator = run.integrator();
+        let mut walk = run.walk();
         for _ in 0..20 {
-            let found = defect.measure(integrator.state()).expect("a tangent");
+            let found = defect.measure(walk.state()).expect("a tangent");
             let relative = found.relative().expect("a tensor that is not 0");
             assert!(relative <= 1e-12, "order {order}: {relative:e}");
-            integrator.step().expect("a step");
+            walk.step().expect("a step");
         }
     }
 }
@@ -282,10 +282,10 @@ fn a_step_across_a_degenerate_place_names_the_pfaffian() {
     };
     // p' = −1/p: p = √(1 − 2t) ends at t = 1/2.
     let run = composed(&scene("[0, 1]"));
-    let mut integrator = run.integrator();
+    let mut walk = run.walk();
     let mut error = None;
     for _ in 0..50 {
-        error = integrator.step().err();
+        error = walk.step().err();
         if error.is_some() {
             break;
         }

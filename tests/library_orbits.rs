@@ -72,9 +72,9 @@ fn end(run: &ComposedRun, initial: &[f64], steps: usize) -> Vec<f64> {
     state[..initial.len()].copy_from_slice(initial);
     let parameters = run.system.parameter_values();
     let plan = &run.plan;
-    let mut integrator = Walk::new(run.method.map(), &parameters, plan.epsilon, plan.h, &state);
-    integrator.advance(steps as u64).expect("every step");
-    integrator.state()[..initial.len()].to_vec()
+    let mut walk = Walk::new(run.method.map(), &parameters, plan.epsilon, plan.h, &state);
+    walk.advance(steps as u64).expect("every step");
+    walk.state()[..initial.len()].to_vec()
 }
 
 /// The order to measure and the numbers of steps to measure it with.
@@ -205,11 +205,11 @@ fn the_perturbation_opens_islands() {
         let parameters = [("epsilon".to_owned(), epsilon)];
         let step = std::f64::consts::PI / 24.0;
         let run = automatic("magnetic-field-line", &parameters, 2, 4, step);
-        let mut integrator = run.integrator();
+        let mut walk = run.walk();
         let mut outside = 0;
         for _ in 0..300 {
-            integrator.advance(96).expect("every step");
-            outside += usize::from(integrator.state()[0] > 1.0);
+            walk.advance(96).expect("every step");
+            outside += usize::from(walk.state()[0] > 1.0);
         }
         outside
     };

@@ -150,11 +150,11 @@ fn steps(text: &str, execution: Execution) -> (u64, Vec<u64>) {
     let document =
         SceneDocument::parse("test.toml", text, &Registry::with_builtin()).expect("a scene");
     let run = compose(&document, &Registry::with_builtin()).expect("a method");
-    let mut integrator = run.integrator();
+    let mut walk = run.walk();
     let mut digest = 0_u64;
     for _ in 0..10_000 {
-        integrator.step().expect("a step");
-        for x in integrator.state() {
+        walk.step().expect("a step");
+        for x in walk.state() {
             digest = digest.rotate_left(5).wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ x.to_bits();
         }
     }
@@ -163,10 +163,7 @@ fn steps(text: &str, execution: Execution) -> (u64, Vec<u64>) {
     let mut kernels = kernels.iter();
     let is_compiled = kernels.any(|(_, kernel)| !kernel.machine_code().is_empty());
     assert_eq!(is_compiled, execution != Execution::Interpreted, "{text}");
-    (
-        digest,
-        integrator.state().iter().map(|x| x.to_bits()).collect(),
-    )
+    (digest, walk.state().iter().map(|x| x.to_bits()).collect())
 }
 
 /// Held by tests that set or rely on the execution of the whole process.

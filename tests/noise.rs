@@ -338,9 +338,9 @@ fn casimirs_stay_at_round_off_over_a_million_noisy_steps() {
     ];
     for (method, units) in cases {
         let run = spin(THREE, method, 0.1);
-        let mut integrator = run.integrator();
-        integrator.advance(steps).expect("every step");
-        let length: f64 = integrator.state().iter().map(|m| m * m).sum();
+        let mut walk = run.walk();
+        walk.advance(steps).expect("every step");
+        let length: f64 = walk.state().iter().map(|m| m * m).sum();
         println!("{method}: {:e}", length - 1.0);
         let allowed = units * UNIT_ROUNDOFF;
         assert!(
@@ -410,12 +410,12 @@ fn steps_have_the_same_bits_in_any_company_and_after_any_interruption() {
                     .all(|other| distance(other, &together[member as usize]) > 1e-3)
             );
         }
-        let mut through = run.integrator();
+        let mut through = run.walk();
         through.advance(50).expect("every step");
         assert_eq!(through.state(), together[0], "{method}");
-        let mut first = run.integrator();
+        let mut first = run.walk();
         first.advance(23).expect("every step");
-        let mut second = run.integrator();
+        let mut second = run.walk();
         second
             .restore(&first.checkpoint())
             .expect("its own checkpoint");
@@ -462,7 +462,7 @@ fn a_step_is_that_of_the_hamiltonian_it_draws() {
             "[system]\n{text}\n[method]\n{method}\ntime-step = 0.25\n[run]\ninitial = {START:?}\nsteps = 1\n"
         );
         let fixed = composed(&text);
-        let mut fixed = fixed.integrator();
+        let mut fixed = fixed.walk();
         for _ in 0..20 {
             drawn.step().expect("a step");
             fixed.step().expect("a step");

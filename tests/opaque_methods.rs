@@ -137,9 +137,9 @@ fn casimirs_drift_by_round_off_alone() {
         let system = opaque::values_only(&problem.system);
         let values = system.parameter_values();
         for method in methods(&system) {
-            let mut integrator = Walk::new(&method, &values, 1.0, 0.05, &problem.initial);
+            let mut walk = Walk::new(&method, &values, 1.0, 0.05, &problem.initial);
             let mut invariants = SystemInvariants::new(&system, &values).expect("code");
-            let drifts = measure_drift(&mut integrator, &mut invariants, steps).expect("a run");
+            let drifts = measure_drift(&mut walk, &mut invariants, steps).expect("a run");
             for (name, drift) in system.casimir_names().iter().zip(&drifts[1..]) {
                 assert!(
                     drift.largest <= casimir_bound(steps),

@@ -30,13 +30,13 @@ fn scene(hamiltonian: &str, method: &str, step: f64, initial: [f64; 2]) -> Compo
 
 /// The positions until a step is refused, and why it was.
 fn positions(run: &ComposedRun) -> (Vec<f64>, Option<StepError>) {
-    let mut integrator = run.integrator();
-    let mut positions = vec![integrator.state()[0]];
+    let mut walk = run.walk();
+    let mut positions = vec![walk.state()[0]];
     for _ in 0..run.plan.steps {
-        if let Err(error) = integrator.step() {
+        if let Err(error) = walk.step() {
             return (positions, Some(error));
         }
-        positions.push(integrator.state()[0]);
+        positions.push(walk.state()[0]);
     }
     (positions, None)
 }
@@ -212,7 +212,7 @@ fn steps_in_one_call_are_checked_one_by_one() {
         (towards(METHODS[8]), "pole"),
     ];
     for (at, (run, refusal)) in cases.into_iter().enumerate() {
-        let (mut one, mut many) = (run.integrator(), run.integrator());
+        let (mut one, mut many) = (run.walk(), run.walk());
         let failure = (0..40).find_map(|_| one.step().err());
         let named = match &failure {
             Some(StepError::LostSign { .. }) => "lost sign",

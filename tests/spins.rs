@@ -147,7 +147,7 @@ fn lengths_are_kept_to_round_off() {
             let totals = (0..3).map(|c| (0..sites).map(|i| spin(i)[c]).sum());
             squares.chain(totals).collect::<Vec<f64>>()
         };
-        let before = invariants(run.integrator().state());
+        let before = invariants(run.walk().state());
         let after = invariants(&end(&run));
         let off = distance(&before[..kept], &after[..kept]);
         println!("{method}: {off:e}");
@@ -221,13 +221,13 @@ fn the_end_of_a_chart_is_seen_on_a_lattice() {
     let initial = "{ \"s.x[i]\" = 0, \"s.y[i]\" = 0, \"s.z[i]\" = 1 }";
     for sites in [2, 30] {
         let run = until(&system(sites), &hamilton_jacobi(2), initial, (7.0, 1));
-        let refused = run.integrator().step().expect_err("beyond the wall");
+        let refused = run.walk().step().expect_err("beyond the wall");
         assert!(
             matches!(refused, StepError::LeftChart { .. }),
             "{sites}: {refused:?}"
         );
         let run = until(&system(sites), &hamilton_jacobi(2), initial, (6.0, 1));
-        run.integrator().step().expect("inside");
+        run.walk().step().expect("inside");
     }
 }
 
@@ -244,7 +244,7 @@ fn sums_over_pairs_couple_all_spins() {
     let initial = "{ \"s.x[i]\" = \"sin(1 + i)/2\", \"s.y[i]\" = \"cos(2*i)/2\", \"s.z[i]\" = \"sin(5*i)/2\" }";
     let sites = 5;
     let run = until(&system(sites), &hamilton_jacobi(6), initial, (1.0, 100));
-    let start = run.integrator().state().to_vec();
+    let start = run.walk().state().to_vec();
     let found = end(&run);
     let spin = |x: &[f64], i: usize| [x[i], x[sites + i], x[2 * sites + i]];
     let total: Vec<f64> = (0..3)

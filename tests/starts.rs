@@ -95,11 +95,11 @@ fn a_step_of_a_short_series_takes_few_evaluations() {
         let system = library(name).system;
         let method = method(&system, realization, m);
         for &(t, most) in steps {
-            let mut integrator = Walk::new(&method, &system.parameter_values(), 1.0, t, &initial);
+            let mut walk = Walk::new(&method, &system.parameter_values(), 1.0, t, &initial);
             for _ in 0..1000 {
-                integrator.step().expect("inside the chart");
+                walk.step().expect("inside the chart");
             }
-            let evaluations = integrator.statistics().evaluations_per_step();
+            let evaluations = walk.statistics().evaluations_per_step();
             println!("{name}, m = {m}, t = {t}: {evaluations:.2} evaluations a step");
             assert!(
                 evaluations <= most,

@@ -166,12 +166,12 @@ fn the_reported_energy_is_the_balance_of_the_closed_form() {
         .sum();
     let run = scene(OSCILLATOR, &hamilton_jacobi(8), &initial, time, 400);
     let mut observer = run.invariants().expect("code");
-    let mut integrator = run.integrator();
+    let mut walk = run.walk();
     let mut balance = [0.0; 1];
-    observer.evaluate(integrator.state(), &mut balance);
+    observer.evaluate(walk.state(), &mut balance);
     assert!((balance[0] - h(0.0)).abs() <= 4.0 * UNIT_ROUNDOFF);
-    integrator.advance(run.plan.steps).expect("every step");
-    observer.evaluate(integrator.state(), &mut balance);
+    walk.advance(run.plan.steps).expect("every step");
+    observer.evaluate(walk.state(), &mut balance);
     // H itself has moved by far more than the balance.
     assert!((h(time) - h(0.0)).abs() > 0.1, "{} {}", h(time), h(0.0));
     assert!(
@@ -210,14 +210,11 @@ fn auto_keeps_the_exact_realization_of_the_scenes_own_tensor() {
 #[test]
 fn the_time_of_the_state_is_that_of_the_steps() {
     let run = scene(SPIN, &hamilton_jacobi(4), &[0.6, 0.0, 0.8], 100.0, 1000);
-    let mut integrator = run.integrator();
+    let mut walk = run.walk();
     for _ in 0..run.plan.steps {
-        integrator.step().expect("a step");
-        let t = integrator.state()[3];
-        assert!(
-            (t - integrator.time()).abs() <= 2.0 * f64::EPSILON * t,
-            "{t:?}"
-        );
+        walk.step().expect("a step");
+        let t = walk.state()[3];
+        assert!((t - walk.time()).abs() <= 2.0 * f64::EPSILON * t, "{t:?}");
     }
 }
 

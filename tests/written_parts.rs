@@ -284,8 +284,8 @@ fn the_domain_and_beta_are_the_scenes_too() {
         let domain = format!(", domain = \"{reach}/{radius:?}\"");
         let method = method(&closed_form(&cayley("1/4"), &domain), ENERGY);
         let run = until(BODY, &method, BODY_START, (0.1, 1));
-        let mut integrator = run.integrator();
-        integrator.step()
+        let mut walk = run.walk();
+        walk.step()
     };
     assert!(bounded(1.0).is_ok());
     let error = bounded(0.01).expect_err("outside the chart").to_string();

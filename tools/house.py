@@ -136,7 +136,7 @@ class House:
         return found
 
     def loops(self) -> list[str]:
-        maker = re.compile(r"Integrator::new|SideBySide::new|\.stepper\(")
+        maker = re.compile(r"\.step\(\)|\.increment\(")
         return [f"{path}:{at}" for path, at, line in self.code("program/", "python/") if maker.search(line)]
 
     def traits(self) -> list[tuple[str, str]]:

@@ -54,9 +54,9 @@ pub fn table() -> String {
         .map(|(_, text)| -> Run<'_> {
             Box::new(move || {
                 let run = composed(text);
-                let mut integrator = run.integrator();
-                integrator.step().expect("a step");
-                black_box(integrator.state());
+                let mut walk = run.walk();
+                walk.step().expect("a step");
+                black_box(walk.state());
             })
         })
         .collect();

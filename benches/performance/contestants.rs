@@ -197,11 +197,11 @@ impl<P: Problem> Contestant for Adaptive<P> {
         });
         let parameters = run.system.parameter_values();
         let map = run.method.map();
-        let mut integrator = Walk::new(map, &parameters, 1.0, P::TIME, &P::INITIAL);
-        integrator.step().ok()?;
-        let statistics = integrator.statistics();
+        let mut walk = Walk::new(map, &parameters, 1.0, P::TIME, &P::INITIAL);
+        walk.step().ok()?;
+        let statistics = walk.statistics();
         Some(Solution {
-            state: integrator.state().to_vec(),
+            state: walk.state().to_vec(),
             evaluations: statistics.evaluations,
             operations: statistics.operations,
         })
@@ -333,7 +333,7 @@ impl<P: Problem> Ours<P> {
         }
     }
 
-    fn integrator(&self, steps: usize) -> Walk {
+    fn walk(&self, steps: usize) -> Walk {
         let parameters = self.run.system.parameter_values();
         let time_step = P::TIME / steps as f64;
         Walk::new(
@@ -360,11 +360,11 @@ impl<P: Problem> Contestant for Ours<P> {
     }
 
     fn solve(&self, setting: usize) -> Option<Solution> {
-        let mut integrator = self.integrator(setting);
-        integrator.advance(setting as u64).ok()?;
-        let statistics = integrator.statistics();
+        let mut walk = self.walk(setting);
+        walk.advance(setting as u64).ok()?;
+        let statistics = walk.statistics();
         Some(Solution {
-            state: integrator.state().to_vec(),
+            state: walk.state().to_vec(),
             evaluations: statistics.evaluations,
             operations: statistics.operations,
         })
@@ -372,7 +372,7 @@ impl<P: Problem> Contestant for Ours<P> {
 
     /// The Casimir relative to its largest summand on the orbit; the defect at every 37th state of the orbit.
     fn structure(&self, setting: usize) -> Option<(f64, Option<f64>)> {
-        let mut integrator = self.integrator(setting);
+        let mut walk = self.walk(setting);
         let parameters = self.run.system.parameter_values();
         let time_step = P::TIME / setting as f64;
         let map = self.run.method.map();
@@ -382,12 +382,12 @@ impl<P: Problem> Contestant for Ours<P> {
         let (mut drift, mut defect) = (0.0_f64, Some(0.0_f64));
         for step in 0..setting {
             if step % 37 == 0 {
-                let here = instrument.measure(integrator.state()).ok();
+                let here = instrument.measure(walk.state()).ok();
                 let here = here.and_then(|defect| defect.relative());
                 defect = defect.zip(here).map(|(a, b)| a.max(b));
             }
-            integrator.step().ok()?;
-            let (value, summand) = P::casimir(integrator.state());
+            walk.step().ok()?;
+            let (value, summand) = P::casimir(walk.state());
             drift = drift.max((value - initial).abs());
             size = size.max(summand);
         }

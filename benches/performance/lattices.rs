@@ -146,7 +146,7 @@ impl OursOfRing {
         }
     }
 
-    fn integrator(&self, steps: usize) -> Walk {
+    fn walk(&self, steps: usize) -> Walk {
         let map = self.run.method.map();
         Walk::new(map, &[], 1.0, TIME / steps as f64, &self.run.plan.initial)
     }
@@ -166,13 +166,13 @@ impl Contestant for OursOfRing {
     }
 
     fn solve(&self, setting: usize) -> Option<Solution> {
-        let mut integrator = self.integrator(setting);
+        let mut walk = self.walk(setting);
         for _ in 0..setting {
-            integrator.step().ok()?;
+            walk.step().ok()?;
         }
-        let statistics = integrator.statistics();
+        let statistics = walk.statistics();
         Some(Solution {
-            state: integrator.state().to_vec(),
+            state: walk.state().to_vec(),
             evaluations: statistics.evaluations,
             operations: statistics.operations,
         })
@@ -186,12 +186,12 @@ impl Contestant for OursOfRing {
                 logarithms.fold((0.0, 0.0), |(sum, size), l| (sum + l, size + l.abs()))
             })
         };
-        let mut integrator = self.integrator(setting);
-        let before = casimirs(integrator.state());
+        let mut walk = self.walk(setting);
+        let before = casimirs(walk.state());
         let mut drift = 0.0_f64;
         for _ in 0..setting {
-            integrator.step().ok()?;
-            for (now, before) in casimirs(integrator.state()).iter().zip(before) {
+            walk.step().ok()?;
+            for (now, before) in casimirs(walk.state()).iter().zip(before) {
                 drift = drift.max((now.0 - before.0).abs() / before.1);
             }
         }
@@ -298,12 +298,12 @@ pub fn sizes() -> String {
 pub fn measure_size(sites: usize) -> [f64; 3] {
     let started = std::time::Instant::now();
     let run = scene(sites, "stepper = \"splitting\"\ncomposition = \"suzuki-4\"");
-    let mut integrator = run.integrator();
-    integrator.step().expect("a step");
+    let mut walk = run.walk();
+    walk.step().expect("a step");
     let first = started.elapsed().as_secs_f64();
     let times = (0..STEPS).map(|_| {
         let started = std::time::Instant::now();
-        integrator.step().expect("a step");
+        walk.step().expect("a step");
         started.elapsed().as_secs_f64()
     });
     let step = Quartiles::of(times.collect()).median;

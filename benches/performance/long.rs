@@ -110,17 +110,17 @@ impl<const D: usize> System<D> {
         let parameters = run.system.parameter_values();
         let step = TIME / (INSTANTS * steps) as f64;
         let map = run.method.map();
-        let integrator = Walk::new(map, &parameters, 1.0, step, &self.initial);
-        let integrator = std::cell::RefCell::new(integrator);
+        let walk = Walk::new(map, &parameters, 1.0, step, &self.initial);
+        let walk = std::cell::RefCell::new(walk);
         let leg = |x: &mut [f64; D]| {
-            let mut integrator = integrator.borrow_mut();
+            let mut walk = walk.borrow_mut();
             for _ in 0..steps {
-                integrator.step().ok()?;
+                walk.step().ok()?;
             }
-            x.copy_from_slice(integrator.state());
+            x.copy_from_slice(walk.state());
             Some(())
         };
-        let operations = || integrator.borrow().statistics().operations;
+        let operations = || walk.borrow().statistics().operations;
         Watch::of(self).run(format!("**{name}**"), setting, leg, operations)
     }
 

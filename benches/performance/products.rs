@@ -86,10 +86,10 @@ fn scene(summands: &[(usize, &Summand)], order: usize) -> String {
     )
 }
 
-fn integrator(summands: &[(usize, &Summand)], order: usize) -> Walk {
-    let mut integrator = composed(&scene(summands, order)).integrator();
-    integrator.advance(WARM_UP).expect("steps");
-    integrator
+fn walk(summands: &[(usize, &Summand)], order: usize) -> Walk {
+    let mut walk = composed(&scene(summands, order)).walk();
+    walk.advance(WARM_UP).expect("steps");
+    walk
 }
 
 /// The table of all products.
@@ -111,16 +111,13 @@ pub fn table() -> String {
             write!(name, "{sign}{}", summand.name).expect("a string");
         }
         for order in ORDERS {
-            let mut all: Vec<Walk> = numbered
-                .iter()
-                .map(|one| integrator(&[*one], order))
-                .collect();
-            all.push(integrator(&numbered, order));
+            let mut all: Vec<Walk> = numbered.iter().map(|one| walk(&[*one], order)).collect();
+            all.push(walk(&numbered, order));
             let mut runs: Vec<Run<'_>> = Vec::new();
-            for integrator in &mut all {
+            for walk in &mut all {
                 runs.push(Box::new(|| {
-                    integrator.advance(STEPS as u64).expect("steps");
-                    black_box(integrator.state());
+                    walk.advance(STEPS as u64).expect("steps");
+                    black_box(walk.state());
                 }));
             }
             let times = interleaved(&mut runs, ROUNDS);

@@ -75,9 +75,9 @@ fn hand(case: &StepCase) -> Steps {
     }
 }
 
-fn ours(integrator: &mut Walk, steps: usize) -> Vec<f64> {
-    integrator.advance(steps as u64).expect("steps");
-    integrator.state().to_vec()
+fn ours(walk: &mut Walk, steps: usize) -> Vec<f64> {
+    walk.advance(steps as u64).expect("steps");
+    walk.state().to_vec()
 }
 
 /// The table of all cases.
@@ -95,19 +95,19 @@ pub fn table() -> String {
     ]);
     for case in &STEP_CASES {
         let run = case.composed();
-        let mut integrator = run.integrator();
+        let mut walk = run.walk();
         let mut baseline = hand(case);
         let bits = |state: Vec<f64>| -> Vec<u64> { state.iter().map(|x| x.to_bits()).collect() };
         assert_eq!(
-            bits(ours(&mut integrator, WARM_UP)),
+            bits(ours(&mut walk, WARM_UP)),
             bits(baseline(WARM_UP)),
             "{}: other bits; write the formulas again by `-- formulas`",
             case.formulas
         );
-        let statistics = integrator.statistics();
+        let statistics = walk.statistics();
         let mut runs: [Run<'_>; 2] = [
             Box::new(|| {
-                black_box(ours(&mut integrator, STEPS));
+                black_box(ours(&mut walk, STEPS));
             }),
             Box::new(|| {
                 black_box(baseline(STEPS));

@@ -109,7 +109,7 @@ pub fn table() -> String {
         let (document, composed) = scene(system, initial, steps, steps);
         let (recorded, recorded_run) = scene(system, initial, steps, 1);
         let bare = || {
-            let mut walk = composed.integrator();
+            let mut walk = composed.walk();
             let started = std::time::Instant::now();
             walk.advance(steps).expect("steps");
             let seconds = started.elapsed().as_secs_f64();

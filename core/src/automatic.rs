@@ -245,9 +245,9 @@ fn operations_of_steps(
     // Of size 1 and in general position.
     let state: Vec<f64> = (0..d).map(|i| 1.0 / (1.0 + 0.1 * i as f64)).collect();
     let parameters = probe.parameter_values();
-    let mut integrator = Walk::new(&method, &parameters, 1.0, TIME_STEP, &state);
+    let mut walk = Walk::new(&method, &parameters, 1.0, TIME_STEP, &state);
     for _ in 0..STEPS {
-        integrator.step().ok()?;
+        walk.step().ok()?;
     }
-    integrator.statistics().operations
+    walk.statistics().operations
 }

@@ -20,7 +20,7 @@
 //! - [`runge_kutta`]: tableaux and stage equations.
 //! - [`shadow`]: the Hamiltonians whose flows step maps are.
 //! - [`solver`]: the step solver, one Newton iteration a lane.
-//! - [`integrator`]: the compensated step loop.
+//! - [`walk`]: the compensated step loop, of one lane or many.
 //! - [`lift`]: coordinates with a constant tensor, in which collective integrators step.
 //! - [`lifted_realization`]: realizations that are such coordinates.
 //! - [`lattice`]: long lattices in O(N) time and memory a step.

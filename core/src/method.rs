@@ -12,7 +12,9 @@ use crate::dynamics::{Correction, DynamicApproximation};
 use crate::error::BuildError;
 use crate::evaluator::Evaluator;
 use crate::generating_shadow::shadow_of;
+use crate::part::PartParameters;
 use crate::realization::{Accuracy, MapCode, RealizationData, RealizationEvaluator, SourceTarget};
+use crate::registry::Registry;
 use crate::shadow::Shadow;
 use crate::solution_series::start_of_solves;
 use crate::solver::{
@@ -73,6 +75,24 @@ impl std::fmt::Debug for Path {
 }
 
 impl Method {
+    /// Composes parts by their names, each with its default parameters, on a system: `Method::of(&registry, &system, "so3-exponential",
+    /// "hamilton-jacobi")`.
+    ///
+    /// # Errors
+    /// [`BuildError::UnknownPart`] for a name that the registry does not have, those of the parts, and those of
+    /// [`compose`](Self::compose).
+    pub fn of(
+        registry: &Registry,
+        system: &PoissonSystem,
+        realization: &str,
+        dynamics: &str,
+    ) -> Result<Self, BuildError> {
+        let none = PartParameters::new();
+        let realization = registry.realization(realization)?.build(system, &none)?;
+        let dynamics = registry.dynamics(dynamics)?.build(&none)?;
+        Self::compose(system, realization, dynamics)
+    }
+
     /// Combines the two approximations for a system and compiles what its steps need, by the
     /// shortest path: one fused solve, one kernel, or evaluators.
     ///

@@ -3,6 +3,7 @@
 use crate::compensation::two_sum;
 use crate::error::StepError;
 use crate::solver::{SolverStatistics, StepMap, Stepper};
+use crate::system::PoissonSystem;
 
 /// Trajectories of one step map, x_{k+1} = x_k + Δ_k, in one lane or in several side by side: a lane has the bits that it
 /// would have alone.
@@ -64,6 +65,40 @@ impl Walk {
             time_step: epsilon * h,
             failed: Vec::new(),
         }
+    }
+
+    /// Starts at x_0 with the system's own values of parameters, ε = 1 and h the `time_step`.
+    ///
+    /// # Panics
+    /// When `initial` does not have the map's dimension.
+    pub fn of(map: &dyn StepMap, system: &PoissonSystem, initial: &[f64], time_step: f64) -> Self {
+        Self::new(map, &system.parameter_values(), 1.0, time_step, initial)
+    }
+
+    /// The same from each of these states, side by side.
+    ///
+    /// # Panics
+    /// When there is none, or one does not have the map's dimension.
+    pub fn of_each(
+        map: &dyn StepMap,
+        system: &PoissonSystem,
+        initial: &[Vec<f64>],
+        time_step: f64,
+    ) -> Self {
+        let lanes = initial.len();
+        assert!(
+            initial.iter().all(|state| state.len() == map.dimension()),
+            "every initial state has the map's dimension"
+        );
+        let values = system.parameter_values();
+        let parameters: Vec<f64> = values
+            .iter()
+            .flat_map(|value| std::iter::repeat_n(*value, lanes))
+            .collect();
+        let states: Vec<f64> = (0..map.dimension())
+            .flat_map(|i| initial.iter().map(move |state| state[i]))
+            .collect();
+        Self::new(map, &parameters, 1.0, time_step, &states)
     }
 
     /// Says which member of an ensemble each lane is: [`Stepper::follow`].

@@ -20,17 +20,14 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     let method = Registry::with_builtin().automatic(&system, 4)?;
     println!("{}", method.realization().describe());
     let parameters = system.parameter_values();
-    let mut integrator = Walk::new(&method, &parameters, 1.0, 0.1, &[1.5, 0.8]);
+    let mut walk = Walk::of(&method, &system, &[1.5, 0.8], 0.1);
     let mut energy = SystemInvariants::new(&system, &parameters)?;
-    let drift = measure_drift(&mut integrator, &mut energy, 1000)?;
+    let drift = measure_drift(&mut walk, &mut energy, 1000)?;
     println!(
         "H = {:.6}, off by at most {:.1e}",
         drift[0].initial, drift[0].largest
     );
     assert!(drift[0].largest < 1e-6);
-    assert!(
-        integrator.state().iter().all(|x| *x > 0.0),
-        "species stay alive"
-    );
+    assert!(walk.state().iter().all(|x| *x > 0.0), "species stay alive");
     Ok(())
 }

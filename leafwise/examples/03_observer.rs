@@ -22,12 +22,12 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     let method = Registry::with_builtin().automatic(&system, 4)?;
 
     let amplitude = 2.0;
-    let mut integrator = Walk::new(&method, &[], 1.0, 0.02, &[amplitude, 0.0]);
+    let mut walk = Walk::new(&method, &[], 1.0, 0.02, &[amplitude, 0.0]);
     let mut crossings = Vec::new();
     while crossings.len() < 11 {
-        let (before, t) = (integrator.state().to_vec(), integrator.time());
-        integrator.step()?;
-        let after = integrator.state();
+        let (before, t) = (walk.state().to_vec(), walk.time());
+        walk.step()?;
+        let after = walk.state();
         if before[0] < 0.0 && after[0] >= 0.0 {
             // q is almost a straight line where it vanishes: q̈ = −sin q.
             crossings.push(t - before[0] / after[1].midpoint(before[1]));

@@ -10,11 +10,11 @@ use leafwise::core::system::SystemInvariants;
 use leafwise::prelude::*;
 
 fn end(method: &Method, h: f64, time: f64) -> Result<Vec<f64>, StepError> {
-    let mut integrator = Walk::new(method, &[], 1.0, h, &[1.0, 3.0, 3.0]);
-    while integrator.time() < time - h / 2.0 {
-        integrator.step()?;
+    let mut walk = Walk::new(method, &[], 1.0, h, &[1.0, 3.0, 3.0]);
+    while walk.time() < time - h / 2.0 {
+        walk.step()?;
     }
-    Ok(integrator.state().to_vec())
+    Ok(walk.state().to_vec())
 }
 
 pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -43,12 +43,8 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
         let order = fit_slope(&errors, 1e-12)
             .ok_or("too few errors above round-off")?
             .exponent;
-        let mut integrator = Walk::new(&method, &[], 1.0, 0.1, &[1.0, 3.0, 3.0]);
-        let drift = measure_drift(
-            &mut integrator,
-            &mut SystemInvariants::new(&system, &[])?,
-            1000,
-        )?[0];
+        let mut walk = Walk::new(&method, &[], 1.0, 0.1, &[1.0, 3.0, 3.0]);
+        let drift = measure_drift(&mut walk, &mut SystemInvariants::new(&system, &[])?, 1000)?[0];
         println!(
             "m = {m}: order {order:.2}, energy off by {:.1e} in 1000 steps",
             drift.largest

@@ -5,8 +5,8 @@
 
 use leafwise::prelude::*;
 
-fn steps(integrator: &mut Walk, count: usize) -> Result<(), StepError> {
-    (0..count).try_for_each(|_| integrator.step())
+fn steps(walk: &mut Walk, count: usize) -> Result<(), StepError> {
+    (0..count).try_for_each(|_| walk.step())
 }
 
 pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -29,9 +29,9 @@ fn only(methods: &[&str]) -> CompareOptions {
 fn after_ten_steps(id: &str, initial: &[f64], step: f64, registry: &Registry) -> Vec<f64> {
     let document = scene(id, &format!("{initial:?}"), step, 10);
     let run = compose_scene(&document, registry).expect("a run");
-    let mut integrator = run.integrator();
-    integrator.advance(10).expect("ten steps");
-    integrator.state()[..initial.len()].to_vec()
+    let mut walk = run.walk();
+    walk.advance(10).expect("ten steps");
+    walk.state()[..initial.len()].to_vec()
 }
 
 /// What rounding the initial state to doubles changes at the end: Σ_j |∂Φ/∂x_j| |x_j| ε/2, by differences.

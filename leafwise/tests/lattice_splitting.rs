@@ -265,7 +265,7 @@ fn casimirs_keep_to_round_off() {
     assert_eq!(sweeps.properties().structure, Structure::Exact);
     let scheme = Scheme::find("suzuki-4").expect("a scheme");
     let composed = Composed::new(Arc::new(sweeps), scheme).expect("self-adjoint");
-    let mut integrator = Walk::new(&composed, &[], 1.0, 0.2, &initial(sites));
+    let mut walk = Walk::new(&composed, &[], 1.0, 0.2, &initial(sites));
     let casimirs = |x: &[f64]| {
         [0, 1].map(|parity| {
             x.iter()
@@ -275,11 +275,11 @@ fn casimirs_keep_to_round_off() {
                 .sum::<f64>()
         })
     };
-    let before = casimirs(integrator.state());
+    let before = casimirs(walk.state());
     for _ in 0..steps {
-        integrator.step().expect("a step");
+        walk.step().expect("a step");
     }
-    let after = casimirs(integrator.state());
+    let after = casimirs(walk.state());
     let walk = libm::sqrt((steps * sites) as f64) * 0.1 * f64::EPSILON;
     for (before, after) in before.iter().zip(after) {
         assert!(

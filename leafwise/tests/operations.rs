@@ -32,9 +32,9 @@ fn pair(
 fn stepped(map: &dyn StepMap, problem: &Problem, steps: u64) -> Walk {
     let values = problem.system.parameter_values();
     let step = 0.1 * problem.time_step;
-    let mut integrator = Walk::new(map, &values, 1.0, step, &problem.initial);
-    (0..steps).for_each(|_| integrator.step().expect("a step"));
-    integrator
+    let mut walk = Walk::new(map, &values, 1.0, step, &problem.initial);
+    (0..steps).for_each(|_| walk.step().expect("a step"));
+    walk
 }
 
 #[test]

@@ -51,9 +51,9 @@ fn rerun(found: &Recommendation, registry: &Registry) -> Vec<f64> {
     let document = SceneDocument::parse("tuned.toml", &found.scene, &Registry::with_builtin())
         .expect("a scene");
     let run = compose(&document, registry).expect("a run");
-    let mut integrator = run.integrator();
-    (0..run.plan.steps).for_each(|_| integrator.step().expect("a step"));
-    integrator.state().to_vec()
+    let mut walk = run.walk();
+    (0..run.plan.steps).for_each(|_| walk.step().expect("a step"));
+    walk.state().to_vec()
 }
 
 fn tuned_at_1e_4_and_1e_8(document: &SceneDocument) {
@@ -512,12 +512,12 @@ fn what_is_asked_of_a_kepler_orbit_holds_at_every_step() {
         let found = tune(&tuner, asked(error)).poisson.expect("a Poisson map");
         let tuned = SceneDocument::parse("tuned.toml", &found.scene, &Registry::with_builtin());
         let run = compose(&tuned.expect("a scene"), &registry).expect("a run");
-        let mut integrator = run.integrator();
+        let mut walk = run.walk();
         let mut largest = 0.0_f64;
         let mut end = 0.0;
         for _ in 0..run.plan.steps {
-            integrator.step().expect("a step");
-            end = distance(integrator.state(), &kepler(integrator.time()));
+            walk.step().expect("a step");
+            end = distance(walk.state(), &kepler(walk.time()));
             largest = largest.max(end);
         }
         // The reference's own error, an estimate by another method that may err as much; and that of t = k h: h rounded,

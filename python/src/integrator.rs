@@ -33,7 +33,7 @@ impl Integrator {
     pub fn new(run: &ComposedRun, functions: Option<Functions>) -> Self {
         let paced = run.extension.as_ref().filter(|_| run.pace().is_some());
         Self {
-            own: Mutex::new(run.integrator()),
+            own: Mutex::new(run.walk()),
             coordinates: run.plan.coordinates,
             clock: paced.map(|extension| extension.coordinates),
             functions,

@@ -16,11 +16,11 @@ fn cheaper(text: &str) -> Option<CheaperMethod> {
 fn cost_and_error(text: &str, time: f64) -> (f64, f64) {
     let run = composed(text);
     let steps = libm::round(time / (run.plan.epsilon * run.plan.h)) as u64;
-    let mut integrator = run.integrator();
-    integrator.advance(steps).expect("steps");
-    let operations = integrator.statistics().operations.expect("counted");
+    let mut walk = run.walk();
+    walk.advance(steps).expect("steps");
+    let operations = walk.statistics().operations.expect("counted");
     let end = flow(&run.system, &run.plan.initial, time, 512);
-    (operations as f64, distance(integrator.state(), &end))
+    (operations as f64, distance(walk.state(), &end))
 }
 
 #[test]

@@ -48,9 +48,9 @@ fn changed(text: &str, advice: &Advice) -> String {
 /// x after some steps.
 fn end(text: &str, steps: usize) -> Vec<f64> {
     let run = composed(text);
-    let mut integrator = run.integrator();
-    (0..steps).for_each(|_| integrator.step().expect("a step"));
-    integrator.state().to_vec()
+    let mut walk = run.walk();
+    (0..steps).for_each(|_| walk.step().expect("a step"));
+    walk.state().to_vec()
 }
 
 #[test]

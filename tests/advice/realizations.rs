@@ -172,9 +172,9 @@ fn an_exact_realization_is_named_where_a_whole_run_of_it_costs_no_more() {
     };
     let truncated = "{ name = \"karasev-truncated\", order = 4 }";
     let operations = |realization: &str, steps: u64| {
-        let mut integrator = composed(&cart(realization, steps)).integrator();
-        integrator.advance(steps).expect("steps");
-        integrator.statistics().operations.expect("counted")
+        let mut walk = composed(&cart(realization, steps)).walk();
+        walk.advance(steps).expect("steps");
+        walk.statistics().operations.expect("counted")
     };
     let mut outcomes = [0, 0];
     for steps in [8, 100, 400] {

@@ -15,14 +15,10 @@ fn cost_and_error(text: &str) -> (f64, f64) {
         step / 4.0
     );
     let exact = end(&body(&method), 128);
-    let mut integrator = run.integrator();
-    (0..32).for_each(|_| integrator.step().expect("a step"));
-    let apart = integrator
-        .state()
-        .iter()
-        .zip(&exact)
-        .map(|(a, b)| (a - b).abs());
-    let operations = integrator.statistics().operations_per_step();
+    let mut walk = run.walk();
+    (0..32).for_each(|_| walk.step().expect("a step"));
+    let apart = walk.state().iter().zip(&exact).map(|(a, b)| (a - b).abs());
+    let operations = walk.statistics().operations_per_step();
     (operations.expect("counted"), apart.fold(0.0, f64::max))
 }
 

@@ -84,7 +84,7 @@ proptest! {
     ) {
         let potential = POTENTIALS[which];
         let run = chain(potential, t, (q, p, d), 10);
-        let mut integrator = run.integrator();
+        let mut integrator = run.walk();
         for _ in 0..10 {
             let before = integrator.state().to_vec();
             if integrator.step().is_err() {

@@ -136,7 +136,7 @@ fn a_solution_met_by_chance_is_not_taken() {
     ] {
         let potential = POTENTIALS[which];
         let run = canonical(potential, MIDPOINTS[method], t, (q, p), 40);
-        let mut integrator = run.integrator();
+        let mut integrator = run.walk();
         let mut compared = 0;
         for _ in 0..40 {
             let before = integrator.state().to_vec();
@@ -225,7 +225,7 @@ fn a_wall_after_a_quiet_stretch_is_solved_to_round_off() {
         ));
         let force = |q: f64| quartic * q * q * q - libm::exp(-q / width) / width;
         let slope = |q: f64| 3.0 * quartic * q * q + libm::exp(-q / width) / (width * width);
-        let mut integrator = run.integrator();
+        let mut integrator = run.walk();
         let (mut worst, mut turned) = (0.0_f64, false);
         for _ in 0..(16.0 / t) as usize {
             let (x, low) = (

@@ -20,7 +20,7 @@ fn cases() -> u32 {
 
 /// The scene's steps, one after the other, until one is refused.
 fn steps(run: &ComposedRun) -> (Vec<Vec<f64>>, Option<StepError>) {
-    let mut integrator = run.integrator();
+    let mut integrator = run.walk();
     let mut states = vec![integrator.state().to_vec()];
     for _ in 0..run.plan.steps {
         if let Err(error) = integrator.step() {

@@ -121,11 +121,11 @@ pub fn by_templates_and_written_out(
     let system = chain.write_out(&chain.geometry).expect("fits");
     let dense = hamilton_jacobi(&system, &realize(&system), m);
     let run = |map: &dyn StepMap| {
-        let mut integrator = Walk::new(map, &[], 1.0, time_step, initial);
+        let mut walk = Walk::new(map, &[], 1.0, time_step, initial);
         for _ in 0..steps {
-            integrator.step().expect("a step");
+            walk.step().expect("a step");
         }
-        integrator.state().to_vec()
+        walk.state().to_vec()
     };
     (run(&lattice.expect("a lattice method")), run(&dense))
 }

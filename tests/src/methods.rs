@@ -60,11 +60,11 @@ pub fn run(
     initial: &[f64],
 ) -> Result<Vec<f64>, StepError> {
     let parameters = system.parameter_values();
-    let mut integrator = Walk::new(map, &parameters, epsilon, h, initial);
+    let mut walk = Walk::new(map, &parameters, epsilon, h, initial);
     for _ in 0..steps {
-        integrator.step()?;
+        walk.step()?;
     }
-    Ok(integrator.state().to_vec())
+    Ok(walk.state().to_vec())
 }
 
 /// Asserts that a run restored from its checkpoint after 20 steps takes 20 more with the same bits.

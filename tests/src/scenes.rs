@@ -46,7 +46,7 @@ pub fn until(
 /// # Panics
 /// When a step is refused.
 pub fn end(run: &ComposedRun) -> Vec<f64> {
-    let mut integrator = run.integrator();
-    integrator.advance(run.plan.steps).expect("every step");
-    run.own(integrator.state()).to_vec()
+    let mut walk = run.walk();
+    walk.advance(run.plan.steps).expect("every step");
+    run.own(walk.state()).to_vec()
 }

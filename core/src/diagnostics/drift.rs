@@ -29,23 +29,23 @@ impl InvariantDrift {
     }
 }
 
-/// Steps `integrator` and watches every observable at every step.
+/// Steps `walk` and watches every observable at every step.
 ///
 /// # Errors
 /// The map's [`StepError`].
 pub fn measure_drift(
-    integrator: &mut Walk,
+    walk: &mut Walk,
     observer: &mut dyn Observe,
     steps: usize,
 ) -> Result<Vec<InvariantDrift>, StepError> {
     let count = observer.observables();
     let (mut initial, mut now) = (vec![0.0; count], vec![0.0; count]);
-    observer.evaluate(integrator.state(), &mut initial);
+    observer.evaluate(walk.state(), &mut initial);
     let tenth = steps.div_ceil(10);
     let mut largest = vec![[0.0_f64; 3]; count];
     for step in 0..steps {
-        integrator.step()?;
-        observer.evaluate(integrator.state(), &mut now);
+        walk.step()?;
+        observer.evaluate(walk.state(), &mut now);
         for ((largest, now), initial) in largest.iter_mut().zip(&now).zip(&initial) {
             let change = (now - initial).abs();
             let windows = [true, step < tenth, step + tenth >= steps];

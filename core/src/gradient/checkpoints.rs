@@ -40,7 +40,7 @@ fn split(steps: u64, checkpoints: u64) -> u64 {
 /// # Errors
 /// Those of steps taken again, and of `visit`.
 pub(super) fn visit_in_reverse(
-    integrator: &mut Walk,
+    walk: &mut Walk,
     from: &Checkpoint,
     steps: u64,
     checkpoints: u64,
@@ -50,14 +50,14 @@ pub(super) fn visit_in_reverse(
         return if steps == 1 { visit(from) } else { Ok(()) };
     }
     let first = split(steps, checkpoints);
-    let restored = integrator.restore(from);
-    debug_assert!(restored.is_ok(), "a checkpoint of this integrator");
+    let restored = walk.restore(from);
+    debug_assert!(restored.is_ok(), "a checkpoint of this walk");
     let at = |error: StepError, step: u64| GradientError::Step { step, error };
-    let advanced = integrator.advance(first);
-    advanced.map_err(|error| at(error, integrator.steps()))?;
-    let middle = integrator.checkpoint();
-    visit_in_reverse(integrator, &middle, steps - first, checkpoints - 1, visit)?;
-    visit_in_reverse(integrator, from, first, checkpoints, visit)
+    let advanced = walk.advance(first);
+    advanced.map_err(|error| at(error, walk.steps()))?;
+    let middle = walk.checkpoint();
+    visit_in_reverse(walk, &middle, steps - first, checkpoints - 1, visit)?;
+    visit_in_reverse(walk, from, first, checkpoints, visit)
 }
 
 #[cfg(test)]

@@ -128,24 +128,24 @@ impl Trajectory<'_> {
     /// # Errors
     /// [`GradientError::Step`] with the step that failed.
     pub fn run(&self, initial: &[f64], plan: Plan) -> Result<Reached, GradientError> {
-        let mut integrator = self.integrator(initial);
+        let mut walk = self.walk(initial);
         let mut samples = Vec::with_capacity(plan.samples() * initial.len());
         samples.extend_from_slice(initial);
         let mut kept = Vec::with_capacity(2 * plan.pieces() * initial.len());
         for piece in 1..=plan.pieces() {
             let end = plan.end_of(piece);
-            while integrator.steps() < end {
+            while walk.steps() < end {
                 self.look()?;
-                let to_sample = plan.every - integrator.steps() % plan.every;
-                let to_end = end - integrator.steps();
-                let advanced = integrator.advance(to_sample.min(to_end).min(LOOK_EVERY));
-                advanced.map_err(|error| failed(integrator.steps(), error))?;
-                if plan.sample_at(integrator.steps()).is_some() {
-                    samples.extend_from_slice(integrator.state());
+                let to_sample = plan.every - walk.steps() % plan.every;
+                let to_end = end - walk.steps();
+                let advanced = walk.advance(to_sample.min(to_end).min(LOOK_EVERY));
+                advanced.map_err(|error| failed(walk.steps(), error))?;
+                if plan.sample_at(walk.steps()).is_some() {
+                    samples.extend_from_slice(walk.state());
                 }
             }
-            kept.extend_from_slice(integrator.state());
-            kept.extend_from_slice(integrator.compensation());
+            kept.extend_from_slice(walk.state());
+            kept.extend_from_slice(walk.compensation());
         }
         Ok(Reached { samples, kept })
     }
@@ -284,10 +284,10 @@ impl Trajectory<'_> {
         let mut differential = self.differential(self.h, by_parameters)?;
         let mut covectors = Covectors::new(self, cotangents, plan, by_parameters, initial.len());
         let mut increment = vec![0.0; initial.len()];
-        let mut integrator = self.integrator(initial);
-        let begin = integrator.checkpoint();
+        let mut walk = self.walk(initial);
+        let begin = walk.checkpoint();
         let slots = checkpoints(plan.steps);
-        visit_in_reverse(&mut integrator, &begin, plan.steps, slots, &mut |at| {
+        visit_in_reverse(&mut walk, &begin, plan.steps, slots, &mut |at| {
             let stepped = differential.step(&at.state, &at.compensation, &mut increment);
             stepped
                 .and_then(|()| {
@@ -298,13 +298,13 @@ impl Trajectory<'_> {
                 .map_err(|error| self.refused(at.steps, error))?;
             covectors.look(at.steps)
         })?;
-        let stepped = integrator.statistics().operations;
+        let stepped = walk.statistics().operations;
         let operations = differential.operations().zip(stepped);
         let operations = operations.map(|(own, again)| own + again);
         Ok(covectors.gradient(Way::Checkpoints, 0.0, operations))
     }
 
-    fn integrator(&self, initial: &[f64]) -> Walk {
+    fn walk(&self, initial: &[f64]) -> Walk {
         Walk::new(self.map, self.parameters, self.epsilon, self.h, initial)
     }
 

@@ -27,7 +27,7 @@ static INFO: PartInfo = PartInfo {
     domain: "products of so(3)*: triples of coordinates, wherever they stand, with {x1,x2} = c x3 and cyclic, c constant; \
              beside them coordinates that commute with all, such as parameters of sites",
     literature: "R. McLachlan, K. Modin, O. Verdier, Symplectic integrators for spin systems, \
-                 Phys. Rev. E 89 (2014); A minimal-variable symplectic integrator on spheres, \
+                 Phys. Rev. E 89 (2014); A minimal-variable symplectic walk on spheres, \
                  Math. Comp. 86 (2017)",
     family: Some(Family::Poisson),
     compared: Some(Compared::at(2)),

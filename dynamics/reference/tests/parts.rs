@@ -308,12 +308,12 @@ fn what_rests_begins_to_move() {
             ("taylor", 1e-6),
         ] {
             let map = map(part, &chain, &none().with("tolerance", tolerance));
-            let mut integrator = Walk::new(map.as_ref(), &[], 1.0, 0.1, &start);
+            let mut walk = Walk::new(map.as_ref(), &[], 1.0, 0.1, &start);
             for _ in 0..50 {
-                let outcome = integrator.step();
+                let outcome = walk.step();
                 assert_eq!(outcome, Ok(()), "{part} {tolerance:e}, {n}");
             }
-            let state = &integrator.state()[..n];
+            let state = &walk.state()[..n];
             let errors = state
                 .iter()
                 .enumerate()
@@ -339,12 +339,12 @@ fn what_is_driven_from_rest_begins_to_move() {
     for part in ["dop853", "dormand-prince45"] {
         for tolerance in [1e-4, 1e-8, 1e-12] {
             let map = map(part, &ramp, &none().with("tolerance", tolerance));
-            let mut integrator = Walk::new(map.as_ref(), &[], 1.0, 0.1, &[0.0; 4]);
+            let mut walk = Walk::new(map.as_ref(), &[], 1.0, 0.1, &[0.0; 4]);
             for _ in 0..200 {
-                assert_eq!(integrator.step(), Ok(()), "{part} {tolerance:e}");
+                assert_eq!(walk.step(), Ok(()), "{part} {tolerance:e}");
             }
             let expected = 400.0 - 2.0 + 2.0 * libm::cos(20.0);
-            let error = (integrator.state()[0] / expected - 1.0).abs();
+            let error = (walk.state()[0] / expected - 1.0).abs();
             assert!(
                 error < 100.0 * tolerance + 1e-14,
                 "{part} {tolerance:e}: {error:e}"

@@ -146,9 +146,9 @@ fn records_within_a_substep_are_on_the_solution() {
             println!("{}: {error:.1e}", map.describe());
             assert!(error < 100.0 * tolerance, "{error:e}");
             let evaluations = |steps: usize| {
-                let mut integrator = Walk::new(map.as_ref(), &[], 1.0, 3.0 / steps as f64, &start);
-                (0..steps).for_each(|_| integrator.step().expect("a step"));
-                integrator.statistics().evaluations
+                let mut walk = Walk::new(map.as_ref(), &[], 1.0, 3.0 / steps as f64, &start);
+                (0..steps).for_each(|_| walk.step().expect("a step"));
+                walk.statistics().evaluations
             };
             assert_eq!(evaluations(1), evaluations(300), "no jet for a record");
         }
@@ -249,12 +249,12 @@ fn a_state_from_elsewhere_begins_anew() {
 fn a_motion_that_ends_is_reported() {
     let map = taylor(&singular(), 1e-12);
     for (h, steps) in [(0.3, 3), (2.0, 0), (0.009, 111)] {
-        let mut integrator = Walk::new(map.as_ref(), &[], 1.0, h, &[1.0, 1.0]);
-        (0..steps).for_each(|_| integrator.step().expect("before the end"));
-        let (q, t) = (integrator.state()[0], integrator.time());
+        let mut walk = Walk::new(map.as_ref(), &[], 1.0, h, &[1.0, 1.0]);
+        (0..steps).for_each(|_| walk.step().expect("before the end"));
+        let (q, t) = (walk.state()[0], walk.time());
         // The condition of q = 1/(1 − t) is its own size.
         assert!((q * (1.0 - t) - 1.0).abs() < 1e-10 * q, "{q}");
-        match integrator.step() {
+        match walk.step() {
             Err(StepError::Singularity { percent }) => {
                 let expected = 100.0 * (1.0 - t) / h;
                 assert!((percent - expected).abs() < 1e-3, "{percent} {expected}");
@@ -267,8 +267,8 @@ fn a_motion_that_ends_is_reported() {
 #[test]
 fn a_state_without_a_series_is_refused() {
     let map = taylor(&kepler(), 1e-12);
-    let mut integrator = Walk::new(map.as_ref(), &[], 1.0, 0.1, &[0.0; 4]);
-    let error = integrator.step();
+    let mut walk = Walk::new(map.as_ref(), &[], 1.0, 0.1, &[0.0; 4]);
+    let error = walk.step();
     assert!(
         matches!(error, Err(StepError::NonFinite { .. })),
         "{error:?}"
@@ -362,8 +362,8 @@ fn what_nearly_dies_out_keeps_its_digits_and_its_sign() {
     }
     // In one step of 0.2 the digits are lost in the sum.
     let map = taylor(&species, 1e-15);
-    let mut integrator = Walk::new(map.as_ref(), &[], 1.0, 0.2, &[300.0, 1.0]);
-    let error = integrator.step();
+    let mut walk = Walk::new(map.as_ref(), &[], 1.0, 0.2, &[300.0, 1.0]);
+    let error = walk.step();
     assert_eq!(error, Err(StepError::LostSign { coordinate: 1 }));
 }
 
@@ -379,12 +379,12 @@ fn round_off_of_the_field_is_no_residual() {
         Convention::HamiltonianFirst,
     );
     let map = taylor(&flat, 1e-15);
-    let mut integrator = Walk::new(map.as_ref(), &[], 1.0, 1.0, &[1e-7, 1.0]);
-    (0..10).for_each(|_| integrator.step().expect("a step"));
-    let evaluations = integrator.statistics().evaluations;
+    let mut walk = Walk::new(map.as_ref(), &[], 1.0, 1.0, &[1e-7, 1.0]);
+    (0..10).for_each(|_| walk.step().expect("a step"));
+    let evaluations = walk.statistics().evaluations;
     assert!(evaluations <= 10, "{evaluations} jets");
     let expected = 1e-7 / (1.0 - 0.5e-7 * 10.0);
-    assert!((integrator.state()[0] - expected).abs() < 10.0 * f64::EPSILON);
+    assert!((walk.state()[0] - expected).abs() < 10.0 * f64::EPSILON);
     let bodies = system(
         8,
         &[
@@ -400,9 +400,9 @@ fn round_off_of_the_field_is_no_residual() {
     let map = taylor(&bodies, 1e-15);
     let jets = |offset: f64| {
         let start = [0.5 + offset, 0.0, -0.5 + offset, 0.0, 0.0, 0.6, 0.0, -0.6];
-        let mut integrator = Walk::new(map.as_ref(), &[], 1.0, 0.5, &start);
-        (0..40).for_each(|_| integrator.step().expect("a step"));
-        integrator.statistics().evaluations
+        let mut walk = Walk::new(map.as_ref(), &[], 1.0, 0.5, &start);
+        (0..40).for_each(|_| walk.step().expect("a step"));
+        walk.statistics().evaluations
     };
     let (near, far) = (jets(0.0), jets(1e5));
     println!("{near} jets about the origin, {far} far from it");
@@ -424,9 +424,9 @@ fn work_is_pinned() {
         .iter()
         .map(|(system, start)| {
             let map = taylor(system, 1e-15);
-            let mut integrator = Walk::new(map.as_ref(), &[], 1.0, 1e-6, start);
-            integrator.step().expect("a step");
-            let statistics = integrator.statistics();
+            let mut walk = Walk::new(map.as_ref(), &[], 1.0, 1e-6, start);
+            walk.step().expect("a step");
+            let statistics = walk.statistics();
             assert_eq!(statistics.evaluations, 1);
             statistics.operations.expect("counted")
         })

@@ -152,11 +152,11 @@ fn end(scene: &RandomScene, run: &ComposedRun, steps: usize) -> Result<Vec<f64>,
     let values = run.system.parameter_values();
     let (plan, map) = (&run.plan, run.method.map());
     let h = plan.h * STEPS as f64 / steps as f64;
-    let mut integrator = Walk::new(map, &values, plan.epsilon, h, &plan.initial);
+    let mut walk = Walk::new(map, &values, plan.epsilon, h, &plan.initial);
     for _ in 0..steps {
-        integrator.step()?;
+        walk.step()?;
     }
-    let own = integrator.state().iter().zip(&scene.units);
+    let own = walk.state().iter().zip(&scene.units);
     Ok(own.map(|(x, unit)| x / unit).collect())
 }
 

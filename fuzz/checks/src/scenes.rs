@@ -78,13 +78,13 @@ fn states(run: &ComposedRun, how: Execution, steps: usize) -> Vec<Vec<u64>> {
     let plan = &run.plan;
     let map: &dyn StepMap = run.method.map();
     let values = run.system.parameter_values();
-    let mut integrator = Walk::new(map, &values, plan.epsilon, plan.h, &plan.initial);
-    let mut states = vec![bits(integrator.state())];
+    let mut walk = Walk::new(map, &values, plan.epsilon, plan.h, &plan.initial);
+    let mut states = vec![bits(walk.state())];
     for _ in 0..steps {
-        if integrator.step().is_err() {
+        if walk.step().is_err() {
             break;
         }
-        states.push(bits(integrator.state()));
+        states.push(bits(walk.state()));
     }
     states
 }

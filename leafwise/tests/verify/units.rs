@@ -201,9 +201,9 @@ fn defects(run: &ComposedRun, map: &dyn StepMap, time_step: f64) -> [f64; 2] {
 /// Φ(x).
 fn end(run: &ComposedRun, map: &dyn StepMap, time_step: f64) -> Vec<f64> {
     let values = run.system.parameter_values();
-    let mut integrator = Walk::new(map, &values, 1.0, time_step, &run.plan.initial);
-    integrator.step().expect("a step");
-    integrator.state().to_vec()
+    let mut walk = Walk::new(map, &values, 1.0, time_step, &run.plan.initial);
+    walk.step().expect("a step");
+    walk.state().to_vec()
 }
 
 fn exponents() -> impl Strategy<Value = Vec<i32>> {

@@ -233,15 +233,15 @@ fn leaving_a_domain_is_reported_with_its_ratio() {
     let (own, expected) = (orbit(&system, &walled, 100), orbit(&system, &cayley, 100));
     assert!(distance(&own, &expected) <= 100.0 * 8.0 * f64::EPSILON);
     // |h grad H| is 1.5 or so at h = 1.
-    let mut integrator = Walk::new(&walled, &system.parameter_values(), 1.0, 1.0, &START);
-    match integrator.step() {
+    let mut walk = Walk::new(&walled, &system.parameter_values(), 1.0, 1.0, &START);
+    match walk.step() {
         Err(StepError::OutsideDomain { ratio, part, .. }) => {
             assert!((1.0..2.0).contains(&ratio), "{ratio}");
             assert_eq!(part, "walled/cayley");
         }
         other => panic!("{other:?}"),
     }
-    assert_eq!(integrator.state(), START);
+    assert_eq!(walk.state(), START);
     // A system of another tensor is not served.
     let text = {
         let part = registry.realization("walled/cayley").expect("it is there");
@@ -434,11 +434,11 @@ fn a_long_system_of_numbers_needs_no_matrices() {
         .expect("values suffice");
     let d = system.dimension();
     let start: Vec<f64> = (0..d).map(|i| (i % 2) as f64).collect();
-    let mut integrator = Walk::new(map.as_ref(), &[], 1.0, 0.125, &start);
-    integrator.step().expect("a step");
+    let mut walk = Walk::new(map.as_ref(), &[], 1.0, 0.125, &start);
+    walk.step().expect("a step");
     // x_2 begins at 1 and x_1 with dx_1/dt = {H, x_1} = -x_2: a rotation by 1/8, to the order of rk4.
     let (sin, cos) = (libm::sin(0.125), libm::cos(0.125));
-    for pair in integrator.state().chunks_exact(2) {
+    for pair in walk.state().chunks_exact(2) {
         assert!(
             (pair[0] + sin).abs() < 1e-6 && (pair[1] - cos).abs() < 1e-6,
             "{pair:?}"
@@ -474,11 +474,11 @@ fn formulas_need_no_functions() {
     assert_eq!(system.parameter_values(), [2.0]);
     let (start, t) = ([0.4, 0.3], 0.05);
     let run = |map: &dyn StepMap, steps: usize| {
-        let mut integrator = Walk::new(map, &[2.0], 1.0, t, &start);
+        let mut walk = Walk::new(map, &[2.0], 1.0, t, &start);
         for _ in 0..steps {
-            integrator.step().expect("a step");
+            walk.step().expect("a step");
         }
-        [0, 1].map(|i| integrator.state()[i])
+        [0, 1].map(|i| walk.state()[i])
     };
     // S_1 = H over Karasev's realization is Hamilton–Jacobi of order 2.
     let karasev = || {

@@ -311,11 +311,11 @@ fn pendulum_orbit(registry: &Registry, which: &str) -> Vec<[u64; 2]> {
             part.build(&system, &strong).expect("dimension 2")
         }
     };
-    let mut integrator = Walk::new(map.as_ref(), &[2.0], 1.0, 0.05, &[0.4, 0.3]);
+    let mut walk = Walk::new(map.as_ref(), &[2.0], 1.0, 0.05, &[0.4, 0.3]);
     (0..500)
         .map(|_| {
-            integrator.step().expect("a step");
-            [0, 1].map(|i| integrator.state()[i].to_bits())
+            walk.step().expect("a step");
+            [0, 1].map(|i| walk.state()[i].to_bits())
         })
         .collect()
 }

@@ -39,7 +39,7 @@ pub(super) fn energy_figure(energy: &TimeSeries) -> Result<Figure, ReportError> 
         legend: Vec::new(),
         caption: format!(
             "Energy at the recorded states; H(0) = {}, largest deviation {}. The error of a \
-             Poisson integrator is expected to oscillate, not to grow; its amplitude is set by \
+             Poisson walk is expected to oscillate, not to grow; its amplitude is set by \
              the dynamic approximation and the step.",
             number(initial, 12),
             number(spread, 3)

@@ -29,7 +29,7 @@ const FORMAT: Format = Format {
 pub(super) struct Checkpoint {
     /// x_k, its compensation and the solver's memory.
     #[serde(with = "IntegratorFields")]
-    pub integrator: IntegratorState,
+    pub walk: IntegratorState,
     /// The solver's work so far.
     #[serde(with = "StatisticsFields")]
     pub statistics: SolverStatistics,
@@ -93,14 +93,14 @@ impl Checkpoint {
 
     /// Whether lists that belong together are as long as each other.
     fn agrees(&self) -> bool {
-        let (windows, integrator) = (&self.windows, &self.integrator);
+        let (windows, walk) = (&self.windows, &self.walk);
         let count = windows.initial.len();
         windows.current.len() == count
             && windows.maxima.len() == count * windows.evaluations.len()
             && windows.times.len() == windows.evaluations.len()
             && self.start.compensation.len() == self.start.state.len()
-            && integrator.compensation.len() == integrator.state.len()
-            && self.watch.agrees(integrator.state.len())
+            && walk.compensation.len() == walk.state.len()
+            && self.watch.agrees(walk.state.len())
             && self.snapshots.every > 0
     }
 }
@@ -136,7 +136,7 @@ mod tests {
         let mut windows = Windows::new(&[1.0, -0.0]);
         (1..=5000_u64).for_each(|k| windows.push(&[k as f64, f64::NAN], 0.5 * k as f64, || k));
         Checkpoint {
-            integrator: IntegratorState {
+            walk: IntegratorState {
                 steps: 5000,
                 state: vec![0.1, -0.0, 5e-324],
                 compensation: vec![1e-17, 0.0, f64::MIN_POSITIVE],
@@ -193,7 +193,7 @@ mod tests {
         let back = Checkpoint::read(root.path()).expect("a checkpoint");
         let bytes = |checkpoint| FORMAT.seal(checkpoint).expect("bytes");
         assert_eq!(bytes(&back), bytes(&example()));
-        assert_eq!(back.integrator, example().integrator);
+        assert_eq!(back.walk, example().walk);
     }
 
     #[test]
@@ -204,7 +204,7 @@ mod tests {
             |it| it.start.state.push(0.0),
             |it| it.windows.current.push(0.0),
             |it| it.windows.maxima.push(0.0),
-            |it| it.integrator.compensation.push(0.0),
+            |it| it.walk.compensation.push(0.0),
             |it| it.snapshots.every = 0,
         ];
         for spoil in spoils {

@@ -191,7 +191,7 @@ pub fn run(
     let mut resumed = resumed
         .map(|checkpoint| Session::resume(composed, &course, &directory, checkpoint, every))
         .transpose()?;
-    let resumed_at = checkpoint.map(|checkpoint| checkpoint.integrator.steps);
+    let resumed_at = checkpoint.map(|checkpoint| checkpoint.walk.steps);
     if let (Some(session), Some(asked)) = (&resumed, composed.plan.until)
         && held.is_some_and(|held| !held.has_same_steps)
         && session.is_at_end()

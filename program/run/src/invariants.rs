@@ -29,6 +29,19 @@ pub(super) struct Windows {
     pub times: Vec<f64>,
     /// The time after the last step.
     pub time: f64,
+    #[serde(skip)]
+    peaks: Peaks,
+}
+
+/// The maxima over all full windows, formed again in each session.
+#[derive(Clone, Debug, Default)]
+struct Peaks(Option<Vec<f64>>);
+
+/// Of what they are formed from two are equal or not.
+impl PartialEq for Peaks {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
 }
 
 impl Windows {
@@ -43,6 +56,7 @@ impl Windows {
             evaluations: Vec::with_capacity(MOST_WINDOWS),
             times: Vec::with_capacity(MOST_WINDOWS),
             time: 0.0,
+            peaks: Peaks::default(),
         }
     }
 
@@ -80,6 +94,9 @@ impl Windows {
     }
 
     fn end_window(&mut self, evaluations: u64) {
+        let mut peaks = self.peaks.0.take().unwrap_or_else(|| self.peaks());
+        take_larger(&mut peaks, &self.current);
+        self.peaks = Peaks(Some(peaks));
         self.maxima.extend_from_slice(&self.current);
         self.evaluations.push(evaluations);
         self.times.push(self.time);
@@ -109,14 +126,21 @@ impl Windows {
 
     /// The largest deviation of each invariant over every step.
     pub fn largest(&self) -> Vec<f64> {
-        let mut largest = self.current.clone();
-        let count = self.initial.len().max(1);
-        for row in self.maxima.chunks_exact(count) {
-            for (maximum, value) in largest.iter_mut().zip(row) {
-                *maximum = larger(*maximum, *value);
-            }
-        }
+        let mut largest = self.peaks();
+        take_larger(&mut largest, &self.current);
         largest
+    }
+
+    fn peaks(&self) -> Vec<f64> {
+        if let Some(peaks) = &self.peaks.0 {
+            return peaks.clone();
+        }
+        let count = self.initial.len();
+        let mut peaks = vec![0.0; count];
+        for row in self.maxima.chunks_exact(count.max(1)) {
+            take_larger(&mut peaks, row);
+        }
+        peaks
     }
 
     /// The time at which each window ends, the last one as far as it is filled.
@@ -151,6 +175,13 @@ impl Windows {
                 mean
             })
             .collect()
+    }
+}
+
+/// Takes in others.
+fn take_larger(largest: &mut [f64], others: &[f64]) {
+    for (largest, other) in largest.iter_mut().zip(others) {
+        *largest = larger(*largest, *other);
     }
 }
 

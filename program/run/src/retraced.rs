@@ -37,7 +37,7 @@ pub enum Retrace {
 /// of them, about a thousandth of the run, and one near an earlier time a few.
 pub struct Retraced {
     run: ComposedRun,
-    integrator: Walk,
+    walk: Walk,
     kept: Vec<Checkpoint>,
     every: u64,
     most: usize,
@@ -51,13 +51,13 @@ impl Retraced {
         if run.pace().is_some() {
             return None;
         }
-        let integrator = run.integrator();
-        let first = integrator.checkpoint();
+        let walk = run.walk();
+        let first = walk.checkpoint();
         let numbers = 2 * first.state.len() + first.memory.len();
         Some(Self {
             most: (MOST_NUMBERS / numbers.max(1)).clamp(LEAST_KEPT, MOST_KEPT),
             run,
-            integrator,
+            walk,
             kept: vec![first],
             every: 1,
             recent: VecDeque::new(),
@@ -95,14 +95,14 @@ impl Retraced {
             before += 1;
         }
         self.reach(before, goes_on)?;
-        let integrator = &self.integrator;
+        let walk = &self.walk;
         if is_met(before) {
-            return Ok(self.run.own(integrator.state()).to_vec());
+            return Ok(self.run.own(walk.state()).to_vec());
         }
         let parameters = self.run.system.parameter_values();
         let (map, plan) = (self.run.method.map(), &self.run.plan);
         let mut last = LastStep::new(map, parameters, plan.epsilon, plan.h);
-        last.start.keep(integrator);
+        last.start.keep(walk);
         self.steps += 1;
         match last.state_at(before + 1, time) {
             Ok(state) => Ok(self.run.own(&state).to_vec()),
@@ -110,43 +110,43 @@ impl Retraced {
         }
     }
 
-    /// Brings the integrator to a number of steps.
+    /// Brings the walk to a number of steps.
     fn reach(&mut self, steps: u64, goes_on: &mut dyn FnMut() -> bool) -> Result<(), Retrace> {
-        let own = Some(self.integrator.steps()).filter(|own| *own <= steps);
+        let own = Some(self.walk.steps()).filter(|own| *own <= steps);
         let kept = (steps / self.every).min(self.kept.len() as u64 - 1) as usize;
         let all = self.recent.iter().chain(std::iter::once(&self.kept[kept]));
         let nearest = all
             .filter(|one| one.steps <= steps)
             .max_by_key(|one| one.steps);
         if let Some(nearest) = nearest.filter(|one| own.is_none_or(|own| own < one.steps)) {
-            let restored = self.integrator.restore(nearest);
+            let restored = self.walk.restore(nearest);
             debug_assert!(restored.is_ok(), "it is of the same method");
         }
-        while self.integrator.steps() < steps {
+        while self.walk.steps() < steps {
             if !goes_on() {
                 return Err(Retrace::Interrupted);
             }
-            let (at, next) = (self.integrator.steps(), self.kept.len() as u64 * self.every);
+            let (at, next) = (self.walk.steps(), self.kept.len() as u64 * self.every);
             let stop = if at < next { steps.min(next) } else { steps };
-            let advanced = self.integrator.advance((stop - at).min(STRIDE));
-            self.steps += self.integrator.steps() - at;
+            let advanced = self.walk.advance((stop - at).min(STRIDE));
+            self.steps += self.walk.steps() - at;
             if let Err(error) = advanced {
                 return Err(self.failure(&error));
             }
-            if self.integrator.steps() == next {
+            if self.walk.steps() == next {
                 self.keep();
             }
         }
         if !self.recent.iter().any(|one| one.steps == steps) {
             self.recent.truncate(RECENT - 1);
-            self.recent.push_front(self.integrator.checkpoint());
+            self.recent.push_front(self.walk.checkpoint());
         }
         Ok(())
     }
 
     /// Keeps the present state, every other one of them where there are too many.
     fn keep(&mut self) {
-        self.kept.push(self.integrator.checkpoint());
+        self.kept.push(self.walk.checkpoint());
         if self.kept.len() > self.most {
             let mut number = 0_u64;
             self.kept.retain(|_| {
@@ -158,8 +158,8 @@ impl Retraced {
     }
 
     fn failure(&self, error: &leafwise_core::StepError) -> Retrace {
-        let (steps, time) = (self.integrator.steps(), self.integrator.time());
-        let state = self.run.own(self.integrator.state());
+        let (steps, time) = (self.walk.steps(), self.walk.time());
+        let state = self.run.own(self.walk.state());
         let mut failure = Failure::of_step(error, steps, time, state);
         failure.of_parts(&self.run.plan.parts);
         Retrace::Failed(failure)

@@ -146,20 +146,15 @@ impl ShadowVerdict {
             shadow_energy.evaluate(state, &mut value);
             [invariants[0], value[0]]
         };
-        let mut integrator = run.integrator();
-        let first = at(integrator.state());
+        let mut walk = run.walk();
+        let first = at(walk.state());
         let mut most = [0.0_f64; 2];
-        let mut failure = None;
-        while integrator.steps() < steps {
-            if let Err(error) = integrator.step() {
-                failure = Some(error);
-                break;
-            }
-            let now = at(integrator.state());
+        let stepped = walk.watch(steps, |walk| {
+            let now = at(walk.state());
             for ((most, now), first) in most.iter_mut().zip(now).zip(first) {
                 *most = larger(*most, (now - first).abs());
             }
-        }
+        });
         let t = run.plan.epsilon * run.plan.h;
         let of = RecordedShadow {
             at: 0,
@@ -171,10 +166,10 @@ impl ShadowVerdict {
             energy: most[0],
             shadow: most[1],
             size: first[0].abs(),
-            steps: integrator.steps(),
+            steps: walk.steps(),
         };
         let verdict = Self::new(of, changes, t);
-        Ok((verdict, integrator.steps(), failure))
+        Ok((verdict, walk.steps(), stepped.err()))
     }
 }
 

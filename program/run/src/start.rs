@@ -31,7 +31,7 @@ pub(super) fn refusal(
         let Some(message) = without_motion(composed, energy) else {
             return Ok(None);
         };
-        if composed.integrator().step().is_ok() {
+        if composed.walk().step().is_ok() {
             return Ok(None);
         }
         message

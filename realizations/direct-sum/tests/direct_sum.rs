@@ -271,11 +271,11 @@ fn uncoupled_summands_move_as_each_alone() {
         let exact = exact.expect("an exact realization").realization;
         let method = hamilton_jacobi(system, &exact, order);
         let parameters = system.parameter_values();
-        let mut integrator = Walk::new(&method, &parameters, 1.0, 0.1, initial);
-        integrator.advance(STEPS.into()).expect("steps");
-        let statistics = integrator.statistics();
+        let mut walk = Walk::new(&method, &parameters, 1.0, 0.1, initial);
+        walk.advance(STEPS.into()).expect("steps");
+        let statistics = walk.statistics();
         (
-            integrator.state().to_vec(),
+            walk.state().to_vec(),
             statistics.operations.expect("code is counted"),
         )
     };
@@ -392,8 +392,8 @@ fn uncoupled_summands_go_their_whole_way_alone_to_the_same_bits() {
         );
         let method = hamilton_jacobi(&system, &realization(&system).expect("a direct sum"), 2);
         let start = [0.3, 0.8, -0.4, 0.5, 0.1, 1.0, v, 1.2, 0.7];
-        let integrator = || Walk::new(&method, &[], 1.0, 0.01, &start);
-        let (mut whole, mut single) = (integrator(), integrator());
+        let walk = || Walk::new(&method, &[], 1.0, 0.01, &start);
+        let (mut whole, mut single) = (walk(), walk());
         let mut failure = None;
         while failure.is_none() {
             failure = single.step().err();
@@ -401,7 +401,7 @@ fn uncoupled_summands_go_their_whole_way_alone_to_the_same_bits() {
         let made = single.steps();
         println!("{energy}: {made} steps, then {failure:?}");
         assert!((0.5..1.2).contains(&(made as f64 * 0.01 / lost)), "{made}");
-        let (mut before, mut beside) = (integrator(), integrator());
+        let (mut before, mut beside) = (walk(), walk());
         before.advance(made).expect("steps");
         (0..made).for_each(|_| beside.step().expect("a step"));
         assert_eq!(before.checkpoint(), beside.checkpoint());

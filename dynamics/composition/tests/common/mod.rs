@@ -97,9 +97,9 @@ pub fn run(
 ) -> Result<Vec<f64>, StepError> {
     let parameters = system.parameter_values();
     let h = time / steps as f64;
-    let mut integrator = leafwise_core::Walk::new(map, &parameters, 1.0, h, initial);
+    let mut walk = leafwise_core::Walk::new(map, &parameters, 1.0, h, initial);
     for _ in 0..steps {
-        integrator.step()?;
+        walk.step()?;
     }
-    Ok(integrator.state().to_vec())
+    Ok(walk.state().to_vec())
 }

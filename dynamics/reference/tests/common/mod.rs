@@ -154,11 +154,11 @@ pub fn map(name: &str, system: &PoissonSystem, parameters: &PartParameters) -> A
 
 /// Every state of `steps` steps of εh = t, the first one included.
 pub fn orbit(map: &dyn StepMap, t: f64, steps: usize, initial: &[f64]) -> Vec<Vec<f64>> {
-    let mut integrator = Walk::new(map, &[], 0.5, 2.0 * t, initial);
+    let mut walk = Walk::new(map, &[], 0.5, 2.0 * t, initial);
     let mut states = vec![initial.to_vec()];
     for _ in 0..steps {
-        integrator.step().expect("a step that converges");
-        states.push(integrator.state().to_vec());
+        walk.step().expect("a step that converges");
+        states.push(walk.state().to_vec());
     }
     states
 }

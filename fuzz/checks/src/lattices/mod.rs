@@ -174,11 +174,11 @@ fn moves_the_same(lattice: &RandomLattice, run: &ComposedRun) -> Result<(), Stri
     let end = |steps: usize, time: f64| {
         let values = run.system.parameter_values();
         let h = time / run.plan.epsilon / steps as f64;
-        let mut integrator = Walk::new(run.method.map(), &values, run.plan.epsilon, h, x);
+        let mut walk = Walk::new(run.method.map(), &values, run.plan.epsilon, h, x);
         for _ in 0..steps {
-            integrator.step().ok()?;
+            walk.step().ok()?;
         }
-        Some(integrator.state().to_vec())
+        Some(walk.state().to_vec())
     };
     let fine = FINE * size / speed;
     if let (Some(after), Some(before)) = (end(1, fine), end(1, -fine)) {

@@ -78,11 +78,11 @@ pub const START: [f64; 3] = [0.3, 1.0, -0.7];
 
 /// The states after `steps` steps of 0.1.
 pub fn orbit(system: &PoissonSystem, map: &dyn StepMap, steps: usize) -> Vec<[u64; 3]> {
-    let mut integrator = Walk::new(map, &system.parameter_values(), 1.0, 0.1, &START);
+    let mut walk = Walk::new(map, &system.parameter_values(), 1.0, 0.1, &START);
     (0..steps)
         .map(|_| {
-            integrator.step().expect("a step");
-            [0, 1, 2].map(|i| integrator.state()[i].to_bits())
+            walk.step().expect("a step");
+            [0, 1, 2].map(|i| walk.state()[i].to_bits())
         })
         .collect()
 }

@@ -22,8 +22,8 @@ pub fn explain(
     let plan = &run.plan;
     let parameters = run.system.parameter_values();
     let map = run.method.map();
-    let mut integrator = Walk::new(map, &parameters, plan.epsilon, plan.h, &plan.initial);
-    let first_step = match integrator.step() {
+    let mut walk = Walk::new(map, &parameters, plan.epsilon, plan.h, &plan.initial);
+    let first_step = match walk.step() {
         Ok(()) => duration(start.elapsed().as_secs_f64()),
         Err(error) => format!("the first step fails: {error}"),
     };

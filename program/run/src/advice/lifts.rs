@@ -140,21 +140,21 @@ struct Orbit {
 fn orbit(run: &ComposedRun, map: &dyn StepMap, length: f64, most: u64) -> Option<Orbit> {
     let (values, plan) = (run.system.parameter_values(), &run.plan);
     let h = length * plan.h;
-    let mut integrator = Walk::new(map, &values, plan.epsilon, h, &plan.initial);
+    let mut walk = Walk::new(map, &values, plan.epsilon, h, &plan.initial);
     let between = (LONGEST as f64 / length) as u64;
     let mut states = Vec::new();
     for _ in 0..TIMES {
         for _ in 0..between {
-            integrator.step().ok()?;
-            let operations = integrator.statistics().operations;
+            walk.step().ok()?;
+            let operations = walk.statistics().operations;
             if operations.is_some_and(|operations| operations >= most) {
                 return None;
             }
         }
-        states.push(integrator.state().to_vec());
+        states.push(walk.state().to_vec());
     }
     Some(Orbit {
         states,
-        operations: integrator.statistics().operations,
+        operations: walk.statistics().operations,
     })
 }

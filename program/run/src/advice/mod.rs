@@ -140,13 +140,13 @@ pub(crate) fn states_from(run: &ComposedRun, x: &[f64], count: usize) -> Vec<Vec
     }
     let parameters = run.system.parameter_values();
     let (epsilon, h) = (run.plan.epsilon, run.plan.h);
-    let mut integrator = Walk::new(run.method.map(), &parameters, epsilon, h, x);
+    let mut walk = Walk::new(run.method.map(), &parameters, epsilon, h, x);
     let stride = (run.plan.steps / count as u64).clamp(1, MOST_STRIDE);
     while states.len() < count {
-        if integrator.advance(stride).is_err() {
+        if walk.advance(stride).is_err() {
             break;
         }
-        states.push(integrator.state().to_vec());
+        states.push(walk.state().to_vec());
     }
     states
 }
@@ -160,10 +160,10 @@ pub(crate) fn orbit_from(
     count: u64,
 ) -> Vec<Vec<f64>> {
     let (epsilon, h) = (run.plan.epsilon, run.plan.h);
-    let mut integrator = Walk::new(run.method.map(), parameters, epsilon, h, x);
+    let mut walk = Walk::new(run.method.map(), parameters, epsilon, h, x);
     let mut states = vec![x.to_vec()];
     // The orbit ends where a step fails.
-    let _ = integrator.watch(count, |walk| states.push(walk.state().to_vec()));
+    let _ = walk.watch(count, |walk| states.push(walk.state().to_vec()));
     states
 }
 

@@ -73,26 +73,26 @@ impl Trial {
         let (mut spent, mut counted, mut later) = (0, 0_u64, 0);
         let mut of_the_first = None;
         for x in states.into_iter().take(STATES) {
-            let mut integrator = Walk::new(map, &parameters, epsilon, h, x);
+            let mut walk = Walk::new(map, &parameters, epsilon, h, x);
             let initial = energy_at(x);
             let (mut largest, mut before) = (0.0_f64, 0);
             for step in 1..=STEPS {
-                integrator.step().ok()?;
-                let operations = integrator.statistics().operations?;
+                walk.step().ok()?;
+                let operations = walk.statistics().operations?;
                 if spent + operations > most {
                     return None;
                 }
                 if step == FIRST {
                     before = operations;
                 }
-                largest = largest.max((energy_at(integrator.state()) - initial).abs());
+                largest = largest.max((energy_at(walk.state()) - initial).abs());
             }
-            let operations = integrator.statistics().operations?;
+            let operations = walk.statistics().operations?;
             spent += operations;
             later += operations - before;
             counted += (STEPS - FIRST) as u64;
             let size = if initial == 0.0 { 1.0 } else { initial.abs() };
-            let state = integrator.state().to_vec();
+            let state = walk.state().to_vec();
             of_the_first.get_or_insert((before, largest / size, state));
         }
         let (first, energy, state) = of_the_first?;

@@ -81,7 +81,7 @@ impl<'a> Session<'a> {
             records.crossings = Some(Samples::resume(&path, &header, vouched, count)?);
         }
         let memory = Memory {
-            walk: checkpoint.integrator.clone(),
+            walk: checkpoint.walk.clone(),
             start: checkpoint.start.clone(),
             paced: checkpoint.paced.clone(),
             sides: section.map(|_| checkpoint.side).into_iter().collect(),
@@ -95,7 +95,7 @@ impl<'a> Session<'a> {
         {
             return Err(damaged("it is of another system".to_owned()));
         }
-        let (made, asked) = (checkpoint.integrator.steps, run.plan.steps);
+        let (made, asked) = (checkpoint.walk.steps, run.plan.steps);
         if made > asked {
             return Err(RunError::Shortened {
                 directory: directory.path.clone(),

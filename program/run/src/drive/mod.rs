@@ -28,9 +28,6 @@ use crate::states::StateTable;
 /// How often waiting samples are handed to the operating system.
 const FLUSH_EVERY: Duration = Duration::from_millis(200);
 
-/// How often it is shown where a run stands.
-const SHOW_EVERY: Duration = Duration::from_millis(20);
-
 /// Coordinates stepped between two looks at the clock: about a millisecond's work.
 const COORDINATES_A_LOOK: usize = 4096;
 
@@ -127,7 +124,6 @@ impl Session<'_> {
     pub fn drive(&mut self, progress: &mut dyn Progress) -> Result<RunOutcome, RunError> {
         let stride = (COORDINATES_A_LOOK / self.run.dimension().max(1)).max(1) as u64;
         let (mut flushed, mut saved) = (Instant::now(), Instant::now());
-        let mut shown = Instant::now();
         self.records.watch.begin(self.watched.walk().state());
         self.watched.begin(&mut |look| self.records.take(look))?;
         loop {
@@ -135,12 +131,8 @@ impl Session<'_> {
             self.watched
                 .advance(stride, &mut |look| self.records.take(look))?;
             self.wall += started.elapsed();
-            let is_over = self.watched.walk().living() == 0 || progress.is_interrupted();
-            if is_over || shown.elapsed() >= SHOW_EVERY {
-                progress.show(&self.status());
-                shown = Instant::now();
-            }
-            if is_over {
+            progress.show(&self.status());
+            if self.watched.walk().living() == 0 || progress.is_interrupted() {
                 break;
             }
             if saved.elapsed() >= self.checkpoint_every {
@@ -218,7 +210,7 @@ impl Session<'_> {
         let vouched = records.samples.sync()?;
         let memory = self.watched.memory();
         let checkpoint = Checkpoint {
-            integrator: memory.walk,
+            walk: memory.walk,
             statistics,
             wall_seconds: self.wall.as_secs_f64(),
             vouched,

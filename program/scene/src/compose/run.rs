@@ -77,7 +77,7 @@ pub struct ComposedRun {
     pub near: Vec<f64>,
     /// The time as a coordinate, where H names it: two coordinates of `system` behind the scene's own.
     pub extension: Option<Extension>,
-    /// The integrator.
+    /// The method.
     pub method: Stepping,
     /// From where, how far, what to keep.
     pub plan: RunPlan,
@@ -409,8 +409,8 @@ impl ComposedRun {
         self.extension.as_ref()?.pace.as_ref()
     }
 
-    /// An integrator at the scene's initial state, with its parameters and step sizes.
-    pub fn integrator(&self) -> Walk {
+    /// A walk at the scene's initial state, with its parameters and step sizes.
+    pub fn walk(&self) -> Walk {
         let parameters = self.system.parameter_values();
         let plan = &self.plan;
         Walk::new(

@@ -180,14 +180,11 @@ fn examine(
 fn repeats(problem: &Problem, map: &dyn StepMap, t: f64) -> Option<String> {
     let values = problem.system.parameter_values();
     let orbit = || -> Vec<u64> {
-        let mut integrator = Walk::new(map, &values, 1.0, t, &problem.initial);
+        let mut walk = Walk::new(map, &values, 1.0, t, &problem.initial);
         let mut bits = Vec::new();
-        for _ in 0..STEPS {
-            if integrator.step().is_err() {
-                break;
-            }
-            bits.extend(integrator.state().iter().map(|v| v.to_bits()));
-        }
+        let mut look = |walk: &Walk| bits.extend(walk.state().iter().map(|v| v.to_bits()));
+        // An orbit ends where a step fails.
+        let _ = walk.watch(STEPS as u64, &mut look);
         bits
     };
     (orbit() != orbit()).then(|| "two runs from one state differ".to_owned())

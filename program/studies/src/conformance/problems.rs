@@ -111,12 +111,12 @@ pub(super) fn along(registry: &Registry, problem: &Problem) -> Vec<Vec<f64>> {
     };
     let values = problem.system.parameter_values();
     let (t, initial) = (problem.time_step, &problem.initial);
-    let mut integrator = Walk::new(map.as_ref(), &values, 1.0, t, initial);
+    let mut walk = Walk::new(map.as_ref(), &values, 1.0, t, initial);
     for _ in 0..STATES {
-        if integrator.advance(ORBIT / STATES).is_err() {
+        if walk.advance(ORBIT / STATES).is_err() {
             break;
         }
-        states.push(integrator.state().to_vec());
+        states.push(walk.state().to_vec());
     }
     states
 }

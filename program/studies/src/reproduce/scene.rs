@@ -66,33 +66,29 @@ impl History {
         goes_on: impl Fn(&[f64]) -> bool,
     ) -> Result<Self, ReproduceError> {
         let mut observer = run.invariants()?;
-        let mut integrator = run.integrator();
+        let mut walk = run.walk();
         let mut values = vec![0.0; observer.observables()];
-        observer.evaluate(integrator.state(), &mut values);
+        observer.evaluate(walk.state(), &mut values);
         let initial = (values[0], values[1]);
         let mut history = Self {
             rows: vec![(0.0, 0.0, 0.0)],
             initial,
-            states: vec![(0.0, integrator.state().to_vec())],
+            states: vec![(0.0, walk.state().to_vec())],
         };
         for step in 1..=run.plan.steps {
-            integrator.step().map_err(|error| ReproduceError::Step {
+            walk.step().map_err(|error| ReproduceError::Step {
                 figure,
                 step,
                 error,
             })?;
-            if !goes_on(integrator.state()) {
+            if !goes_on(walk.state()) {
                 break;
             }
-            observer.evaluate(integrator.state(), &mut values);
-            history.rows.push((
-                integrator.time(),
-                values[0] - initial.0,
-                values[1] - initial.1,
-            ));
+            observer.evaluate(walk.state(), &mut values);
             history
-                .states
-                .push((integrator.time(), integrator.state().to_vec()));
+                .rows
+                .push((walk.time(), values[0] - initial.0, values[1] - initial.1));
+            history.states.push((walk.time(), walk.state().to_vec()));
         }
         Ok(history)
     }

@@ -42,19 +42,19 @@ fn reversible_steps(_: &StressOptions) -> Result<Outcome, StressError> {
     let problem = Problem::of_library("heavy-top")?;
     let parameters = problem.system.parameter_values();
     let method = method(&problem.system, 6, 4)?;
-    let mut integrator = Walk::new(&method, &parameters, 1.0, 0.1, &TUMBLING);
+    let mut walk = Walk::new(&method, &parameters, 1.0, 0.1, &TUMBLING);
     let start = casimirs(&TUMBLING);
     let (mut worst, mut drift) = (0.0_f64, 0.0_f64);
     for step in 0..20_000 {
         if step % 10 == 0 {
-            let x = integrator.state().to_vec();
+            let x = walk.state().to_vec();
             let there = one_step(&method, &parameters, 0.1, &x)?;
             let back = one_step(&method, &parameters, -0.1, &there)?;
             let defect = distance(&back, &x) / largest(&x);
             worst = larger(worst, defect);
         }
-        integrator.step()?;
-        let change = distance(&casimirs(integrator.state()), &start);
+        walk.step()?;
+        let change = distance(&casimirs(walk.state()), &start);
         drift = larger(drift, change);
     }
     Ok(Outcome {
@@ -69,9 +69,9 @@ fn one_step(
     t: f64,
     x: &[f64],
 ) -> Result<Vec<f64>, StressError> {
-    let mut integrator = Walk::new(map, parameters, 1.0, t, x);
-    integrator.step()?;
-    Ok(integrator.state().to_vec())
+    let mut walk = Walk::new(map, parameters, 1.0, t, x);
+    walk.step()?;
+    Ok(walk.state().to_vec())
 }
 
 fn orbits_return(_: &StressOptions) -> Result<Outcome, StressError> {
@@ -81,15 +81,15 @@ fn orbits_return(_: &StressOptions) -> Result<Outcome, StressError> {
     let (steps, apart) = (1200, 1e-10);
     let mut near = TUMBLING;
     near[0] += apart;
-    let mut integrator = Walk::new(&method, &parameters, 1.0, 0.1, &TUMBLING);
+    let mut walk = Walk::new(&method, &parameters, 1.0, 0.1, &TUMBLING);
     let mut beside = Walk::new(&method, &parameters, 1.0, 0.1, &near);
     let mut separation = apart;
     for _ in 0..steps {
-        integrator.step()?;
+        walk.step()?;
         beside.step()?;
-        separation = distance(integrator.state(), beside.state()).max(separation);
+        separation = distance(walk.state(), beside.state()).max(separation);
     }
-    let end = integrator.state().to_vec();
+    let end = walk.state().to_vec();
     let mut back = Walk::new(&method, &parameters, 1.0, -0.1, &end);
     back.advance(steps)?;
     let missed = distance(back.state(), &TUMBLING);

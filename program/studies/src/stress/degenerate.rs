@@ -61,14 +61,14 @@ fn coordinate_planes(_: &StressOptions) -> Result<Outcome, StressError> {
         for zero in 0..3 {
             let mut x = [0.9, 1.4, 0.6];
             x[zero] = 0.0;
-            let mut integrator = Walk::new(&method, &[], 0.01, 2.0, &x);
+            let mut walk = Walk::new(&method, &[], 0.01, 2.0, &x);
             let mut stays = true;
-            integrator.watch(100, |walk| {
+            walk.watch(100, |walk| {
                 stays &= walk.state()[zero] == 0.0;
             })?;
-            let moved = distance(integrator.state(), &x);
+            let moved = distance(walk.state(), &x);
             tally.take(stays && moved > 0.1, || {
-                format!("x{} = 0 from {x:?}: {:?}", zero + 1, integrator.state())
+                format!("x{} = 0 from {x:?}: {:?}", zero + 1, walk.state())
             });
         }
     }

@@ -55,12 +55,12 @@ fn two(_: &StressOptions) -> Result<Outcome, StressError> {
     let (t, steps, x) = (0.3, 1000_u32, [1.0, 0.0]);
     let system = problem(system, &x)?.system;
     let method = method(&system, 2, 2)?;
-    let mut integrator = Walk::new(&method, &[], 1.0, t, &x);
-    integrator.advance(u64::from(steps))?;
+    let mut walk = Walk::new(&method, &[], 1.0, t, &x);
+    walk.advance(u64::from(steps))?;
     // q̇ = {H, q} = p, ṗ = −q.
     let angle = 2.0 * libm::atan(t / 2.0) * f64::from(steps);
     let exact = [libm::cos(angle), -libm::sin(angle)];
-    let error = distance(integrator.state(), &exact);
+    let error = distance(walk.state(), &exact);
     let first = increment(&method, &[], (1.0, t), &x)?;
     Ok(Outcome {
         is_met: error <= 1e4 * UNIT_ROUNDOFF && largest(&first) > 0.1,
@@ -79,26 +79,25 @@ fn lattice(_: &StressOptions) -> Result<Outcome, StressError> {
              dynamics = {{ name = \"hamilton-jacobi\", order = 4 }}\ntime-step = 0.05\n\
              [run]\ninitial = {{ \"x[i]\" = \"1 + 0.1*sin(2*pi*i/{PERIOD})\" }}\nsteps = 10\n"
         ))?;
-        let mut integrator = run.integrator();
+        let mut walk = run.walk();
         // The sine itself is rounded differently in every period.
         let period: Vec<f64> = run.plan.initial[..PERIOD].to_vec();
         let initial: Vec<f64> = (0..sites).map(|i| period[i % PERIOD]).collect();
-        let mut checkpoint = integrator.checkpoint();
+        let mut checkpoint = walk.checkpoint();
         checkpoint.state = initial;
-        integrator.restore(&checkpoint).map_err(|expected| {
-            leafwise_core::BuildError::Dimension {
+        walk.restore(&checkpoint)
+            .map_err(|expected| leafwise_core::BuildError::Dimension {
                 what: "the solver's memory".to_owned(),
                 expected,
                 found: sites,
-            }
-        })?;
+            })?;
         let started = Instant::now();
-        integrator.advance(run.plan.steps)?;
+        walk.advance(run.plan.steps)?;
         let site_steps = (sites as u64 * run.plan.steps) as f64;
         let seconds = started.elapsed().as_secs_f64() / site_steps;
-        let operations = integrator.statistics().operations;
+        let operations = walk.statistics().operations;
         let operations = operations.map_or(f64::NAN, |count| count as f64 / site_steps);
-        Ok((integrator.state().to_vec(), operations, seconds))
+        Ok((walk.state().to_vec(), operations, seconds))
     };
     let (few, _, _) = run(PERIOD)?;
     let (thousands, near, _) = run(2_000)?;

@@ -39,18 +39,18 @@ pub(super) const CASES: [Case; 3] = [
 
 /// Steps to the end; the largest distance of each invariant from where it began.
 fn drifts(run: &ComposedRun) -> Result<(Vec<f64>, Vec<f64>), StressError> {
-    let mut integrator = run.integrator();
+    let mut walk = run.walk();
     let mut invariants = run.invariants()?;
     let mut first = vec![0.0; invariants.observables()];
-    invariants.evaluate(integrator.state(), &mut first);
+    invariants.evaluate(walk.state(), &mut first);
     let (mut values, mut worst) = (first.clone(), vec![0.0; first.len()]);
-    integrator.watch(run.plan.steps, |walk| {
+    walk.watch(run.plan.steps, |walk| {
         invariants.evaluate(walk.state(), &mut values);
         for (worst, (value, first)) in worst.iter_mut().zip(values.iter().zip(&first)) {
             *worst = largest(&[*worst, value - first]);
         }
     })?;
-    Ok((integrator.state().to_vec(), worst))
+    Ok((walk.state().to_vec(), worst))
 }
 
 /// q̈ = −ω² q of each mode e^{ikj}, ω = 2 sin(k/2).

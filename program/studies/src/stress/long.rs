@@ -46,11 +46,11 @@ fn measure(steps: u64, n: i64, m: i64, t: f64) -> Result<Outcome, StressError> {
     let problem = Problem::of_library("rigid-body")?;
     let parameters = problem.system.parameter_values();
     let method = method(&problem.system, n, m)?;
-    let mut integrator = Walk::new(&method, &parameters, 1.0, t, &problem.initial);
+    let mut walk = Walk::new(&method, &parameters, 1.0, t, &problem.initial);
     // What the state holds beyond a double counts: the sum of squares alone is rounded to 3e-16.
     let start: f64 = problem.initial.iter().map(|x| x * x).sum();
-    let casimir = |integrator: &Walk| -> f64 {
-        let (x, low) = (integrator.state(), integrator.compensation());
+    let casimir = |walk: &Walk| -> f64 {
+        let (x, low) = (walk.state(), walk.compensation());
         x.iter()
             .zip(low)
             .map(|(x, low)| x * x + 2.0 * x * low)
@@ -59,7 +59,7 @@ fn measure(steps: u64, n: i64, m: i64, t: f64) -> Result<Outcome, StressError> {
     let every = steps.div_ceil(SAMPLES).max(1);
     let mut samples = vec![0.0];
     let mut largest = 0.0_f64;
-    integrator.watch(steps, |walk| {
+    walk.watch(steps, |walk| {
         let drift = (casimir(walk) - start) / start;
         largest = if drift.abs() <= largest {
             largest

@@ -42,11 +42,11 @@ fn unstable_axis(_: &StressOptions) -> Result<Outcome, StressError> {
     let problem = Problem::of_library("rigid-body")?;
     let parameters = problem.system.parameter_values();
     let method = method(&problem.system, 10, 8)?;
-    let mut integrator = Walk::new(&method, &parameters, 1.0, 0.1, &[1.0, NEAR, 0.0]);
+    let mut walk = Walk::new(&method, &parameters, 1.0, 0.1, &[1.0, NEAR, 0.0]);
     let (i1, i2, i3) = (1.0, 0.75, 1.25);
     let lambda = libm::sqrt((1.0 / i1 - 1.0 / i3) * (1.0 / i2 - 1.0 / i1));
     let mut worst = 0.0_f64;
-    integrator.watch(200, |walk| {
+    walk.watch(200, |walk| {
         let exact = NEAR * libm::cosh(lambda * 0.1 * walk.steps() as f64);
         let error = (walk.state()[1] - exact).abs() / exact;
         worst = larger(worst, error);
@@ -55,7 +55,7 @@ fn unstable_axis(_: &StressOptions) -> Result<Outcome, StressError> {
         is_met: worst <= 1e-11,
         measured: format!(
             "at most {worst:.1e} relative while x2 grows to {:.1e}",
-            integrator.state()[1]
+            walk.state()[1]
         ),
     })
 }
@@ -68,10 +68,10 @@ fn separatrix(_: &StressOptions) -> Result<Outcome, StressError> {
     let spin = |x: &[f64]| -> f64 { x.iter().map(|x| x * x).sum() };
     let energy = |x: &[f64]| -> f64 { x.iter().zip(inverse).map(|(x, i)| x * x * i / 2.0).sum() };
     let start = [1.0, NEAR, 0.0];
-    let mut integrator = Walk::new(&method, &parameters, 1.0, 0.1, &start);
+    let mut walk = Walk::new(&method, &parameters, 1.0, 0.1, &start);
     let (mut of_spin, mut of_energy, mut turns) = (0.0_f64, 0.0_f64, 0);
     let mut sign = 1.0;
-    integrator.watch(100_000, |walk| {
+    walk.watch(100_000, |walk| {
         let x = walk.state();
         of_spin = of_spin.max((spin(x) - spin(&start)).abs() / spin(&start));
         of_energy = of_energy.max((energy(x) - energy(&start)).abs() / energy(&start));
@@ -80,7 +80,7 @@ fn separatrix(_: &StressOptions) -> Result<Outcome, StressError> {
             turns += 1;
         }
     })?;
-    let is_finite = integrator.state().iter().all(|x| x.is_finite());
+    let is_finite = walk.state().iter().all(|x| x.is_finite());
     Ok(Outcome {
         is_met: is_finite && of_spin <= 1e-13 && of_energy <= 1e-8 && turns > 10,
         measured: format!("|x|^2 {of_spin:.1e}, H {of_energy:.1e}, turned over {turns} times"),
@@ -95,10 +95,10 @@ fn coordinate_plane(_: &StressOptions) -> Result<Outcome, StressError> {
          [run]\ninitial = [1e-12, 1.9, 0.5]\nsteps = 10_000\n",
     )?;
     let casimir = |x: &[f64]| 2.0 * libm::log(x[0]) + libm::log(x[1]) + libm::log(x[2]);
-    let mut integrator = run.integrator();
+    let mut walk = run.walk();
     let start = casimir(&run.plan.initial);
     let (mut worst, mut smallest) = (0.0_f64, f64::INFINITY);
-    integrator.watch(run.plan.steps, |walk| {
+    walk.watch(run.plan.steps, |walk| {
         let drift = (casimir(walk.state()) - start).abs();
         worst = larger(worst, drift);
         smallest = smallest.min(walk.state()[0]);

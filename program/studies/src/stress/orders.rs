@@ -62,10 +62,10 @@ fn dynamics(_: &StressOptions) -> Result<Outcome, StressError> {
         let problem = Problem::of_library(id)?;
         let parameters = problem.system.parameter_values();
         let method = method(&problem.system, n, 12)?;
-        let mut integrator = Walk::new(&method, &parameters, 1.0, t, &problem.initial);
-        integrator.advance(20)?;
+        let mut walk = Walk::new(&method, &parameters, 1.0, t, &problem.initial);
+        walk.advance(20)?;
         let flow = problem.flow(&registry, 20.0 * t)?;
-        let error = distance(integrator.state(), &flow) / largest(&flow);
+        let error = distance(walk.state(), &flow) / largest(&flow);
         worst = worst.max(error);
         tally.take(error <= 1e-11, || format!("{id}: {error:.1e} off"));
     }

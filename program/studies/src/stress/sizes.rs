@@ -61,16 +61,16 @@ fn overflow(_: &StressOptions) -> Result<Outcome, StressError> {
     let mut last = String::new();
     for size in [1e150, 1e200] {
         let x: Vec<f64> = problem.initial.iter().map(|x| x * size).collect();
-        let mut integrator = Walk::new(&method, &parameters, 1.0, 0.1, &x);
-        let outcome = integrator.step();
+        let mut walk = Walk::new(&method, &parameters, 1.0, 0.1, &x);
+        let outcome = walk.step();
         let is_typed = matches!(
             outcome,
             Err(StepError::NonFinite { .. }
                 | StepError::LeftChart { .. }
                 | StepError::OtherBranch { .. })
         );
-        tally.take(is_typed && integrator.state() == x, || {
-            format!("at {size:e}: {outcome:?} and {:?}", integrator.state())
+        tally.take(is_typed && walk.state() == x, || {
+            format!("at {size:e}: {outcome:?} and {:?}", walk.state())
         });
         if let Err(error) = outcome {
             last = error.to_string();
@@ -95,11 +95,11 @@ fn ends(_: &StressOptions) -> Result<Outcome, StressError> {
         let method = method(&problem.system, 4, 4)?;
         for size in [5e-324, 1e-300, 1e-150, 1e150, 1e300] {
             let x: Vec<f64> = problem.initial.iter().map(|x| x * size).collect();
-            let mut integrator = Walk::new(&method, &parameters, 0.1, 1.0, &x);
+            let mut walk = Walk::new(&method, &parameters, 0.1, 1.0, &x);
             for _ in 0..5 {
-                let before = integrator.state().to_vec();
-                let outcome = integrator.step();
-                let after = integrator.state();
+                let before = walk.state().to_vec();
+                let outcome = walk.step();
+                let after = walk.state();
                 match outcome {
                     Ok(()) => {
                         taken += 1;

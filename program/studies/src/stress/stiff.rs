@@ -41,14 +41,14 @@ fn symmetric_top(_: &StressOptions) -> Result<Outcome, StressError> {
     let problem = top([1.0, 1.0, 1e-6], &x)?;
     let parameters = problem.system.parameter_values();
     let method: Method = method(&problem.system, 10, 8)?;
-    let mut integrator = Walk::new(&method, &parameters, 1.0, t, &x);
-    integrator.advance(u64::from(steps))?;
+    let mut walk = Walk::new(&method, &parameters, 1.0, t, &x);
+    walk.advance(u64::from(steps))?;
     // ẋ = {H, x} = −x × ω turns (x1, x2) by +x3 (1/I3 − 1/I1) t.
     let angle = x[2] * (1e6 - 1.0) * t * f64::from(steps);
     let exact = [libm::cos(angle), libm::sin(angle), x[2]];
     let mirrored = [exact[0], -exact[1], exact[2]];
-    let error = distance(integrator.state(), &exact);
-    let other = distance(integrator.state(), &mirrored);
+    let error = distance(walk.state(), &exact);
+    let other = distance(walk.state(), &mirrored);
     Ok(Outcome {
         is_met: error <= 1e-10,
         measured: format!(

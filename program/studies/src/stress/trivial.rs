@@ -27,10 +27,10 @@ pub(super) fn rests(tally: &mut Tally, name: &str, system: &PoissonSystem, x: &[
     for (n, m) in [(1, 2), (4, 4), (6, 6)] {
         let outcome = method(system, n, m).and_then(|method| {
             let parameters = system.parameter_values();
-            let mut integrator = Walk::new(&method, &parameters, 0.1, 2.0, x);
-            integrator.advance(10)?;
-            let is_whole = integrator.compensation().iter().all(|low| *low == 0.0);
-            Ok(is_whole && same_bits(integrator.state(), x))
+            let mut walk = Walk::new(&method, &parameters, 0.1, 2.0, x);
+            walk.advance(10)?;
+            let is_whole = walk.compensation().iter().all(|low| *low == 0.0);
+            Ok(is_whole && same_bits(walk.state(), x))
         });
         let is_met = matches!(outcome, Ok(true));
         tally.take(is_met, || match outcome {

@@ -33,14 +33,14 @@ const START: [f64; 3] = [1.0, 3.0, 3.0];
 /// The Casimir's largest relative change until a component is below 1e-100, the smallest component
 /// there, and the steps it took.
 fn die_out(map: &dyn StepMap) -> Result<(f64, f64, u64), StressError> {
-    let mut integrator = Walk::new(map, &[], 0.01, 2.0, &START);
+    let mut walk = Walk::new(map, &[], 0.01, 2.0, &START);
     let mut worst = 0.0_f64;
     loop {
-        integrator.step()?;
-        let x = integrator.state();
+        walk.step()?;
+        let x = walk.state();
         let smallest = x.iter().copied().fold(f64::INFINITY, f64::min);
         if smallest <= 1e-100 {
-            return Ok((worst, smallest, integrator.steps()));
+            return Ok((worst, smallest, walk.steps()));
         }
         let drift = (x[0] * x[2] / x[1] - 1.0).abs();
         worst = larger(worst, drift);
@@ -61,17 +61,17 @@ fn relative_accuracy(_: &StressOptions) -> Result<Outcome, StressError> {
 fn heteroclinic(_: &StressOptions) -> Result<Outcome, StressError> {
     let problem = Problem::of_library("lotka-volterra")?;
     let method = method(&problem.system, 8, 2)?;
-    let mut integrator = Walk::new(&method, &[], 0.1, 2.0, &START);
+    let mut walk = Walk::new(&method, &[], 0.1, 2.0, &START);
     let mut most_negative = 0.0_f64;
     let mut underflow = None;
-    integrator.watch(1000, |walk| {
+    walk.watch(1000, |walk| {
         let x = walk.state();
         most_negative = x.iter().copied().fold(most_negative, f64::min);
         if underflow.is_none() && x.iter().any(|x| *x < f64::MIN_POSITIVE) {
             underflow = Some(walk.steps());
         }
     })?;
-    let x = integrator.state();
+    let x = walk.state();
     let energy = (x.iter().sum::<f64>() - 7.0).abs() / 7.0;
     let unit = f64::from_bits(1);
     let rests = x[0].abs() <= 10.0 * unit && x[1].abs() <= 10.0 * unit;

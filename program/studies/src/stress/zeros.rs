@@ -41,9 +41,10 @@ fn steps(
     x: &[f64],
     (count, most): (usize, u64),
 ) {
-    let mut integrator = Walk::new(map, parameters, 1.0, 0.05, x);
-    let failed = (0..count).find_map(|step| Some((step, integrator.step().err()?)));
-    let evaluations = integrator.statistics().most_evaluations;
+    let mut walk = Walk::new(map, parameters, 1.0, 0.05, x);
+    let failed = walk.advance(count as u64).err();
+    let failed = failed.map(|error| (walk.steps(), error));
+    let evaluations = walk.statistics().most_evaluations;
     tally.take(failed.is_none() && evaluations <= most, || match failed {
         Some((step, error)) => format!("{name} from {x:?}, step {step}: {error}"),
         None => format!("{name} from {x:?}: {evaluations} evaluations in one step"),

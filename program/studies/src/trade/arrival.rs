@@ -15,7 +15,7 @@ const MOST_TRIED: usize = 30;
 const MISSED: f64 = 4.0;
 
 /// From the scene's initial state, with its parameters.
-pub(super) fn integrator(run: &ComposedRun, epsilon: f64, h: f64) -> Walk {
+pub(super) fn walk(run: &ComposedRun, epsilon: f64, h: f64) -> Walk {
     let values = run.system.parameter_values();
     Walk::new(run.method.map(), &values, epsilon, h, &run.plan.initial)
 }
@@ -66,22 +66,22 @@ pub(super) fn way(run: &ComposedRun, time: Option<f64>) -> Result<(f64, f64), Tr
     let failed = |error: StepError| TradeError::NoReference {
         reasons: vec![format!("the scene's own method: {error}")],
     };
-    let mut integrator = integrator(run, epsilon, h);
-    let is_there = |integrator: &Walk| match time {
-        Some(time) => (integrator.state()[place] - time) * (epsilon * h) >= 0.0,
-        None => integrator.steps() >= run.plan.steps,
+    let mut walk = walk(run, epsilon, h);
+    let is_there = |walk: &Walk| match time {
+        Some(time) => (walk.state()[place] - time) * (epsilon * h) >= 0.0,
+        None => walk.steps() >= run.plan.steps,
     };
-    while !is_there(&integrator) {
-        integrator.step().map_err(failed)?;
-        if integrator.steps() >= MOST_STEPS {
+    while !is_there(&walk) {
+        walk.step().map_err(failed)?;
+        if walk.steps() >= MOST_STEPS {
             return Err(TradeError::TooLong {
-                time: time.unwrap_or(integrator.state()[place]),
-                steps: integrator.steps() as f64,
+                time: time.unwrap_or(walk.state()[place]),
+                steps: walk.steps() as f64,
             });
         }
     }
-    let made = integrator.steps() as f64 * h;
-    let end = time.unwrap_or(integrator.state()[place]);
-    let (more, _) = arrive(run, epsilon, integrator.state(), end).map_err(failed)?;
+    let made = walk.steps() as f64 * h;
+    let end = time.unwrap_or(walk.state()[place]);
+    let (more, _) = arrive(run, epsilon, walk.state(), end).map_err(failed)?;
     Ok((end, epsilon * (made + more)))
 }

@@ -173,7 +173,7 @@ fn states(
     let values = run.system.parameter_values();
     let step = time / (count as f64 * stride as f64);
     let initial = &run.plan.initial;
-    let mut integrator = Walk::new(run.method.map(), &values, 1.0, step, initial);
+    let mut walk = Walk::new(run.method.map(), &values, 1.0, step, initial);
     let mut states = Vec::with_capacity((count + 1) * initial.len());
     let place = time_place(run);
     let mut keep = |state: &[f64]| {
@@ -182,12 +182,10 @@ fn states(
     };
     keep(initial);
     for _ in 0..count {
-        integrator
-            .advance(stride)
-            .map_err(|error| error.to_string())?;
-        keep(integrator.state());
+        walk.advance(stride).map_err(|error| error.to_string())?;
+        keep(walk.state());
     }
-    Ok((states, integrator.statistics().cost()))
+    Ok((states, walk.statistics().cost()))
 }
 
 #[cfg(test)]

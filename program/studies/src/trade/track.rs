@@ -54,7 +54,7 @@ pub(super) struct Track<'a> {
 }
 
 /// Steps by which the least cost of a step is found, and how many times smaller than the scene's.
-const PROBE_STEPS: usize = 12;
+const PROBE_STEPS: u64 = 12;
 const PROBE_RATIO: f64 = 1.0 / 1024.0;
 
 /// The next error of a method may fall by this much more than its order says.
@@ -254,14 +254,14 @@ fn probe(bench: &Bench<'_>, candidate: &Candidate) -> Result<f64, String> {
     let run = &candidate.run;
     let values = run.system.parameter_values();
     let step = PROBE_RATIO * bench.extent() / bench.steps() as f64;
-    let mut integrator = Walk::new(run.method.map(), &values, 1.0, step, &run.plan.initial);
+    let mut walk = Walk::new(run.method.map(), &values, 1.0, step, &run.plan.initial);
     let mut least = u64::MAX;
     let mut before = 0;
-    for _ in 0..PROBE_STEPS {
-        integrator.step().map_err(|error| error.to_string())?;
-        let after = integrator.statistics().cost();
+    let stepped = walk.watch(PROBE_STEPS, |walk| {
+        let after = walk.statistics().cost();
         least = least.min(after - before);
         before = after;
-    }
+    });
+    stepped.map_err(|error| error.to_string())?;
     Ok(least as f64)
 }

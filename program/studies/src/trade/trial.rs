@@ -10,7 +10,7 @@ use leafwise_scene::ComposedRun;
 use leafwise_scene::compose::Stepping;
 use serde::Serialize;
 
-use super::arrival::{arrive, integrator, time_place};
+use super::arrival::{arrive, time_place, walk};
 use super::candidate::Bench;
 use super::curve::Curve;
 
@@ -122,18 +122,18 @@ pub(super) fn run_counted(
         reason: error.to_string(),
     };
     let mut observer = run.invariants().map_err(unfit)?;
-    let mut integrator = integrator(run, epsilon, h);
+    let mut walk = walk(run, epsilon, h);
     let place = time_place(run);
     let count = observer.observables();
     let (mut initial, mut now) = (vec![0.0; count], vec![0.0; count]);
-    observer.evaluate(integrator.state(), &mut initial);
+    observer.evaluate(walk.state(), &mut initial);
     let mut drift = vec![0.0_f64; count];
     let before = *spent;
     let own = run.own(&run.plan.initial).len();
     let (mut largest_error, mut buffer) = (0.0, vec![0.0; own + 1]);
     for step in 0..steps {
-        let stepped = integrator.step();
-        let own = integrator.statistics().cost();
+        let stepped = walk.step();
+        let own = walk.statistics().cost();
         *spent = before + own;
         stepped.map_err(|error| TrialFailure::Step { step, error })?;
         let taken = step + 1;
@@ -146,7 +146,7 @@ pub(super) fn run_counted(
                 steps,
             });
         }
-        observer.evaluate(integrator.state(), &mut now);
+        observer.evaluate(walk.state(), &mut now);
         for ((drift, now), initial) in drift.iter_mut().zip(&now).zip(&initial) {
             let change = (now - initial).abs();
             if !change.is_finite() {
@@ -156,7 +156,7 @@ pub(super) fn run_counted(
         }
         if let Some(curve) = curve {
             let part = taken as f64 / steps as f64;
-            let state = integrator.state();
+            let state = walk.state();
             let time = place.map(|place| state[place]);
             let error = curve.distance(part, (run.own(state), time), &mut buffer);
             // A NaN is no small error.
@@ -166,14 +166,14 @@ pub(super) fn run_counted(
     // With a pace every method is at another time then.
     let failed = |error| TrialFailure::Step { step: steps, error };
     let (_, stepped) = match place {
-        Some(_) => arrive(run, epsilon, integrator.state(), bench.time()).map_err(failed)?,
-        None => (0.0, integrator.state().to_vec()),
+        Some(_) => arrive(run, epsilon, walk.state(), bench.time()).map_err(failed)?,
+        None => (0.0, walk.state().to_vec()),
     };
     Ok(Trial {
         largest_error: curve.map(|_| largest_error),
         state: run.own(&stepped).to_vec(),
         stepped,
-        statistics: integrator.statistics(),
+        statistics: walk.statistics(),
         drift,
     })
 }
@@ -203,10 +203,10 @@ pub fn time_run(
 ) -> Result<Wall, TrialFailure> {
     let mut seconds = Vec::with_capacity(repetitions.max(1));
     for _ in 0..repetitions.max(1) {
-        let mut integrator = integrator(run, epsilon, h);
+        let mut walk = walk(run, epsilon, h);
         let started = Instant::now();
-        let outcome = integrator.advance(steps);
-        let step = integrator.steps();
+        let outcome = walk.advance(steps);
+        let step = walk.steps();
         outcome.map_err(|error| TrialFailure::Step { step, error })?;
         seconds.push(started.elapsed().as_secs_f64());
     }

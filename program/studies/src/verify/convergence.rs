@@ -47,10 +47,10 @@ impl Convergence {
         let mut floor = Floor::new(ROUND_OFF[0], ROUND_OFF[1]);
         for steps in STEPS {
             let t = horizon / f64::from(steps);
-            let mut integrator = Walk::new(map, &values, 1.0, t, &problem.initial);
-            match integrator.advance(u64::from(steps)) {
+            let mut walk = Walk::new(map, &values, 1.0, t, &problem.initial);
+            match walk.advance(u64::from(steps)) {
                 Ok(()) => {
-                    let error = distance(integrator.state(), flow);
+                    let error = distance(walk.state(), flow);
                     errors.push((t, error));
                     floor.take(t, error);
                 }

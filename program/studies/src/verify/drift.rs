@@ -46,9 +46,9 @@ impl Drift {
         let started = Instant::now();
         timed.advance(TIMED_STEPS as u64)?;
         let nanoseconds = started.elapsed().as_secs_f64() * 1e9 / TIMED_STEPS as f64;
-        let mut integrator = start();
+        let mut walk = start();
         let invariants = match SystemInvariants::new(&problem.system, &values) {
-            Ok(mut observer) => measure_drift(&mut integrator, &mut observer, STEPS)?,
+            Ok(mut observer) => measure_drift(&mut walk, &mut observer, STEPS)?,
             Err(_) => Vec::new(),
         };
         let mut states = vec![problem.initial.clone()];
@@ -79,7 +79,7 @@ impl Drift {
                 .iter()
                 .map(InvariantDrift::relative)
                 .fold(0.0, larger),
-            evaluations: integrator.statistics().evaluations_per_step(),
+            evaluations: walk.statistics().evaluations_per_step(),
             nanoseconds,
         })
     }

@@ -53,12 +53,11 @@ impl KeptEnergy {
         for steps in STEPS {
             let t = horizon / f64::from(steps);
             let power = (0..first.order_of_map).fold(1.0, |power, _| power * t);
-            let mut integrator = Walk::new(map, &values, 1.0, t, &problem.initial);
-            if integrator.advance(u64::from(steps)).is_err() {
+            let mut walk = Walk::new(map, &values, 1.0, t, &problem.initial);
+            if walk.advance(u64::from(steps)).is_err() {
                 continue;
             }
-            let ((start, size), (end, _)) =
-                (at(&problem.initial, power), at(integrator.state(), power));
+            let ((start, size), (end, _)) = (at(&problem.initial, power), at(walk.state(), power));
             if size == 0.0 {
                 return None;
             }

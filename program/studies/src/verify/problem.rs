@@ -109,9 +109,9 @@ impl Problem {
         let map = reference.build(&self.system, &given)?;
         let values = self.system.parameter_values();
         let step = t / f64::from(REFERENCE_STEPS);
-        let mut integrator = Walk::new(map.as_ref(), &values, 1.0, step, &self.initial);
-        integrator.advance(u64::from(REFERENCE_STEPS))?;
-        Ok(integrator.state().to_vec())
+        let mut walk = Walk::new(map.as_ref(), &values, 1.0, step, &self.initial);
+        walk.advance(u64::from(REFERENCE_STEPS))?;
+        Ok(walk.state().to_vec())
     }
 }
 

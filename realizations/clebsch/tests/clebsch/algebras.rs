@@ -207,10 +207,9 @@ fn casimirs_and_energies_are_kept() {
             .chain(casimirs)
             .collect();
         let parameters = system.parameter_values();
-        let mut integrator = Walk::new(&method, &parameters, 1.0, 0.5 * most, &initial);
-        (0..STEPS).for_each(|_| integrator.step().expect("a step"));
-        let [before, after] =
-            [&initial[..], integrator.state()].map(|x| observe(&system, &functions, x));
+        let mut walk = Walk::new(&method, &parameters, 1.0, 0.5 * most, &initial);
+        (0..STEPS).for_each(|_| walk.step().expect("a step"));
+        let [before, after] = [&initial[..], walk.state()].map(|x| observe(&system, &functions, x));
         let pairs = after.iter().zip(&before);
         let drifts: Vec<f64> = pairs.map(|(after, before)| after - before).collect();
         let square: f64 = initial.iter().map(|x| x * x).sum();

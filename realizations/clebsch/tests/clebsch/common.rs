@@ -18,8 +18,8 @@ pub fn realize(system: &PoissonSystem) -> Result<LiftedRealization, BuildError> 
 
 /// A Gauss method of s stages over a realization.
 pub fn over(system: &PoissonSystem, realization: LiftedRealization, stages: usize) -> Method {
-    let integrator = SymplecticIntegrator::Gauss(stages);
-    let dynamics = Collective::new(integrator, Correction::Bisection).expect("stages");
+    let walk = SymplecticIntegrator::Gauss(stages);
+    let dynamics = Collective::new(walk, Correction::Bisection).expect("stages");
     let realization: Arc<dyn RealizationData> = Arc::new(realization);
     Method::compose(system, realization, Arc::new(dynamics)).expect("a method")
 }

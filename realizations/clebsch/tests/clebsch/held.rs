@@ -18,11 +18,11 @@ fn held(
     x: &[f64],
 ) -> f64 {
     let parameters = system.parameter_values();
-    let mut integrator = Walk::new(method, &parameters, 1.0, time_step, x);
+    let mut walk = Walk::new(method, &parameters, 1.0, time_step, x);
     for _ in 0..steps {
-        integrator.step().expect("a step");
+        walk.step().expect("a step");
     }
-    integrator.statistics().held
+    walk.statistics().held
 }
 
 /// Planted growth of |x|² is found, told as a part of it, and taken off.

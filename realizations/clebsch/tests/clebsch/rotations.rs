@@ -117,13 +117,13 @@ fn the_spin_is_kept_to_round_off() {
     let (system, initial) = (problem.system, problem.initial);
     let method = gauss(&system, 8);
     let parameters = system.parameter_values();
-    let mut integrator = Walk::new(&method, &parameters, 1.0, 0.7, &initial);
+    let mut walk = Walk::new(&method, &parameters, 1.0, 0.7, &initial);
     let spin = |x: &[f64]| -> f64 { x.iter().map(|x| x * x).sum() };
     let before = spin(&initial);
     for _ in 0..STEPS {
-        integrator.step().expect("a step");
+        walk.step().expect("a step");
     }
-    let drift = (spin(integrator.state()) / before - 1.0).abs();
+    let drift = (spin(walk.state()) / before - 1.0).abs();
     // Without `hold` it is ten times as far, and further in proportion to the steps.
     let bound = 4.0 * libm::sqrt(STEPS as f64) * UNIT_ROUNDOFF;
     assert!(drift <= bound, "{drift:e}, {bound:e}");

@@ -162,17 +162,17 @@ fn many_bodies_take_operations_in_proportion() {
         let (system, initial) = bodies(n);
         let method = gauss(&system, 8);
         let parameters = system.parameter_values();
-        let mut integrator = Walk::new(&method, &parameters, 1.0, 0.4, &initial);
+        let mut walk = Walk::new(&method, &parameters, 1.0, 0.4, &initial);
         for _ in 0..STEPS {
-            integrator.step().expect("a step");
+            walk.step().expect("a step");
         }
-        let x = integrator.state();
+        let x = walk.state();
         for (body, initial) in x.chunks_exact(3).zip(initial.chunks_exact(3)) {
             let [before, after] = [initial, body].map(|x| x.iter().map(|x| x * x).sum::<f64>());
             let wandered = 4.0 * libm::sqrt(STEPS as f64) * UNIT_ROUNDOFF;
             assert!((after / before - 1.0).abs() <= wandered, "{before} {after}");
         }
-        let statistics = integrator.statistics();
+        let statistics = walk.statistics();
         let an_evaluation = statistics.operations.expect("kernels") / statistics.evaluations;
         operations.push(an_evaluation as f64);
     }

@@ -26,11 +26,11 @@ fn method(system: &PoissonSystem, realization: Arc<dyn RealizationData>, m: usiz
 
 fn run(map: &Method, epsilon: f64, time: f64, steps: usize) -> Vec<f64> {
     let h = time / epsilon / steps as f64;
-    let mut integrator = Walk::new(map, &PARAMETERS, epsilon, h, &INITIAL);
+    let mut walk = Walk::new(map, &PARAMETERS, epsilon, h, &INITIAL);
     for _ in 0..steps {
-        integrator.step().expect("inside the chart");
+        walk.step().expect("inside the chart");
     }
-    integrator.state().to_vec()
+    walk.state().to_vec()
 }
 
 /// The order seen between the two finest step sizes whose errors are above `floor`, and how far it
@@ -166,11 +166,11 @@ fn the_casimir_and_the_tensor_are_kept() {
             let mut instrument =
                 TensorDefect::new(&system, &map, &PARAMETERS, 1.0, 0.1).expect("a tensor");
             let defect = instrument.measure(&INITIAL).expect("inside the chart");
-            let mut integrator = Walk::new(&map, &PARAMETERS, 1.0, 0.1, &INITIAL);
+            let mut walk = Walk::new(&map, &PARAMETERS, 1.0, 0.1, &INITIAL);
             let mut drift = 0.0_f64;
             for _ in 0..STEPS {
-                integrator.step().expect("inside the chart");
-                let change = casimir(integrator.state()) - casimir(&INITIAL);
+                walk.step().expect("inside the chart");
+                let change = casimir(walk.state()) - casimir(&INITIAL);
                 drift = drift.max(change.abs() / casimir(&INITIAL));
             }
             println!(
@@ -179,7 +179,7 @@ fn the_casimir_and_the_tensor_are_kept() {
                 realization.describe(),
                 defect.norm,
                 defect.scale,
-                integrator.statistics().evaluations_per_step(),
+                walk.statistics().evaluations_per_step(),
                 map.newton().expect("one kernel").operations(),
             );
             assert!(defect.norm <= 64.0 * UNIT * 4.0 * defect.scale);

@@ -54,12 +54,12 @@ fn a_member_alone_is_the_member_of_the_ensemble() {
                 SceneDocument::parse("member.toml", &text, &Registry::empty()).expect("a scene");
             assert!(alone.ensemble.is_none());
             let run = compose(&alone, &Registry::with_builtin()).expect("a run");
-            let mut integrator = run.integrator();
+            let mut walk = run.walk();
             for _ in 0..run.plan.steps {
-                integrator.step().expect("a step");
+                walk.step().expect("a step");
             }
             let parameters = run.system.parameter_values();
-            let own = parameters[1..].iter().chain(integrator.state());
+            let own = parameters[1..].iter().chain(walk.state());
             let numbers: Vec<String> = own.map(|value| format!("{value:?}")).collect();
             let expected = format!("{member},done,{},", numbers.join(","));
             let row = rows[member as usize];
@@ -84,18 +84,18 @@ fn reductions_are_those_of_the_members() {
             SceneDocument::parse("member.toml", &text, &Registry::empty()).expect("a scene");
         let run = compose(&alone, &Registry::with_builtin()).expect("a run");
         let mut invariants = run.invariants().expect("code");
-        let mut integrator = run.integrator();
+        let mut walk = run.walk();
         let mut energy = |state: &[f64]| {
             let mut values = [0.0; 2];
             invariants.evaluate(state, &mut values);
             values[0]
         };
-        let (initial, mut drift) = (energy(integrator.state()), 0.0_f64);
+        let (initial, mut drift) = (energy(walk.state()), 0.0_f64);
         for step in 1..=43 {
-            integrator.step().expect("a step");
-            drift = drift.max((energy(integrator.state()) - initial).abs());
+            walk.step().expect("a step");
+            drift = drift.max((energy(walk.state()) - initial).abs());
             if step == 20 {
-                values.push(integrator.state()[0] * integrator.state()[1]);
+                values.push(walk.state()[0] * walk.state()[1]);
             }
         }
         drifts.push(drift);
@@ -273,13 +273,13 @@ fn last_states_stand_beside_initial_ones_and_drifts() {
         let alone =
             SceneDocument::parse("member.toml", &text, &Registry::empty()).expect("a scene");
         let run = compose(&alone, &Registry::with_builtin()).expect("a run");
-        let mut integrator = run.integrator();
+        let mut walk = run.walk();
         let mut invariants = run.invariants().expect("code");
         let (mut first, mut now, mut largest) = ([0.0; 2], [0.0; 2], [0.0_f64; 2]);
-        invariants.evaluate(integrator.state(), &mut first);
+        invariants.evaluate(walk.state(), &mut first);
         for _ in 0..run.plan.steps {
-            integrator.step().expect("a step");
-            invariants.evaluate(integrator.state(), &mut now);
+            walk.step().expect("a step");
+            invariants.evaluate(walk.state(), &mut now);
             for at in 0..2 {
                 largest[at] = largest[at].max((now[at] - first[at]).abs());
             }
