@@ -99,6 +99,13 @@ PROBLEMS = {
         energy=lambda x: (x**2).sum(1) / 2,
         casimir=lambda x: np.zeros(len(x)),
     ),
+    "kepler": Problem(
+        title="A Kepler orbit of eccentricity 0.9, T = 20",
+        initial=np.array([0.1, 0.0, 0.0, 4.358898943540674]),
+        time=20.0,
+        energy=lambda x: (x[:, 2:] ** 2).sum(1) / 2 - 1 / np.hypot(x[:, 0], x[:, 1]),
+        casimir=lambda x: np.zeros(len(x)),
+    ),
     "volterra_lattice": Problem(
         title=f"Volterra lattice, N = {SITES}, T = 100",
         initial=1 + 0.1 * np.sin(2 * np.pi * np.arange(SITES) / SITES),

@@ -85,6 +85,14 @@ def magnetic():
     return slope, [1.0, 0.5, -0.5, 0.3, 0.2, 0.4]
 
 
+def kepler():
+    """User's code."""
+    q1, q2, p1, p2 = hy.make_vars("q1", "q2", "p1", "p2")
+    cube = (q1 * q1 + q2 * q2) ** -1.5
+    slope = [(q1, p1), (q2, p2), (p1, -q1 * cube), (p2, -q2 * cube)]
+    return slope, [0.1, 0.0, 0.0, 4.358898943540674]
+
+
 def volterra_lattice():
     """User's code."""
     x = hy.make_vars(*[f"x{i}" for i in range(1024)])

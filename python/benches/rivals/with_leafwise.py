@@ -103,6 +103,15 @@ def magnetic(method):
     )
 
 
+def kepler(method):
+    """User's code."""
+    return lw.Scene(
+        system={"library": "kepler"},
+        method=method | {"pace": "(q1^2 + q2^2)^0.75"},
+        run={"initial": [0.1, 0.0, 0.0, 4.358898943540674], "until": 20.0, "record": {"interval": 20.0}},
+    )
+
+
 def volterra_lattice(method):
     """User's code."""
     return lw.Scene(
@@ -161,6 +170,7 @@ METHODS = {
         name: method | {"realization": {"name": "karasev-truncated", "order": 3}}
         for name, method in HAMILTON_JACOBI.items()
     },
+    "kepler": HAMILTON_JACOBI | GAUSS,
     "volterra_lattice": {
         "Hamilton–Jacobi 2": {
             "realization": {"name": "karasev-truncated", "order": 2},
@@ -179,18 +189,28 @@ class Solver:
 
     def __init__(self, problem, name, method, setting):
         self.scene = globals()[name](method).set(**{"method.time-step": problem.time / setting})
-        self.trajectory = self.scene.trajectory([], steps=setting, record=setting)
         self.setting = setting
+        # Steps of a pace are not counted before.
+        self.is_paced = name == "kepler"
+        if self.is_paced:
+            self.trajectory = lambda: self.scene.run(advice=False).x
+        else:
+            self.trajectory = self.scene.trajectory([], steps=setting, record=setting)
 
     def end(self):
         """The last state."""
         return self.trajectory()[-1]
 
     def states(self):
-        """Those after each step."""
+        """Those after each step; of a pace, at 1000 times."""
+        if self.is_paced:
+            return self.scene.set(**{"run.record.interval": 0.02}).run(advice=False).x
         return np.asarray(self.scene.trajectory([], steps=self.setting, record=1)())
 
 
 def first(name, problem, method, setting):
     """A first result."""
-    return solve(globals()[name](METHODS[name][method]), problem.time, setting)
+    scene = globals()[name](METHODS[name][method])
+    if name == "kepler":
+        return Solver(problem, name, METHODS[name][method], setting).end()
+    return solve(scene, problem.time, setting)
