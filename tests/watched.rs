@@ -122,7 +122,13 @@ fn a_look_that_fails_leaves_the_walk_there() {
     let (parameters, initial) = (run.system.parameter_values(), run.plan.initial.clone());
     let new = || {
         let parameters = vec![parameters.clone()];
-        Watched::new(&course, run.method.map(), parameters, &[initial.clone()]).expect("a walk")
+        Watched::new(
+            &course,
+            run.method.map(),
+            parameters,
+            std::slice::from_ref(&initial),
+        )
+        .expect("a walk")
     };
     let [mut full, mut whole] = [new(), new()];
     let refused = full.advance(100, &mut |look| match look {

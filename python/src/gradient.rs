@@ -229,7 +229,7 @@ impl Map {
     #[getter]
     fn plan(&self) -> (u64, u64) {
         let every = match self.run.plan.samples {
-            leafwise::scene::compose::SampleTimes::Every(every) => every,
+            leafwise::walk::SampleTimes::Every(every) => every,
             _ => 1,
         };
         (self.run.plan.steps, every)
