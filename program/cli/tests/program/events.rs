@@ -270,23 +270,64 @@ fn where_no_single_run_stops_a_condition_is_refused() {
             refused.err
         );
     }
-    let chain = r#"[system]
-families    = { q = 40, p = 40 }
+}
+
+/// A chain of a thousand oscillators in one mode: q_i = sin(2πi/N) cos(ωt)/10 with ω = 2 sin(π/N).
+const CHAIN: &str = r#"[system]
+families    = { q = 1000, p = 1000 }
 bracket     = { "q[i],p[i]" = "-1" }
 hamiltonian = "sum(i, p[i]^2/2 + (q[i+1] - q[i])^2/2)"
 [method]
-realization = "auto"
-dynamics    = "auto"
-time-step   = 0.05
+stepper     = "splitting"
+composition = "blanes-moan-6"
+time-step   = 0.5
 [run]
 initial = { "q[i]" = "0.1*sin(2*pi*i/N)", "p[i]" = "0" }
-steps   = 10
-stop    = "q[0] > 1"
+steps   = 1700
+record  = { every = 100, states = ["q[250]", "p[250]"] }
 "#;
-    let refused = run(&Place::with(chain), "run", &[]);
-    assert_eq!(refused.code, Some(3), "{}", refused.err);
-    let message = "`stop` is not offered on a lattice of more than 24 coordinates";
-    assert!(refused.err.contains(message), "{}", refused.err);
+
+/// A long lattice is watched as a short one is: conditions and sections that name sites or sum over them, samples at any times.
+#[test]
+fn a_long_lattice_stops_crosses_and_is_sampled_between_its_steps() {
+    let w = 2.0 * libm::sin(PI / 1000.0);
+    let third = std::f64::consts::FRAC_PI_3;
+    // Σ p² = N/2 (ω sin ωt/10)².
+    let half = 0.5 * 1000.0 * 0.01 * w * w * 0.5;
+    let whole = format!("run.stop=\"sum(i, p[i]^2) > {half:?}\"");
+    let stops = [
+        ("run.stop=\"q[250] < 0.05\"", third / w),
+        (whole.as_str(), std::f64::consts::FRAC_PI_4 / w),
+    ];
+    for (stop, exact) in stops {
+        let here = Place::with(CHAIN);
+        let said = run(&here, "stopped", &[stop]);
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        let told = said.json();
+        assert_eq!(told["outcome"], "stopped");
+        // A method of order 6, whose error in this slow mode is far below round-off of the time.
+        assert!((time(&told) - exact).abs() < 1e-9, "{stop}: {told}");
+    }
+    let here = Place::with(CHAIN);
+    let set = [
+        "run.section={ at = \"q[250] = 0\" }",
+        "run.record={ times = [33.3, 100.1, 500], states = [\"q[250]\", \"p[250]\"] }",
+    ];
+    let said = run(&here, "watched", &set);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let crossed = rows(&here.read("watched/section.csv"));
+    let quarter = FRAC_PI_2 / w;
+    assert_eq!(crossed.len(), 2, "{crossed:?}");
+    for (row, exact) in crossed.iter().zip([quarter, 3.0 * quarter]) {
+        assert!((row[0] - exact).abs() < 1e-8, "{row:?}, {exact}");
+    }
+    let samples = rows(&here.read("watched/samples.csv"));
+    let times: Vec<f64> = samples.iter().map(|row| row[0]).collect();
+    assert_eq!(times, [0.0, 33.3, 100.1, 500.0, 850.0]);
+    for row in samples {
+        let exact = 0.1 * libm::cos(w * row[0]);
+        assert!((row[1] - exact).abs() < 1e-12, "{row:?}");
+    }
 }
 
 /// q = sin(t + φ): a member that begins at q₀ is lost at t = asin 0.9 − asin q₀.

@@ -6,7 +6,6 @@ use leafwise_walk::{Direction, Section, Stop};
 
 use super::Refusal;
 use super::definitions::scope;
-use super::dense::DENSE_LIMIT;
 use super::extended::Extension;
 use super::names::function;
 use super::observables::Observable;
@@ -98,7 +97,7 @@ impl Events {
 /// `parameters`, on a long lattice or not.
 ///
 /// # Errors
-/// A formula that is none, one that has no value where the run begins, and a long lattice.
+/// A formula that is none, or that has no value where the run begins.
 pub fn section_of(
     document: &SceneDocument,
     is_long: bool,
@@ -114,17 +113,11 @@ pub fn section_of(
         source: Source::Override(given.into()),
     };
     let text = Located::new(text.to_owned(), place);
-    if is_long {
-        return Err(refuse(
-            document,
-            &text,
-            format!("events are not offered on a lattice of more than {DENSE_LIMIT} coordinates"),
-            "of this run",
-            "shorten the lattice, or record the formula as an observable",
-        ));
-    }
     let mut scope = scope(document, &lengths, None)?;
-    Extension::of(document, &lengths, &mut scope)?;
+    // No long lattice has the time as a coordinate.
+    if !is_long {
+        Extension::of(document, &lengths, &mut scope)?;
+    }
     let section = Section {
         text: text.value.trim().to_owned(),
         difference: difference(document, &scope, &text, &["="])?.0,
@@ -167,23 +160,6 @@ pub(super) fn check_axes(
         }
     }
     Ok(())
-}
-
-/// Refuses events where sites of a lattice are stepped by templates.
-pub(super) fn refuse_on_a_long_lattice(document: &SceneDocument) -> Result<(), Refusal> {
-    let run = &document.run;
-    let section = run.section.as_ref().map(|section| ("section", &section.at));
-    let watched = run.stop.as_ref().map(|stop| ("stop", stop)).or(section);
-    let Some((key, text)) = watched else {
-        return Ok(());
-    };
-    Err(refuse(
-        document,
-        text,
-        format!("`{key}` is not offered on a lattice of more than {DENSE_LIMIT} coordinates"),
-        "here",
-        "shorten the lattice, or record the formula as an observable",
-    ))
 }
 
 /// Left − right of a comparison with one of `signs`, and its sign.

@@ -83,7 +83,11 @@ pub fn instantiate(document: &SceneDocument, lengths: &[usize]) -> Result<Instan
     };
     let lattice = lattice.as_ref().map(|names| (&whole, names));
     let observables = observables(document, &scope, lattice)?;
-    let events = events(document, &scope)?;
+    // Events name sites of the whole lattice.
+    let events = match is_shortened {
+        true => Events::default(),
+        false => events(document, &scope)?,
+    };
     if let Some(extension) = &mut extension {
         let convention = system.convention;
         extension.extend(convention, &mut names, &mut bracket, &mut hamiltonian);

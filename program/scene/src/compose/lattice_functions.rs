@@ -1,9 +1,12 @@
 //! Functions of a long lattice's state: sums over sites, and what is written out.
 
+use std::sync::Arc;
+
 use leafwise_core::lattice::LatticeObservables;
 use leafwise_core::system::SystemObservables;
 use leafwise_core::{BuildError, Observe};
-use leafwise_expression::Expression;
+use leafwise_expression::{Expression, Graph, Kernel, Term, Workspace};
+use leafwise_walk::StateFunctions;
 
 /// Functions of a long lattice's state.
 #[derive(Clone, Debug)]
@@ -51,5 +54,57 @@ impl Observe for LatticeFunctions {
                 values[*place] = *value;
             }
         }
+    }
+}
+
+/// A formula of some coordinates of a long lattice, as code of these alone.
+///
+/// # Errors
+/// [`BuildError::Algebra`] where it has no code.
+pub(super) fn of_coordinates(
+    formula: &Expression,
+    parameters: usize,
+) -> Result<StateFunctions, BuildError> {
+    let named: Vec<usize> = formula.variables().into_iter().collect();
+    let mut graph = Graph::new();
+    let inputs: Vec<Term> = (0..named.len()).map(|at| graph.input(at)).collect();
+    let value = formula.evaluate_in(&mut graph, &mut |_, coordinate| {
+        // Every variable is among the named ones.
+        let at = named.binary_search(&coordinate).unwrap_or_default();
+        Ok(inputs[at].clone())
+    })?;
+    let kernel = Arc::new(Kernel::compile(&graph, &[value], parameters, named.len()));
+    let named = Arc::new(named);
+    Ok(StateFunctions::each(1, move |parameters| {
+        let mut workspace = kernel.workspace(1);
+        kernel.prepare(&mut workspace, parameters, &[1.0], &[1.0]);
+        Ok(Box::new(OfCoordinates {
+            kernel: Arc::clone(&kernel),
+            workspace,
+            values: vec![0.0; named.len()],
+            named: Arc::clone(&named),
+        }))
+    }))
+}
+
+struct OfCoordinates {
+    kernel: Arc<Kernel>,
+    workspace: Workspace,
+    named: Arc<Vec<usize>>,
+    /// Of the named coordinates.
+    values: Vec<f64>,
+}
+
+impl Observe for OfCoordinates {
+    fn observables(&self) -> usize {
+        1
+    }
+
+    fn evaluate(&mut self, state: &[f64], values: &mut [f64]) {
+        for (value, coordinate) in self.values.iter_mut().zip(&*self.named) {
+            *value = state[*coordinate];
+        }
+        self.kernel
+            .evaluate(&mut self.workspace, &self.values, values);
     }
 }

@@ -18,7 +18,7 @@ use super::extended::{Extension, PaceFormula};
 use super::fit::{check_exactness, check_first_order, check_tensor};
 use super::functions::CompiledFunctions;
 use super::lattice::{SceneLattice, has_room, shortened};
-use super::lattice_functions::LatticeFunctions;
+use super::lattice_functions::{LatticeFunctions, of_coordinates};
 use super::noise::NoisySteps;
 use super::observables::Observable;
 use super::part_choice::PartChoice;
@@ -481,7 +481,10 @@ impl ComposedRun {
     pub fn course(&self, events: &[Event]) -> Result<Course, BuildError> {
         let plan = &self.plan;
         let code = |formula: &Expression| -> Result<StateFunctions, BuildError> {
-            Ok(self.observables(&[formula])?.into())
+            match self.method.lattice() {
+                Some(_) => of_coordinates(formula, self.system.parameters().len()),
+                None => Ok(self.observables(&[formula])?.into()),
+            }
         };
         let stop = plan.events.stop.clone().map(|stop| {
             let difference = code(&stop.difference)?;

@@ -6,7 +6,7 @@ use leafwise_core::lattice::LatticeSource;
 use super::Refusal;
 use super::channels::Channel;
 use super::definitions::scope;
-use super::events::{Events, events, refuse_on_a_long_lattice};
+use super::events::{Events, events};
 use super::extended::Extension;
 use super::forces::check_damping;
 use super::initial::initial_state;
@@ -69,9 +69,12 @@ pub fn compose_system(document: &SceneDocument) -> Result<ComposedSystem, Refusa
         });
     }
     if let Some(lattice) = SceneLattice::of(document)? {
-        refuse_on_a_long_lattice(document)?;
         let (system, geometry, observables) = lattice.trial()?;
         let initial = initial_state(document)?;
+        let families = &lattice.geometry().families;
+        let lengths: Vec<usize> = families.iter().map(|family| family.1).collect();
+        let events = events(document, &scope(document, &lengths, None)?)?;
+        events.check(document, &initial, &system.parameter_values())?;
         let near = shortened(&initial, lattice.geometry(), &geometry);
         return Ok(ComposedSystem {
             system,
@@ -79,7 +82,7 @@ pub fn compose_system(document: &SceneDocument) -> Result<ComposedSystem, Refusa
             extension: None,
             noise: Vec::new(),
             observables,
-            events: Events::default(),
+            events,
             near,
         });
     }
