@@ -16,6 +16,7 @@ use crate::{Failure, RunError};
 /// Observables, deviations of invariants, crossings and ends of a block's members.
 pub(super) struct MemberRecords<'a> {
     ensemble: &'a ComposedEnsemble,
+    directory: &'a Path,
     record: Record,
     /// In all lanes.
     invariants: FunctionValues,
@@ -37,7 +38,7 @@ impl<'a> MemberRecords<'a> {
     /// Nothing recorded yet; `initial` are the invariants at the initial states.
     pub fn new(
         ensemble: &'a ComposedEnsemble,
-        directory: &Path,
+        directory: &'a Path,
         begun: Begun,
         initial: &[f64],
     ) -> Result<Self, BuildError> {
@@ -50,7 +51,6 @@ impl<'a> MemberRecords<'a> {
         let mut invariants = ensemble.course.invariants.values(lanes, &values)?;
         invariants.measure_from(&origins);
         let differ = !ensemble.population.varied().is_empty();
-        let members = begun.first..begun.first + lanes as u64;
         Ok(Self {
             invariants,
             formulas: ensemble.formulas.values(lanes, &values)?,
@@ -71,12 +71,11 @@ impl<'a> MemberRecords<'a> {
                 parameters: begun.parameters,
                 failures: begun.failures,
                 stops: vec![None; lanes],
-                crossings: members
-                    .map(|member| MemberCrossings::new(directory, member))
-                    .collect(),
+                crossings: (0..lanes).map(|_| MemberCrossings::default()).collect(),
                 statistics: SolverStatistics::default(),
             },
             ensemble,
+            directory,
         })
     }
 
@@ -211,7 +210,8 @@ impl<'a> MemberRecords<'a> {
                 let mut row: Vec<f64> = recorded.map(|at| state[at]).collect();
                 row.extend(self.row(lane, state)?);
                 let member = self.record.first + lane as u64;
-                self.record.crossings[lane].push(member, time, row.into_iter())
+                let own = (self.directory, member);
+                self.record.crossings[lane].push(own, time, row.into_iter())
             }
             Look::Ended { lane, ended } => self.take_end(lane, ended),
         }

@@ -19,30 +19,20 @@ const PART: (&str, &str) = ("section-", ".part");
 const HELD: usize = 1 << 15;
 
 /// A member's crossings until it is taken in: text, and the beginning of it in a file of its own where it is long.
+#[derive(Default)]
 pub(super) struct MemberCrossings {
-    path: PathBuf,
     rows: Table,
-    is_begun: bool,
+    /// That file, where it is begun.
+    part: Option<PathBuf>,
     /// How many.
     pub count: u64,
 }
 
 impl MemberCrossings {
-    /// None yet.
-    pub fn new(directory: &Path, member: u64) -> Self {
-        let (before, behind) = PART;
-        Self {
-            path: directory.join(format!("{before}{member}{behind}")),
-            rows: Table::default(),
-            is_begun: false,
-            count: 0,
-        }
-    }
-
-    /// One more row.
+    /// One more row of a member, in this directory where they are many.
     pub fn push(
         &mut self,
-        member: u64,
+        (directory, member): (&Path, u64),
         time: f64,
         values: impl Iterator<Item = f64>,
     ) -> Result<(), RunError> {
@@ -53,7 +43,9 @@ impl MemberCrossings {
             .end_row();
         self.count += 1;
         if self.rows.as_str().len() >= HELD {
-            self.put_aside().map_err(RunError::io(&self.path))?;
+            let (before, behind) = PART;
+            let path = directory.join(format!("{before}{member}{behind}"));
+            self.put_aside(&path).map_err(RunError::io(&path))?;
         }
         Ok(())
     }
@@ -62,18 +54,18 @@ impl MemberCrossings {
     pub fn clear(&mut self) {
         self.rows.clear();
         self.count = 0;
-        if std::mem::take(&mut self.is_begun) {
+        if let Some(part) = self.part.take() {
             // The next session removes what stays.
-            let _ = fs::remove_file(&self.path);
+            let _ = fs::remove_file(part);
         }
     }
 
-    fn put_aside(&mut self) -> io::Result<()> {
-        let mut file = match self.is_begun {
-            false => create_anew(&self.path)?,
-            true => OpenOptions::new().append(true).open(&self.path)?,
+    fn put_aside(&mut self, path: &Path) -> io::Result<()> {
+        let mut file = match self.part {
+            None => create_anew(path)?,
+            Some(_) => OpenOptions::new().append(true).open(path)?,
         };
-        self.is_begun = true;
+        self.part = Some(path.to_owned());
         file.write_all(self.rows.as_str().as_bytes())?;
         self.rows.clear();
         Ok(())
@@ -81,13 +73,11 @@ impl MemberCrossings {
 
     /// Hands all rows over.
     fn take(&mut self, into: &mut Appended) -> Result<(), RunError> {
-        if self.is_begun {
-            let mut file = File::open(&self.path).map_err(RunError::reading(&self.path))?;
+        if let Some(part) = &self.part {
+            let mut file = File::open(part).map_err(RunError::reading(part))?;
             let mut buffer = vec![0; HELD];
             loop {
-                let read = file
-                    .read(&mut buffer)
-                    .map_err(RunError::reading(&self.path))?;
+                let read = file.read(&mut buffer).map_err(RunError::reading(part))?;
                 if read == 0 {
                     break;
                 }
