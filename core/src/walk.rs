@@ -12,8 +12,8 @@ use crate::system::PoissonSystem;
 /// round-off grows like a random walk of steps' round-off, not of states'. Arrays are structures of arrays, coordinate j of
 /// lane w at `[j*lanes + w]`; of one lane they are the state itself.
 ///
-/// A lane whose step fails rests at its last good state and disturbs no other: its column goes on as a copy of one that
-/// lives, which nobody reads.
+/// Of several lanes, one whose step fails rests at its last good state and disturbs no other: its column goes on as a copy of
+/// one that lives, which nobody reads. One lane alone stays where it is, and may try again.
 pub struct Walk {
     stepper: Box<dyn Stepper>,
     lanes: usize,
@@ -182,8 +182,9 @@ impl Walk {
     ///
     /// # Errors
     /// The [`StepError`] of the first lane that fails; [`failed`](Self::failed) has the others of that step, behind which no
-    /// further one is made. Lanes that fail rest at the state before it, the others have made it. Where every lane rests,
-    /// no step is made, and the error is that of the first that failed at some time.
+    /// further one is made. Of several lanes those that fail rest at the state before it, the others have made it; one lane alone
+    /// tries the step again at the next call. Where every lane rests, no step is made, and the error is that of the first that
+    /// failed at some time.
     pub fn advance(&mut self, steps: u64) -> Result<(), StepError> {
         self.failed.clear();
         if self.living == 0 {
@@ -197,7 +198,7 @@ impl Walk {
                 self.stepper
                     .advance(steps, state, low, &mut self.increment, None);
             self.steps += made;
-            return outcome.inspect_err(|error| self.fail(0, error.clone()));
+            return outcome.inspect_err(|error| self.failed.push((0, error.clone())));
         }
         for _ in 0..steps {
             self.step_side_by_side();

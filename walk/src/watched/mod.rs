@@ -408,16 +408,16 @@ impl<'a> Watched<'a> {
     }
 
     fn take_failures(&mut self) {
-        for (lane, error) in self.walk.failed() {
-            let (steps, state) = self.walk.last(*lane);
-            self.fresh.push(*lane);
-            self.ends[*lane] = Some(Ended {
-                why: Why::Failed(error.clone().into()),
+        for (lane, error) in self.walk.failed().to_vec() {
+            let (steps, state) = self.walk.last(lane);
+            let ended = Ended {
+                why: Why::Failed(error.into()),
                 steps,
                 time: self.course.time(steps, &state),
                 state,
                 is_between: false,
-            });
+            };
+            self.end(lane, ended);
         }
     }
 }
