@@ -20,7 +20,7 @@
 //! - `constraints`: a start off the constraints;
 //! - `claims`: parts that are not what they say;
 //! - `trial`: what a step map does over the first steps;
-//! - `walk`: trajectories by their increments;
+//! - `motion`: trajectories by their motions;
 //! - `sizes`: what changes of coordinates are measured by.
 
 mod chart;
@@ -33,6 +33,7 @@ mod energy;
 mod exact;
 mod leaves;
 mod lifts;
+mod motion;
 mod probe;
 mod rounding;
 mod sizes;
@@ -42,7 +43,6 @@ mod stepper;
 mod trial;
 mod truncation;
 mod unused;
-mod walk;
 
 use leafwise_core::{Registry, Walk};
 use serde::Serialize;

@@ -4,8 +4,8 @@
 use leafwise_core::Evaluator;
 use leafwise_expression::Expression;
 
+use super::motion::increment;
 use super::sizes::Sizes;
-use super::walk::increment;
 use super::{Advice, AdviceKind, number};
 use leafwise_scene::compose::ComposedRun;
 

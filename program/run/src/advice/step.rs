@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use leafwise_core::{Registry, StepError, StepMap};
 
+use super::motion::Motion;
 use super::probe::given;
 use super::sizes::Sizes;
-use super::walk::Walk;
 use super::{Advice, AdviceKind, number};
 use leafwise_scene::compose::{ComposedRun, PartChoice};
 
@@ -120,12 +120,12 @@ impl<'a> Finer<'a> {
     }
 
     /// From x: the run's steps, finer ones and still finer ones.
-    fn walks(&self, x: &[f64]) -> [Walk; 3] {
+    fn walks(&self, x: &[f64]) -> [Motion; 3] {
         let (run, own) = (self.run, self.run.method.map());
         match &self.tighter {
-            None => [1, 2, 4].map(|parts| Walk::new(run, own, x, parts)),
+            None => [1, 2, 4].map(|parts| Motion::new(run, own, x, parts)),
             Some([first, second]) => {
-                [own, first.as_ref(), second.as_ref()].map(|map| Walk::new(run, map, x, 1))
+                [own, first.as_ref(), second.as_ref()].map(|map| Motion::new(run, map, x, 1))
             }
         }
     }
@@ -196,7 +196,7 @@ impl<'a> Finer<'a> {
         self.tighter.as_ref()?;
         let (run, own) = (self.run, self.run.method.map());
         states.iter().find_map(|x| {
-            let [mut whole, mut halves] = [1, 2].map(|parts| Walk::new(run, own, x, parts));
+            let [mut whole, mut halves] = [1, 2].map(|parts| Motion::new(run, own, x, parts));
             whole.advance().and_then(|()| halves.advance()).ok()?;
             let part = self.sizes.difference(x, &whole.increment, &halves.increment);
             (part > self.outgrown.min(COARSE)).then(|| {

@@ -8,10 +8,10 @@ use leafwise_core::part::{Family, ParameterSetting, PartKind};
 use leafwise_core::registry::CompositionPart;
 use leafwise_core::{PartParameters, Pieces, Registry, StepMap, Structure};
 
+use super::motion::increment;
 use super::probe::{distance, given, size};
 use super::trial::Trial;
 use super::truncation::{FELT, ROUND_OFF};
-use super::walk::increment;
 use super::{Advice, AdviceKind, number};
 use leafwise_scene::compose::{ComposedRun, PartChoice};
 

@@ -29,8 +29,10 @@ pub(super) struct MemberRecords<'a> {
     next: usize,
     /// The deviations in the window that each lane is in.
     deviations: Vec<f64>,
-    /// That window; `None` once it has ended: the lane goes on as a copy of others.
+    /// That window, where lanes are in windows of their own; `None` once it has ended: the lane goes on as a copy of others.
     window: Vec<Option<usize>>,
+    /// The window that lanes are in together, where all make the same steps.
+    common: usize,
     window_ends: Vec<f64>,
 }
 
@@ -59,6 +61,7 @@ impl<'a> MemberRecords<'a> {
             next: 0,
             deviations: vec![0.0; shape.invariants * lanes],
             window: vec![Some(0); lanes],
+            common: 0,
             window_ends: ensemble.window_ends(),
             record: Record {
                 first: begun.first,
@@ -141,17 +144,21 @@ impl<'a> MemberRecords<'a> {
     /// Puts the deviations of lanes away that have come to another window with the last step.
     fn open_windows(&mut self, at: At<'_>) {
         let (ensemble, lanes) = (self.ensemble, self.record.lanes);
-        let common =
-            (!ensemble.clock.is_of_time).then(|| window(&self.window_ends, at.steps as f64));
+        if !ensemble.clock.is_of_time {
+            let now = window(&self.window_ends, at.steps as f64);
+            if now != self.common {
+                self.put_all_away();
+                self.common = now;
+            }
+            return;
+        }
         for lane in 0..lanes {
             let Some(present) = self.window[lane] else {
                 continue;
             };
-            let now = common.unwrap_or_else(|| {
-                let state = column(at.state, lane, lanes);
-                let time = ensemble.course.time(at.steps, &state);
-                window(&self.window_ends, ensemble.clock.mark(at.steps, time))
-            });
+            let state = column(at.state, lane, lanes);
+            let time = ensemble.course.time(at.steps, &state);
+            let now = window(&self.window_ends, ensemble.clock.mark(at.steps, time));
             if now != present {
                 self.put_away(lane);
                 self.window[lane] = Some(now);
@@ -159,10 +166,30 @@ impl<'a> MemberRecords<'a> {
         }
     }
 
+    /// Writes the deviations of all lanes into the window that they are in together.
+    fn put_all_away(&mut self) {
+        let size = self.deviations.len();
+        if self.window.iter().all(Option::is_some) {
+            let windows = &mut self.record.windows;
+            if let Some(place) = windows.get_mut(self.common * size..(self.common + 1) * size) {
+                place.copy_from_slice(&self.deviations);
+                self.deviations.fill(0.0);
+            }
+            return;
+        }
+        for lane in 0..self.record.lanes {
+            self.put_away(lane);
+        }
+    }
+
     /// Writes a lane's deviations into the window it is in.
     fn put_away(&mut self, lane: usize) {
-        let Some(window) = self.window[lane] else {
+        let Some(own) = self.window[lane] else {
             return;
+        };
+        let window = match self.ensemble.clock.is_of_time {
+            true => own,
+            false => self.common,
         };
         let (lanes, size) = (self.record.lanes, self.deviations.len());
         let windows = &mut self.record.windows;
