@@ -183,7 +183,7 @@ fn stepper_table() {
                     let each = |x: &f64| std::iter::repeat_n(*x, lanes);
                     let initial: Vec<f64> = run.plan.initial.iter().flat_map(each).collect();
                     let map = run.method.map();
-                    let mut going = Walk::new(map, &all, 1.0, 0.05, &initial);
+                    let mut going = Walk::side_by_side(map, lanes, (&all, &initial), 1.0, 0.05);
                     let steps = 20_000 / lanes;
                     let time = nanoseconds(steps, || {
                         going.step().expect("a step");

@@ -61,7 +61,7 @@ fn moved(
     };
     let parameters = each(&run.system.parameter_values());
     let (epsilon, h) = (run.plan.epsilon, run.plan.h);
-    let mut all = Walk::new(map, &parameters, epsilon, h, &each(from));
+    let mut all = Walk::side_by_side(map, lanes, (&parameters, &each(from)), epsilon, h);
     for _ in 0..steps {
         all.step().expect("a step");
     }

@@ -36,10 +36,10 @@ struct Rest {
 }
 
 impl Walk {
-    /// Starts at `initial` with `parameters` and the step sizes ε and h: as many lanes as `initial` holds states.
+    /// Starts one trajectory at `initial` with `parameters` and the step sizes ε and h.
     ///
     /// # Panics
-    /// When `initial` holds no whole number of states of the map's dimension.
+    /// When `initial` does not have the map's dimension.
     pub fn new(
         map: &dyn StepMap,
         parameters: &[f64],
@@ -47,7 +47,20 @@ impl Walk {
         h: f64,
         initial: &[f64],
     ) -> Self {
-        let lanes = initial.len() / map.dimension().max(1);
+        Self::side_by_side(map, 1, (parameters, initial), epsilon, h)
+    }
+
+    /// Starts `lanes` trajectories with parameters and initial states of their own, both structures of arrays.
+    ///
+    /// # Panics
+    /// Without a lane, and when the initial states do not have the map's dimension in each of them.
+    pub fn side_by_side(
+        map: &dyn StepMap,
+        lanes: usize,
+        (parameters, initial): (&[f64], &[f64]),
+        epsilon: f64,
+        h: f64,
+    ) -> Self {
         assert!(
             lanes > 0 && initial.len() == map.dimension() * lanes,
             "every initial state has the map's dimension"
@@ -85,20 +98,13 @@ impl Walk {
         initial: &[Vec<f64>],
         time_step: f64,
     ) -> Self {
-        let lanes = initial.len();
         assert!(
             initial.iter().all(|state| state.len() == map.dimension()),
             "every initial state has the map's dimension"
         );
-        let values = system.parameter_values();
-        let parameters: Vec<f64> = values
-            .iter()
-            .flat_map(|value| std::iter::repeat_n(*value, lanes))
-            .collect();
-        let states: Vec<f64> = (0..map.dimension())
-            .flat_map(|i| initial.iter().map(move |state| state[i]))
-            .collect();
-        Self::new(map, &parameters, 1.0, time_step, &states)
+        let values = vec![system.parameter_values(); initial.len()];
+        let own = (side_by_side(&values), side_by_side(initial));
+        Self::side_by_side(map, initial.len(), (&own.0, &own.1), 1.0, time_step)
     }
 
     /// Says which member of an ensemble each lane is: [`Stepper::follow`].
@@ -156,7 +162,7 @@ impl Walk {
     pub fn last(&self, lane: usize) -> (u64, Vec<f64>) {
         match &self.rests[lane] {
             Some(rest) => (rest.steps, rest.state.clone()),
-            None => (self.steps, self.column(lane)),
+            None => (self.steps, column(&self.state, lane, self.lanes)),
         }
     }
 
@@ -298,11 +304,6 @@ impl Walk {
         }
     }
 
-    fn column(&self, lane: usize) -> Vec<f64> {
-        let column = self.state.iter().skip(lane).step_by(self.lanes);
-        column.copied().collect()
-    }
-
     /// Everything that later steps depend on: x_k, its compensation and the solver's memory.
     pub fn checkpoint(&self) -> Checkpoint {
         Checkpoint {
@@ -343,4 +344,16 @@ pub struct Checkpoint {
     pub compensation: Vec<f64>,
     /// The solver's memory.
     pub memory: Vec<f64>,
+}
+
+/// One lane of a structure of arrays.
+pub fn column(all: &[f64], lane: usize, lanes: usize) -> Vec<f64> {
+    all.iter().skip(lane).step_by(lanes).copied().collect()
+}
+
+/// A structure of arrays of lists of one length: entry i of list w at `[i*lanes + w]`.
+pub fn side_by_side(lists: &[Vec<f64>]) -> Vec<f64> {
+    let rows = lists.first().map_or(0, Vec::len);
+    let row = |i: usize| lists.iter().map(move |list| list[i]);
+    (0..rows).flat_map(row).collect()
 }

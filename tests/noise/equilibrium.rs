@@ -120,7 +120,7 @@ fn a_damped_spin_reaches_equilibrium() {
     let each =
         |values: &[f64]| -> Vec<f64> { values.iter().flat_map(|v| vec![*v; lanes]).collect() };
     let (parameters, initial) = (each(&run.system.parameter_values()), each(&START));
-    let mut all = Walk::new(run.method.map(), &parameters, 1.0, 0.3, &initial);
+    let mut all = Walk::side_by_side(run.method.map(), lanes, (&parameters, &initial), 1.0, 0.3);
     let mut sums = vec![0.0; lanes];
     for step in 0..540 {
         all.step().expect("a step");

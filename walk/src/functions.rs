@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use leafwise_core::system::SystemObservables;
+use leafwise_core::walk::column;
 use leafwise_core::{BuildError, Observe};
 
 /// Makes an observer of one state at values of parameters.
@@ -139,16 +140,4 @@ impl Observe for FunctionValues {
     fn evaluate(&mut self, state: &[f64], values: &mut [f64]) {
         values.copy_from_slice(self.at(state));
     }
-}
-
-/// One lane of a structure of arrays.
-pub fn column(all: &[f64], lane: usize, lanes: usize) -> Vec<f64> {
-    all.iter().skip(lane).step_by(lanes).copied().collect()
-}
-
-/// A structure of arrays of states of one length.
-pub fn side_by_side(states: &[Vec<f64>]) -> Vec<f64> {
-    let rows = states.first().map_or(0, Vec::len);
-    let row = |i: usize| states.iter().map(move |state| state[i]);
-    (0..rows).flat_map(row).collect()
 }

@@ -179,16 +179,16 @@ impl<'a> PaceWatch<'a> {
     }
 
     /// Takes in the last of so many steps; why the walk cannot go on from there, if it cannot.
-    pub fn take(&mut self, last: &LastStep<'_>, end: StepEnd<'_>, steps: u64) -> Option<NoPace> {
+    pub fn take(&mut self, last: &LastStep<'_>, end: &StepEnd<'_>, steps: u64) -> Option<NoPace> {
         let t = self.pace.time;
         let time = last.start.state[t];
-        let values = self.watched.at(end.state);
+        let values = self.watched.at(&end.state);
         let (value, balance) = (values[0], values[1]);
         let advance = last.advance(end, t);
         let pace = || self.pace.text.clone();
         let is_backwards = advance * self.step < 0.0;
         if !(value > 0.0 && value.is_finite()) {
-            let own = self.pace.names.iter().zip(end.state);
+            let own = self.pace.names.iter().zip(&*end.state);
             let place: Vec<String> = own
                 .take(SHOWN)
                 .map(|(name, x)| format!("{name} = {x:?}"))
@@ -206,22 +206,22 @@ impl<'a> PaceWatch<'a> {
                 advance,
             });
         }
-        if advance == 0.0 || self.stalls(end.state, steps) {
+        if advance == 0.0 || self.stalls(&end.state, steps) {
             return Some(NoPace::Stalls {
                 pace: self.pace.text.clone(),
                 value,
                 advance,
             });
         }
-        if self.is_in_vain(end.state, steps) {
+        if self.is_in_vain(&end.state, steps) {
             return Some(NoPace::InVain {
                 pace: self.pace.text.clone(),
                 value,
-                time: self.pace.time_at(end.state),
+                time: self.pace.time_at(&end.state),
                 advance: self.steps.advance,
             });
         }
-        if self.is_lost(end.state, balance) {
+        if self.is_lost(&end.state, balance) {
             return Some(NoPace::Lost {
                 pace: self.pace.text.clone(),
                 value,
@@ -311,7 +311,7 @@ impl<'a> PaceWatch<'a> {
     pub fn state_at(
         &self,
         last: &mut LastStep<'_>,
-        end: StepEnd<'_>,
+        end: &StepEnd<'_>,
         time: f64,
     ) -> Result<Vec<f64>, StepError> {
         let t = self.pace.time;
@@ -321,7 +321,7 @@ impl<'a> PaceWatch<'a> {
         let rounding = f64::EPSILON * time.abs().max(whole.abs());
         let forward = 1.0_f64.copysign(whole);
         let bracket = last.enclose(
-            end.state,
+            &end.state,
             [-wanted * forward, (whole - wanted) * forward],
             &|missed| missed > 0.0,
             Some(0.5 * rounding),

@@ -1,5 +1,8 @@
 //! States between the one before the last step and the one after it: ends of shorter steps from the first.
 
+use std::borrow::Cow;
+
+use leafwise_core::walk::column;
 use leafwise_core::{StepError, StepMap, Stepper, Walk, two_sum};
 use serde::{Deserialize, Serialize};
 
@@ -18,20 +21,24 @@ pub struct StepStart {
     pub compensation: Vec<f64>,
 }
 
-/// The state after the last step.
-#[derive(Clone, Copy)]
+/// The state of one lane after the last step.
 pub struct StepEnd<'a> {
     /// x_k.
-    pub state: &'a [f64],
+    pub state: Cow<'a, [f64]>,
     /// What x_k holds beyond a double.
-    pub compensation: &'a [f64],
+    pub compensation: Cow<'a, [f64]>,
 }
 
-impl<'a> From<&'a Walk> for StepEnd<'a> {
-    fn from(walk: &'a Walk) -> Self {
+impl<'a> StepEnd<'a> {
+    /// Of a lane of a walk.
+    pub fn of(walk: &'a Walk, lane: usize) -> Self {
+        let own = |all: &'a [f64]| match walk.lanes() {
+            1 => Cow::Borrowed(all),
+            lanes => Cow::Owned(column(all, lane, lanes)),
+        };
         Self {
-            state: walk.state(),
-            compensation: walk.compensation(),
+            state: own(walk.state()),
+            compensation: own(walk.compensation()),
         }
     }
 }
@@ -95,7 +102,7 @@ impl<'a> LastStep<'a> {
     }
 
     /// x_k − x_{k−1} in one coordinate.
-    pub fn advance(&self, end: StepEnd<'_>, coordinate: usize) -> f64 {
+    pub fn advance(&self, end: &StepEnd<'_>, coordinate: usize) -> f64 {
         (end.state[coordinate] - self.start.state[coordinate])
             + (end.compensation[coordinate] - self.start.compensation[coordinate])
     }

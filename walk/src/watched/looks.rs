@@ -1,7 +1,5 @@
 //! The looks at a step.
 
-use std::borrow::Cow;
-
 use leafwise_core::BuildError;
 
 use super::{EventLanes, Watched};
@@ -12,14 +10,6 @@ use crate::look::Look;
 use crate::pace::Pace;
 use crate::step::{Between, LastStep, StepEnd};
 use crate::times::is_same_time;
-
-/// One lane of a structure of arrays.
-fn lane_of(all: &[f64], lane: usize, lanes: usize) -> Cow<'_, [f64]> {
-    match lanes {
-        1 => Cow::Borrowed(all),
-        _ => Cow::Owned(all.iter().skip(lane).step_by(lanes).copied().collect()),
-    }
-}
 
 /// The time of a state within the last of so many steps.
 fn time_of(pace: Option<&Pace>, last: &LastStep<'_>, steps: u64, between: &Between) -> f64 {
@@ -41,18 +31,13 @@ impl Watched<'_> {
             if !self.walk.lives(lane) {
                 continue;
             }
-            let [state, compensation] =
-                [self.walk.state(), self.walk.compensation()].map(|all| lane_of(all, lane, lanes));
-            let after = StepEnd {
-                state: &state,
-                compensation: &compensation,
-            };
+            let after = StepEnd::of(&self.walk, lane);
             let alone = self.alones.at(lane, &self.start)?;
             let Some(watch) = &mut alone.pace else {
                 continue;
             };
             std::mem::swap(&mut watch.steps, &mut self.paced[lane]);
-            let fault = watch.take(&alone.last, after, steps);
+            let fault = watch.take(&alone.last, &after, steps);
             std::mem::swap(&mut watch.steps, &mut self.paced[lane]);
             if let Some(fault) = fault {
                 let before = alone.last.start.state.clone();
@@ -197,13 +182,19 @@ impl Watched<'_> {
                 own.sides[lane] = side;
                 continue;
             }
-            let after = lane_of(self.walk.state(), lane, self.walk.lanes());
+            let after = StepEnd::of(&self.walk, lane);
             let alone = self.alones.at(lane, &self.start)?;
             let values = &mut alone.events[at];
             let mut difference = |state: &[f64]| values.at(state)[0];
             let section = &own.event.section;
             let last = &mut alone.last;
-            match crossing(section, &mut difference, last, &after, (side, value, steps)) {
+            match crossing(
+                section,
+                &mut difference,
+                last,
+                &after.state,
+                (side, value, steps),
+            ) {
                 Ok((side, None)) => own.sides[lane] = side,
                 Ok((side, Some(between))) => {
                     let pace = self.course.pace.as_ref();
@@ -338,19 +329,14 @@ impl Watched<'_> {
         time: f64,
         take: &mut F,
     ) -> Result<(), E> {
-        let (steps, lanes, present) = (self.walk.steps(), self.walk.lanes(), self.time(lane));
+        let (steps, present) = (self.walk.steps(), self.time(lane));
         let number = self.next[lane];
-        let [state, compensation] =
-            [self.walk.state(), self.walk.compensation()].map(|all| lane_of(all, lane, lanes));
-        let after = StepEnd {
-            state: &state,
-            compensation: &compensation,
-        };
+        let after = StepEnd::of(&self.walk, lane);
         let alone = self.alones.at(lane, &self.start)?;
         let is_met = self.course.pace.is_none() && is_same_time(present, time);
         let found = match &alone.pace {
-            Some(pace) => pace.state_at(&mut alone.last, after, time),
-            None if is_met => Ok(state.to_vec()),
+            Some(pace) => pace.state_at(&mut alone.last, &after, time),
+            None if is_met => Ok(after.state.to_vec()),
             None => alone.last.state_at(steps, time),
         };
         match found {
@@ -411,17 +397,12 @@ impl Watched<'_> {
                 self.end(lane, ended);
                 continue;
             };
-            let [state, compensation] =
-                [self.walk.state(), self.walk.compensation()].map(|all| lane_of(all, lane, lanes));
-            let after = StepEnd {
-                state: &state,
-                compensation: &compensation,
-            };
+            let after = StepEnd::of(&self.walk, lane);
             let alone = self.alones.at(lane, &self.start)?;
             let Some(pace) = &alone.pace else {
                 continue;
             };
-            match pace.state_at(&mut alone.last, after, until) {
+            match pace.state_at(&mut alone.last, &after, until) {
                 Ok(state) => self.end_between(lane, Why::Done, until, state),
                 Err(error) => self.fail(lane, error.into(), steps),
             }

@@ -3,7 +3,7 @@
 mod at_once;
 mod looks;
 
-use leafwise_core::walk::Checkpoint;
+use leafwise_core::walk::{Checkpoint, column, side_by_side};
 use leafwise_core::{BuildError, SolverStatistics, StepMap, Walk};
 
 use crate::alone::Alones;
@@ -11,7 +11,7 @@ use crate::batch::Batch;
 use crate::course::Course;
 use crate::events::{Event, Side};
 use crate::fault::{Ended, Fault, Why};
-use crate::functions::{FunctionValues, column, side_by_side};
+use crate::functions::FunctionValues;
 use crate::look::{At, Look};
 use crate::pace::PacedSteps;
 use crate::step::StepStart;
@@ -62,8 +62,8 @@ pub struct Memory {
     pub start: StepStart,
     /// How the pace has gone.
     pub paced: PacedSteps,
-    /// Where it stands beside the surface of each event.
-    pub sides: Vec<Side>,
+    /// Where it stands beside the surface of each event, and how often it has crossed that.
+    pub events: Vec<(Side, u64)>,
     /// Samples taken at times.
     pub samples: u64,
 }
@@ -84,13 +84,8 @@ impl<'a> Watched<'a> {
     ) -> Result<Self, BuildError> {
         let lanes = initial.len();
         let values = side_by_side(&parameters);
-        let walk = Walk::new(
-            map,
-            &values,
-            course.epsilon,
-            course.h,
-            &side_by_side(initial),
-        );
+        let own = (values.as_slice(), side_by_side(initial));
+        let walk = Walk::side_by_side(map, lanes, (own.0, &own.1), course.epsilon, course.h);
         let mut invariants = course.invariants.values(lanes, &values)?;
         if let Some(pace) = &course.pace {
             // H + e is measured from e at the beginning.
@@ -208,7 +203,9 @@ impl<'a> Watched<'a> {
             walk: self.walk.checkpoint(),
             start: self.start.clone(),
             paced: self.paced[0].clone(),
-            sides: self.events.iter().map(|event| event.sides[0]).collect(),
+            events: (self.events.iter())
+                .map(|event| (event.sides[0], event.counts[0]))
+                .collect(),
             samples: self.next[0],
         }
     }
@@ -218,20 +215,20 @@ impl<'a> Watched<'a> {
     /// # Errors
     /// Returns the expected length of the list that belongs to another walk.
     pub fn restore(&mut self, memory: &Memory) -> Result<(), usize> {
-        let (own, sides) = (self.start.state.len(), self.events.len());
+        let (own, events) = (self.start.state.len(), self.events.len());
         if memory.start.state.len() != own || memory.start.compensation.len() != own {
             return Err(own);
         }
-        if memory.sides.len() != sides {
-            return Err(sides);
+        if memory.events.len() != events {
+            return Err(events);
         }
         self.walk.restore(&memory.walk)?;
         self.mark_moved();
         self.start.clone_from(&memory.start);
         self.paced[0].clone_from(&memory.paced);
         self.next[0] = memory.samples;
-        for (event, side) in self.events.iter_mut().zip(&memory.sides) {
-            event.sides[0] = *side;
+        for (event, (side, count)) in self.events.iter_mut().zip(&memory.events) {
+            (event.sides[0], event.counts[0]) = (*side, *count);
         }
         Ok(())
     }

@@ -104,7 +104,7 @@ pub fn orbits(
         *x *= 1.0 + (at % lanes) as f64 / 64.0;
     }
     let parameters = spread(&system.parameter_values());
-    let mut going = Walk::new(map, &parameters, 1.0, 0.1, &start);
+    let mut going = Walk::side_by_side(map, lanes, (&parameters, &start), 1.0, 0.1);
     let mut orbits = vec![Vec::new(); lanes];
     for _ in 0..steps {
         going.step().expect("a step");

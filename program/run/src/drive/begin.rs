@@ -84,7 +84,10 @@ impl<'a> Session<'a> {
             walk: checkpoint.walk.clone(),
             start: checkpoint.start.clone(),
             paced: checkpoint.paced.clone(),
-            sides: section.map(|_| checkpoint.side).into_iter().collect(),
+            events: section
+                .map(|_| (checkpoint.side, checkpoint.crossings))
+                .into_iter()
+                .collect(),
             samples: checkpoint.samples,
         };
         let restored = session.watched.restore(&memory);

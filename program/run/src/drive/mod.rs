@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use leafwise_core::SolverStatistics;
 use leafwise_scene::compose::{ComposedRun, Observable};
-use leafwise_walk::{Watched, Why};
+use leafwise_walk::{Side, Watched, Why};
 
 use self::records::Records;
 use crate::appended::Vouched;
@@ -224,7 +224,10 @@ impl Session<'_> {
             paced: memory.paced,
             section: section.unwrap_or(Vouched::NOTHING),
             crossings: records.crossings.as_ref().map_or(0, Samples::count),
-            side: memory.sides.first().copied().unwrap_or_default(),
+            side: memory
+                .events
+                .first()
+                .map_or_else(Side::default, |(side, _)| *side),
             start: memory.start,
         };
         checkpoint.write(&directory.path)

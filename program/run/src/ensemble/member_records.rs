@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
+use leafwise_core::walk::{column, side_by_side};
 use leafwise_core::{BuildError, SolverStatistics};
-use leafwise_walk::{At, Ended, FunctionValues, Look, Why, column, side_by_side};
+use leafwise_walk::{At, Ended, FunctionValues, Look, Why};
 
 use super::begun::Begun;
 use super::clock::window;
