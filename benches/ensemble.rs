@@ -9,12 +9,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use leafwise::core::{Registry, Walk};
-use leafwise::run::{Quiet, RunOptions};
+use leafwise::run::Quiet;
 use leafwise::run::{
     ensemble::ComposedEnsemble, ensemble::Workforce, ensemble::compose_ensemble,
     ensemble::run_ensemble,
 };
 use leafwise::scene::SceneDocument;
+use leafwise_benches::options;
 use leafwise_benches::rotations::{Composition, rigid_bodies};
 
 /// The time of every run.
@@ -56,13 +57,7 @@ fn run(method: &str, time_step: f64, threads: usize) -> (f64, Vec<f64>) {
     };
     let mut best = f64::INFINITY;
     for _ in 0..3 {
-        let options = RunOptions {
-            directory: directory.clone(),
-            force: true,
-            allow_non_poisson: false,
-            command: String::new(),
-            checkpoint_every: RunOptions::CHECKPOINT_EVERY,
-        };
+        let options = options(&directory);
         let report = run_ensemble(&document, &ensemble, &options, workforce, &mut Quiet);
         best = best.min(report.expect("an ensemble").wall_seconds);
     }

@@ -3,8 +3,9 @@
 use std::hint::black_box;
 
 use leafwise::core::Registry;
-use leafwise::run::{Quiet, RunOptions, run};
+use leafwise::run::{Quiet, run};
 use leafwise::scene::{ComposedRun, SceneDocument, compose};
+use leafwise_benches::options;
 
 use crate::accuracy::ratio;
 use crate::document::{Table, time};
@@ -76,13 +77,7 @@ fn scene(system: &str, initial: &str, steps: u64, every: u64) -> (SceneDocument,
 fn whole(document: &SceneDocument, composed: &ComposedRun) -> f64 {
     let directory =
         std::env::temp_dir().join(format!("leafwise-bench-walk-{}", std::process::id()));
-    let options = RunOptions {
-        directory: directory.clone(),
-        force: true,
-        allow_non_poisson: false,
-        command: String::new(),
-        checkpoint_every: RunOptions::CHECKPOINT_EVERY,
-    };
+    let options = options(&directory);
     let report = run(
         document,
         composed,

@@ -2,7 +2,10 @@
 
 pub mod rotations;
 
+use std::path::Path;
+
 use leafwise::core::Registry;
+use leafwise::run::RunOptions;
 use leafwise::scene::{ComposedRun, SceneDocument, compose};
 
 /// A scene of a library system with its default start, Karasev n and Hamilton–Jacobi m.
@@ -73,6 +76,17 @@ pub fn composed(text: &str) -> ComposedRun {
     let document =
         SceneDocument::parse("bench.toml", text, &Registry::with_builtin()).expect("a scene");
     compose(&document, &Registry::with_builtin()).expect("a method")
+}
+
+/// A run or an ensemble into a directory, whatever is there.
+pub fn options(directory: &Path) -> RunOptions {
+    RunOptions {
+        directory: directory.to_owned(),
+        force: true,
+        allow_non_poisson: false,
+        command: String::new(),
+        checkpoint_every: RunOptions::CHECKPOINT_EVERY,
+    }
 }
 
 /// A method whose step is compared with formulas written out as Rust.

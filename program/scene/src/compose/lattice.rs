@@ -32,6 +32,22 @@ fn numbers_a_coordinate(fields: usize) -> usize {
     29 + 3 * fields
 }
 
+/// The same for what is looked for between steps: the state before the last step, shorter steps from there, and each sum of a
+/// condition or a surface, which is written out term by term. A million coordinates take 6 before a shorter step, and 130 for
+/// a sum over all.
+fn numbers_of_events(document: &SceneDocument, fields: usize) -> usize {
+    let run = &document.run;
+    let section = run.section.as_ref().map(|section| &section.at);
+    let texts: Vec<&str> = (run.stop.iter().chain(section))
+        .map(|text| text.value.as_str())
+        .collect();
+    let sums: usize = texts.iter().map(|text| text.matches("sum").count()).sum();
+    match texts.is_empty() {
+        true => 0,
+        false => 12 + 3 * fields + 130 * sums,
+    }
+}
+
 /// The shortest lattice that every formula of a scene is tried on before anything is built.
 const TRIAL_LENGTH: usize = 9;
 
@@ -292,7 +308,8 @@ pub(super) fn has_room(
     coordinates: usize,
     fields: usize,
 ) -> Result<(), Refusal> {
-    let numbers = coordinates.saturating_mul(numbers_a_coordinate(fields));
+    let each = numbers_a_coordinate(fields) + numbers_of_events(document, fields);
+    let numbers = coordinates.saturating_mul(each);
     let mut room: Vec<f64> = Vec::new();
     let Err(_) = room.try_reserve_exact(numbers) else {
         return Ok(());

@@ -10,7 +10,7 @@
 //! - `system`: [`compose_system`], the Poisson system with its initial state;
 //! - `time`: where a scene names the time;
 //! - `extended`: the phase space with the time as a coordinate;
-//! - `events`: what a run watches between its steps;
+//! - `events`: what a run watches between its steps; `course`: what its walks do;
 //! - `initial`: the initial state;
 //! - `observables`: what a run watches and what it records;
 //! - `parts`: realization and dynamic approximation by name;
@@ -29,6 +29,7 @@
 
 mod channels;
 mod checks;
+mod course;
 mod definitions;
 mod dense;
 mod domain;

@@ -4,13 +4,13 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use leafwise_core::lattice::LatticeMethod;
-use leafwise_core::system::{SystemInvariants, SystemObservables};
+use leafwise_core::system::SystemObservables;
 use leafwise_core::{
-    BuildError, Method, Observe, Origin, PartKind, PoissonSystem, Registry, StepMap, Structure,
-    Walk, WithoutPoles,
+    BuildError, Method, Origin, PartKind, PoissonSystem, Registry, StepMap, Structure, Walk,
+    WithoutPoles,
 };
 use leafwise_expression::Expression;
-use leafwise_walk::{Course, Direction, Event, Pace, SampleTimes, Section, StateFunctions};
+use leafwise_walk::{Direction, SampleTimes, Section};
 
 use super::Refusal;
 use super::events::{Events, check_axes, section_of};
@@ -18,7 +18,6 @@ use super::extended::{Extension, PaceFormula};
 use super::fit::{check_exactness, check_first_order, check_tensor};
 use super::functions::CompiledFunctions;
 use super::lattice::{SceneLattice, has_room, shortened};
-use super::lattice_functions::{LatticeFunctions, of_coordinates};
 use super::noise::NoisySteps;
 use super::observables::Observable;
 use super::part_choice::PartChoice;
@@ -422,108 +421,6 @@ impl ComposedRun {
         )
     }
 
-    /// The energy, then each Casimir, as functions of the state; the energy is the balance H − ∫ ∂H/∂t dt.
-    ///
-    /// # Errors
-    /// [`BuildError::Algebra`] where one has no code.
-    pub fn invariants(&self) -> Result<Box<dyn Observe>, BuildError> {
-        let functions = self.invariant_functions()?;
-        let mut values = functions.values(1, &self.system.parameter_values())?;
-        if let Some(extension) = self.extension.as_ref().filter(|_| self.pace().is_some()) {
-            values.measure_from(&[extension.origin(&self.plan.initial)]);
-        }
-        Ok(Box::new(values))
-    }
-
-    /// The energy, H + e where there is a pace, then each Casimir.
-    ///
-    /// # Errors
-    /// [`BuildError::Algebra`] where one has no code.
-    pub fn invariant_functions(&self) -> Result<StateFunctions, BuildError> {
-        if let Stepping::Lattice(lattice) = &self.method {
-            return Ok(of_lattice(&lattice.invariants));
-        }
-        let Some(formulas) = self.system.expressions() else {
-            let system = self.system.clone();
-            let count = 1 + system.casimir_names().len();
-            return Ok(StateFunctions::each(count, move |parameters| {
-                Ok(Box::new(SystemInvariants::new(&system, parameters)?))
-            }));
-        };
-        let paced = self.extension.as_ref().filter(|_| self.pace().is_some());
-        let energy = paced.map_or(formulas.hamiltonian(), Extension::energy);
-        let casimirs = formulas.casimirs().iter();
-        let casimirs = casimirs.map(|casimir| &casimir.expression);
-        let all: Vec<_> = std::iter::once(energy).chain(casimirs).collect();
-        Ok(self.observables(&all)?.into())
-    }
-
-    /// The formulas of the state that the scene records.
-    ///
-    /// # Errors
-    /// [`BuildError::Algebra`] where one has no code.
-    pub fn recorded_functions(&self) -> Result<StateFunctions, BuildError> {
-        if let Stepping::Lattice(lattice) = &self.method {
-            return Ok(of_lattice(&lattice.formulas));
-        }
-        let observables = self.plan.observables.iter();
-        let formulas = observables.filter_map(|observable| match observable {
-            Observable::Invariant { .. } | Observable::Coordinate { .. } => None,
-            Observable::Formula { expression, .. } => Some(expression),
-        });
-        Ok(self.observables(&formulas.collect::<Vec<_>>())?.into())
-    }
-
-    /// The course of its walks, with these events beside the scene's own section, which comes first.
-    ///
-    /// # Errors
-    /// [`BuildError::Algebra`] where a formula has no code.
-    pub fn course(&self, events: &[Event]) -> Result<Course, BuildError> {
-        let plan = &self.plan;
-        let code = |formula: &Expression| -> Result<StateFunctions, BuildError> {
-            match self.method.lattice() {
-                Some(_) => of_coordinates(formula, self.system.parameters().len()),
-                None => Ok(self.observables(&[formula])?.into()),
-            }
-        };
-        let stop = plan.events.stop.clone().map(|stop| {
-            let difference = code(&stop.difference)?;
-            Ok::<_, BuildError>((stop, difference))
-        });
-        let section = plan.events.section.iter().map(|section| Event {
-            section: section.clone(),
-            last: None,
-        });
-        let events = section.chain(events.iter().cloned()).map(|event| {
-            let difference = code(&event.section.difference)?;
-            Ok::<_, BuildError>((event, difference))
-        });
-        let pace = match (self.pace(), &self.extension) {
-            (Some(pace), Some(extension)) => Some(Pace {
-                text: pace.text.clone(),
-                time: extension.coordinates,
-                watched: self
-                    .observables(&[&pace.formula, extension.energy()])?
-                    .into(),
-                system: self.system.clone(),
-                names: self.names(),
-            }),
-            _ => None,
-        };
-        Ok(Course {
-            epsilon: plan.epsilon,
-            h: plan.h,
-            steps: plan.steps,
-            until: plan.until,
-            samples: plan.samples.clone(),
-            pace,
-            stop: stop.transpose()?,
-            events: events.collect::<Result<_, _>>()?,
-            invariants: self.invariant_functions()?,
-            invariants_every: 1,
-        })
-    }
-
     /// Functions of the state at the parameters' values, compiled once for this run and its copies at other values.
     ///
     /// # Errors
@@ -581,14 +478,6 @@ impl ComposedRun {
                 .collect(),
         }
     }
-}
-
-/// Functions of a long lattice's state, at its own values of parameters.
-fn of_lattice(functions: &LatticeFunctions) -> StateFunctions {
-    let functions = functions.clone();
-    StateFunctions::each(functions.observables(), move |_| {
-        Ok(Box::new(functions.clone()))
-    })
 }
 
 /// Parts that do not fit each other or the system.

@@ -1,0 +1,124 @@
+//! What the walks of a run do, and the functions of the state that they look at.
+
+use leafwise_core::system::SystemInvariants;
+use leafwise_core::{BuildError, Observe};
+use leafwise_expression::Expression;
+use leafwise_walk::{Course, Event, Pace, StateFunctions};
+
+use super::extended::Extension;
+use super::lattice_functions::{LatticeFunctions, of_coordinates};
+use super::observables::Observable;
+use super::run::ComposedRun;
+use super::stepping::Stepping;
+
+impl ComposedRun {
+    /// The energy, then each Casimir, as functions of the state; the energy is the balance H − ∫ ∂H/∂t dt.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where one has no code.
+    pub fn invariants(&self) -> Result<Box<dyn Observe>, BuildError> {
+        let functions = self.invariant_functions()?;
+        let mut values = functions.values(1, &self.system.parameter_values())?;
+        if let Some(extension) = self.extension.as_ref().filter(|_| self.pace().is_some()) {
+            values.measure_from(&[extension.origin(&self.plan.initial)]);
+        }
+        Ok(Box::new(values))
+    }
+
+    /// The energy, H + e where there is a pace, then each Casimir.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where one has no code.
+    pub fn invariant_functions(&self) -> Result<StateFunctions, BuildError> {
+        if let Stepping::Lattice(lattice) = &self.method {
+            return Ok(of_lattice(&lattice.invariants));
+        }
+        let Some(formulas) = self.system.expressions() else {
+            let system = self.system.clone();
+            let count = 1 + system.casimir_names().len();
+            return Ok(StateFunctions::each(count, move |parameters| {
+                Ok(Box::new(SystemInvariants::new(&system, parameters)?))
+            }));
+        };
+        let paced = self.extension.as_ref().filter(|_| self.pace().is_some());
+        let energy = paced.map_or(formulas.hamiltonian(), Extension::energy);
+        let casimirs = formulas.casimirs().iter();
+        let casimirs = casimirs.map(|casimir| &casimir.expression);
+        let all: Vec<_> = std::iter::once(energy).chain(casimirs).collect();
+        Ok(self.observables(&all)?.into())
+    }
+
+    /// The formulas of the state that the scene records.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where one has no code.
+    pub fn recorded_functions(&self) -> Result<StateFunctions, BuildError> {
+        if let Stepping::Lattice(lattice) = &self.method {
+            return Ok(of_lattice(&lattice.formulas));
+        }
+        let observables = self.plan.observables.iter();
+        let formulas = observables.filter_map(|observable| match observable {
+            Observable::Invariant { .. } | Observable::Coordinate { .. } => None,
+            Observable::Formula { expression, .. } => Some(expression),
+        });
+        Ok(self.observables(&formulas.collect::<Vec<_>>())?.into())
+    }
+
+    /// The course of its walks, with these events beside the scene's own section, which comes first.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where a formula has no code.
+    pub fn course(&self, events: &[Event]) -> Result<Course, BuildError> {
+        let plan = &self.plan;
+        let code = |formula: &Expression| -> Result<StateFunctions, BuildError> {
+            match self.method.lattice() {
+                Some(_) => of_coordinates(formula, self.system.parameters().len()),
+                None => Ok(self.observables(&[formula])?.into()),
+            }
+        };
+        let stop = plan.events.stop.clone().map(|stop| {
+            let difference = code(&stop.difference)?;
+            Ok::<_, BuildError>((stop, difference))
+        });
+        let section = plan.events.section.iter().map(|section| Event {
+            section: section.clone(),
+            last: None,
+        });
+        let events = section.chain(events.iter().cloned()).map(|event| {
+            let difference = code(&event.section.difference)?;
+            Ok::<_, BuildError>((event, difference))
+        });
+        let pace = match (self.pace(), &self.extension) {
+            (Some(pace), Some(extension)) => Some(Pace {
+                text: pace.text.clone(),
+                time: extension.coordinates,
+                watched: self
+                    .observables(&[&pace.formula, extension.energy()])?
+                    .into(),
+                system: self.system.clone(),
+                names: self.names(),
+            }),
+            _ => None,
+        };
+        Ok(Course {
+            epsilon: plan.epsilon,
+            h: plan.h,
+            steps: plan.steps,
+            until: plan.until,
+            samples: plan.samples.clone(),
+            pace,
+            stop: stop.transpose()?,
+            events: events.collect::<Result<_, _>>()?,
+            invariants: self.invariant_functions()?,
+            invariants_every: 1,
+        })
+    }
+}
+
+/// Functions of a long lattice's state, at its own values of parameters.
+fn of_lattice(functions: &LatticeFunctions) -> StateFunctions {
+    let functions = functions.clone();
+    StateFunctions::each(functions.observables(), move |_| {
+        Ok(Box::new(functions.clone()))
+    })
+}
