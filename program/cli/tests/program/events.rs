@@ -328,6 +328,14 @@ fn a_long_lattice_stops_crosses_and_is_sampled_between_its_steps() {
         let exact = 0.1 * libm::cos(w * row[0]);
         assert!((row[1] - exact).abs() < 1e-12, "{row:?}");
     }
+    // What to write in its place is said where it stands, and serves.
+    let refused = run(&here, "timed", &["run.stop=\"t > 5\""]);
+    assert_eq!(refused.code, Some(3), "{}", refused.err);
+    let said = "end the run by `steps`, and record at given `times`";
+    assert!(refused.err.contains(said), "{}", refused.err);
+    let absent = run(&here, "absent", &["run.stop=\"q[1000] > 1\""]);
+    assert_eq!(absent.code, Some(3), "{}", absent.err);
+    assert!(absent.err.contains("q[0] to q[999]"), "{}", absent.err);
 }
 
 /// q = sin(t + φ): a member that begins at q₀ is lost at t = asin 0.9 − asin q₀.

@@ -6,6 +6,7 @@ use leafwise_core::{Evaluator, PoissonSystem};
 use leafwise_expression::syntax::Formula;
 
 use super::Refusal;
+use super::dense::DENSE_LIMIT;
 use crate::document::{BracketSpec, InitialSpec, Located, Place, SceneDocument};
 
 /// What formulas call the time.
@@ -116,6 +117,12 @@ pub(super) fn about_time(
         return told(
             "the initial state cannot name the time t: every run begins at t = 0, or at `t0`",
             "begin later by t0 in [run], or by another phase, as in cos(omega*t + phase) with a parameter",
+        );
+    }
+    if !system.families.is_empty() && system.coordinates() > DENSE_LIMIT {
+        return told(
+            "t is no name of a formula on a lattice of this length: with t as a coordinate every site would move its energy",
+            "the first column of samples.csv is t; end the run by `steps`, and record at given `times`",
         );
     }
     told(
