@@ -57,7 +57,6 @@ impl ImplicitSweeps {
         // S_l takes l − 1 times the reach of the tensor and of dH to either side, and dS_l once more.
         let (proxy, width) = proxy_of(source, order.saturating_sub(1).max(1))?;
         let system = source.write_out(&proxy)?;
-        system.without_forces("a long lattice")?;
         let mut builder = StageBuilder::new(system.dimension());
         let sizes = [StepSize::Epsilon, StepSize::H].map(|size| builder.graph.step_size(size));
         let (y_field, y) = builder.unwritten();

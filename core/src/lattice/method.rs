@@ -32,7 +32,8 @@ impl LatticeMethod {
     ///
     /// # Errors
     /// [`BuildError::NotLocal`] when the formulas look too far,
-    /// [`BuildError::Incompatible`] when the realization cannot be written as stages.
+    /// [`BuildError::Incompatible`] when the realization cannot be written as stages,
+    /// [`BuildError::Forces`] for forces that the dynamics does not take.
     pub fn compose(
         source: &dyn LatticeSource,
         realize: &Realize<'_>,
@@ -41,6 +42,7 @@ impl LatticeMethod {
         let mut built = None;
         let sweeps = ImplicitSweeps::compose(source, dynamics.order(), |builder, code| {
             let (system, [epsilon, h], y) = (code.system, &code.sizes, &code.y);
+            crate::method::check_forces(system, dynamics.as_ref())?;
             let realization = realize(system)?;
             let bisection = dynamics.bisection(system, &realization)?;
             let missing = |reason: &str| BuildError::Incompatible {

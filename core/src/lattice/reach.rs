@@ -14,6 +14,8 @@ pub struct TemplateReach {
     pub hamiltonian: usize,
     /// The same of a term of a Casimir.
     pub casimirs: usize,
+    /// How far forces look from the coordinate that feels them.
+    pub forces: usize,
     /// How far the index of such a template is from the nearest site that it names: of `sum(i, x[i+2]*x[i+3])`
     /// two sites.
     pub beside: usize,
@@ -32,7 +34,7 @@ impl TemplateReach {
     pub fn of_times(&self, times: usize, is_open: bool) -> usize {
         let of_casimirs = self.casimirs.saturating_add(self.bracket).saturating_sub(1);
         let beside = if is_open { self.beside } else { 0 };
-        let each = self.each().saturating_mul(times);
+        let each = self.each().saturating_mul(times).max(self.forces);
         each.max(of_casimirs).saturating_add(beside)
     }
 
@@ -74,6 +76,23 @@ impl TemplateReach {
         let mut with = self.with_observable(formula)?;
         with.casimirs = with.casimirs.max(with.apart(formula.offsets_of_sums()?));
         Ok(with)
+    }
+
+    /// With a component of a one-form, or an entry of a metric, at a coordinate.
+    ///
+    /// # Errors
+    /// Those of [`Formula::offsets_from`] and [`VariablePattern::offsets`].
+    pub fn with_force(
+        mut self,
+        coordinate: &VariablePattern,
+        formula: &Formula,
+    ) -> Result<Self, SyntaxError> {
+        let index = coordinate.index_name().unwrap_or_default();
+        let named = [coordinate.offsets()?, formula.offsets_from(index)?];
+        let all = named.into_iter().flatten();
+        let all = all.reduce(|all, own| joined(&all, &own));
+        self.forces = self.forces.max(self.apart(all));
+        Ok(self)
     }
 
     /// With a function that is evaluated alone.
@@ -132,6 +151,7 @@ mod tests {
             bracket: 9,
             hamiltonian: 1,
             casimirs: 0,
+            forces: 0,
             beside: 30,
             terms: 40,
         };

@@ -328,6 +328,7 @@ fn build_on_lattice(
 ) -> Result<Arc<dyn LatticeMap>, BuildError> {
     parameters.refuse_unknown(&INFO)?;
     let map = ImplicitSweeps::compose(source, PROPERTIES.order, |builder, code| {
+        code.system.without_forces(INFO.name)?;
         let formulas = code.system.formulas(INFO.name)?;
         let ends = ends(builder, code, formulas, &triples(formulas)?)?;
         Ok((ends, PROPERTIES, INFO.name.to_owned()))

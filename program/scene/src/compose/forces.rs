@@ -3,19 +3,19 @@
 use leafwise_core::PoissonSystem;
 use leafwise_core::system::{Damping, Forces, Metric};
 use leafwise_expression::Expression;
-use leafwise_expression::syntax::Scope;
+use leafwise_expression::syntax::{Scope, VariablePattern};
 use nalgebra::{DMatrix, SymmetricEigen};
 
 use super::Refusal;
 use super::domain::OutOfDomain;
-use super::names::function;
-use crate::document::{Located, MetricSpec, SceneDocument};
+use super::names::{check_code, function, parse, refusal};
+use crate::document::{ByCoordinate, Located, MetricSpec, OneFormSpec, SceneDocument};
 
 /// What is negative, or asymmetric, by less than this of the largest entry is so by round-off.
 const ROUND_OFF: f64 = 1e-12;
 
-/// The forces of a scene whose own coordinates are the first `moving` of `names`; the others, parameters of sites, the time and
-/// its energy, feel none.
+/// The forces of a scene whose own coordinates are `moving`, the first of `dimension`; the others, parameters of sites, the time
+/// and its energy, feel none. No family is longer than `longest`.
 ///
 /// # Errors
 /// The first formula that cannot be read, lists of another length than there are coordinates, and what takes no forces: a pace.
@@ -23,7 +23,7 @@ pub(super) fn forces(
     document: &SceneDocument,
     scope: &Scope,
     moving: &[String],
-    dimension: usize,
+    (dimension, longest): (usize, usize),
 ) -> Result<Forces, Refusal> {
     let spec = &document.system.forces;
     if let (Some(_), Some(pace)) = (spec.place(), &document.method.pace) {
@@ -42,12 +42,21 @@ pub(super) fn forces(
         formulas.resize(dimension, 0.into());
         Ok(formulas)
     };
+    let by_name = |entries: &ByCoordinate| -> Result<Vec<Expression>, Refusal> {
+        let mut formulas = vec![0.into(); dimension];
+        by_coordinate(document, scope, entries, longest, &mut formulas[..moving.len()])?;
+        Ok(formulas)
+    };
     let one_form = match &spec.one_form {
-        Some(list) => {
-            let of = "a formula for each, and 0 where there is none; a force F on a momentum is -F for its coordinate";
-            check_count(document, list, list.value.len(), moving, "forces", of)?;
-            read(&list.value)?
-        }
+        Some(one_form) => match &one_form.value {
+            OneFormSpec::All(list) => {
+                let of = "a formula for each, and 0 where there is none, or a table of them by coordinates; a force F on a \
+                          momentum is -F for its coordinate";
+                check_count(document, one_form, list.len(), moving, "forces", of)?;
+                read(list)?
+            }
+            OneFormSpec::Named(entries) => by_name(entries)?,
+        },
         None => Vec::new(),
     };
     let damping = match &spec.damping {
@@ -64,6 +73,7 @@ pub(super) fn forces(
                             check(entries.len())?;
                             Metric::Diagonal(read(entries)?)
                         }
+                        MetricSpec::Named(entries) => Metric::Diagonal(by_name(entries)?),
                         MetricSpec::Rows(rows) => {
                             check(rows.len())?;
                             rows.iter().try_for_each(|row| check(row.len()))?;
@@ -82,6 +92,53 @@ pub(super) fn forces(
         }
     };
     Ok(Forces { one_form, damping })
+}
+
+/// Writes formulas at the places of their coordinates among those that move, `"p[i]"` at every site; a single site overrides
+/// what stands for all.
+///
+/// # Errors
+/// A key that names no coordinate that moves, and a formula that cannot be read.
+fn by_coordinate(
+    document: &SceneDocument,
+    scope: &Scope,
+    entries: &ByCoordinate,
+    longest: usize,
+    formulas: &mut [Expression],
+) -> Result<(), Refusal> {
+    for is_template in [true, false] {
+        for (key, formula) in entries {
+            let pattern = VariablePattern::parse_one(&key.value)
+                .map_err(|error| refusal(document, key, &error))?;
+            let index = pattern.index_name();
+            if index.is_some() != is_template {
+                continue;
+            }
+            let parsed = parse(document, formula)?;
+            let sites = if is_template { longest } else { 1 };
+            for site in 0..sites {
+                let index = index.map(|name| (name, site));
+                let place = pattern
+                    .resolve(scope, index)
+                    .map_err(|error| refusal(document, key, &error))?;
+                let value = parsed
+                    .resolve(scope, index)
+                    .map_err(|error| refusal(document, formula, &error))?;
+                let Some(place) = place else { continue };
+                let Some(own) = formulas.get_mut(place) else {
+                    return Err(Box::new(document.diagnostic(
+                        &key.place(),
+                        format!("`{}` stays as it is, and feels no force", pattern.name()),
+                        "no coordinate that moves",
+                        None,
+                    )));
+                };
+                *own = value.unwrap_or_else(|| 0.into());
+                check_code(document, formula, own)?;
+            }
+        }
+    }
+    Ok(())
 }
 
 fn check_count<T>(
@@ -152,9 +209,12 @@ pub(super) fn check_damping(
     let at = |x: &[f64]| -> DMatrix<f64> {
         let value = |g: &Expression| g.evaluate(x, &parameters);
         match &damping.metric {
+            // A diagonal is judged entry by entry.
             Metric::Diagonal(entries) => {
-                let values: Vec<f64> = entries.iter().map(value).collect();
-                DMatrix::from_diagonal(&values.into())
+                let least = entries.iter().map(value).fold(0.0, f64::min);
+                let most = entries.iter().map(|entry| value(entry).abs());
+                let most = most.fold(0.0, |most, size| if size > most || size.is_nan() { size } else { most });
+                DMatrix::from_diagonal(&vec![least, most].into())
             }
             Metric::Full(rows) => {
                 DMatrix::from_fn(rows.len(), rows.len(), |i, j| value(&rows[i][j]))
@@ -167,7 +227,10 @@ pub(super) fn check_damping(
         .collect();
     for (x, is_initial) in [(initial, true), (&elsewhere[..], false)] {
         let metric = at(x);
-        let moving = document.system.coordinates();
+        let moving = match &damping.metric {
+            Metric::Diagonal(_) => 0,
+            Metric::Full(_) => document.system.coordinates(),
+        };
         let size = metric.amax();
         if !size.is_finite() {
             if is_initial {

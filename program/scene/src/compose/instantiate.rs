@@ -95,7 +95,8 @@ pub fn instantiate(document: &SceneDocument, lengths: &[usize]) -> Result<Instan
     }
     let moving = system.moving().len();
     let moving = system.variables.len() + lengths[..moving].iter().sum::<usize>();
-    let forces = forces(document, &scope, &names[..moving], names.len())?;
+    let longest = lengths.iter().copied().max().unwrap_or(1);
+    let forces = forces(document, &scope, &names[..moving], (names.len(), longest))?;
     let noise = channels(document, &scope)?;
     Ok(Instantiated {
         names,

@@ -16,7 +16,7 @@ use super::names::{function, is_a_sum, parse, refusal};
 use super::observables::{Observable, coordinate};
 use super::sum::summands;
 use super::time::wants_time;
-use crate::document::{BracketSpec, Located, SceneDocument};
+use crate::document::{BracketSpec, Located, MetricSpec, OneFormSpec, Place, SceneDocument};
 
 /// A scene whose families are too long to be written out.
 pub(super) struct SceneLattice<'a> {
@@ -96,14 +96,6 @@ impl<'a> SceneLattice<'a> {
                 ),
                 "this bracket",
                 Some("write its entries, or shorten the lattice".to_owned()),
-            )));
-        }
-        if let Some(place) = system.forces.place() {
-            return Err(Box::new(document.diagnostic(
-                &place,
-                format!("forces are not offered on a lattice of more than {DENSE_LIMIT} coordinates, and this one has {}", system.coordinates()),
-                "here",
-                Some("shorten the lattice".to_owned()),
             )));
         }
         let geometry = geometry(document);
@@ -257,6 +249,68 @@ fn reach(document: &SceneDocument, known: TemplateReach) -> Result<TemplateReach
         reach = reach
             .with_casimir(&parse(document, casimir)?)
             .map_err(|error| refused(casimir, error))?;
+    }
+    force_reach(document, reach)
+}
+
+/// The same with the forces.
+///
+/// # Errors
+/// Lists, whose entries would be as many as there are coordinates; a rate that depends on the state, which couples every site to
+/// all; and as for the bracket.
+fn force_reach(
+    document: &SceneDocument,
+    mut reach: TemplateReach,
+) -> Result<TemplateReach, Refusal> {
+    let refuse = |place: Place, message: &str, help: &str| {
+        let help = Some(help.to_owned());
+        Err(Box::new(document.diagnostic(&place, message, "here", help)))
+    };
+    let by_site = "on a lattice of this length forces repeat from site to site, and a list names its coordinates one by one";
+    let forces = &document.system.forces;
+    let mut entries: Vec<_> = Vec::new();
+    if let Some(one_form) = &forces.one_form {
+        match &one_form.value {
+            OneFormSpec::Named(named) => entries.extend(named),
+            OneFormSpec::All(_) => {
+                let help = "write a table with an index: forces = { \"q[i]\" = \"0.1*p[i]\" }";
+                return refuse(one_form.place(), by_site, help);
+            }
+        }
+    }
+    if let Some(damping) = &forces.damping {
+        let parsed = parse(document, &damping.rate)?;
+        let refused = |error| refusal(document, &damping.rate, &error);
+        parsed.offsets_from("").map_err(refused)?;
+        let one_site = vec![1; document.system.families.len()];
+        let rate = function(document, &scope(document, &one_site, None)?, &damping.rate)?;
+        if !rate.variables().is_empty() {
+            let message = "on a lattice of this length the rate of the damping is a formula of the parameters: one rate that \
+                           depends on the state moves every site by all others";
+            let help = "what differs from site to site stands in the metric: metric = { \"p[i]\" = \"a[i]\" }";
+            return refuse(damping.rate.place(), message, help);
+        }
+        if let Some(metric) = &damping.metric {
+            match &metric.value {
+                MetricSpec::Named(named) => entries.extend(named),
+                MetricSpec::Diagonal(_) | MetricSpec::Rows(_) => {
+                    let help = "write a table with an index: metric = { \"p[i]\" = \"1\" }";
+                    return refuse(metric.place(), by_site, help);
+                }
+            }
+        }
+        // λ g ẋ_H looks as far as tensor and dH together.
+        reach.forces = reach.each();
+    }
+    for (key, formula) in entries {
+        let pattern = VariablePattern::parse_one(&key.value)
+            .map_err(|error| refusal(document, key, &error))?;
+        pattern
+            .offsets()
+            .map_err(|error| refusal(document, key, &error))?;
+        reach = reach
+            .with_force(&pattern, &parse(document, formula)?)
+            .map_err(|error| refusal(document, formula, &error))?;
     }
     Ok(reach)
 }

@@ -107,11 +107,20 @@ pub(super) fn function(
         .resolve(scope, None)
         .map_err(|error| refusal(document, formula, &error))?
         .unwrap_or_else(|| Expression::Sum(Vec::new()));
-    let mut graph = Graph::new();
-    expression
-        .evaluate_in(&mut graph, &mut |graph, at| Ok(graph.input(at)))
-        .map_err(|error| algebra_refusal(document, formula, &error))?;
+    check_code(document, formula, &expression)?;
     Ok(expression)
+}
+
+/// Refuses an expression of a formula that has no code.
+pub(super) fn check_code(
+    document: &SceneDocument,
+    formula: &Located<String>,
+    expression: &Expression,
+) -> Result<(), Refusal> {
+    let mut graph = Graph::new();
+    let code = expression.evaluate_in(&mut graph, &mut |graph, at| Ok(graph.input(at)));
+    code.map(|_| ())
+        .map_err(|error| algebra_refusal(document, formula, &error))
 }
 
 /// Whether a formula is a combination of sums over sites, each the same at every site.

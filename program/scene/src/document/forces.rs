@@ -2,15 +2,38 @@
 
 use leafwise_expression::syntax::Formula;
 
+use super::field::check_sites_once;
 use super::located::{Located, Place};
 use super::reader::{Item, Problems, Table};
 use super::system_schema::DAMPING;
 
+/// Formulas by the coordinates that they belong to, `"p[i]"` for every site of a family.
+pub type ByCoordinate = Vec<(Located<String>, Located<String>)>;
+
+/// Components η_i of a one-form.
+#[derive(Clone, Debug, PartialEq)]
+pub enum OneFormSpec {
+    /// A formula for each coordinate.
+    All(Vec<Located<String>>),
+    /// Formulas of some coordinates, 0 for the others.
+    Named(ByCoordinate),
+}
+
+impl OneFormSpec {
+    /// Its formulas in the order of the text.
+    pub fn formulas(&self) -> Vec<&Located<String>> {
+        match self {
+            Self::All(formulas) => formulas.iter().collect(),
+            Self::Named(entries) => entries.iter().map(|(_, formula)| formula).collect(),
+        }
+    }
+}
+
 /// The one-form η beside dH.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ForcesSpec {
-    /// A formula η_i for each coordinate.
-    pub one_form: Option<Located<Vec<Located<String>>>>,
+    /// η_i.
+    pub one_form: Option<Located<OneFormSpec>>,
     /// λ g ẋ_H.
     pub damping: Option<DampingSpec>,
 }
@@ -29,6 +52,8 @@ pub struct DampingSpec {
 pub enum MetricSpec {
     /// Of a diagonal.
     Diagonal(Vec<Located<String>>),
+    /// Of some entries of a diagonal, 0 for the others.
+    Named(ByCoordinate),
     /// By rows.
     Rows(Vec<Vec<Located<String>>>),
 }
@@ -38,6 +63,7 @@ impl MetricSpec {
     pub fn formulas(&self) -> Vec<&Located<String>> {
         match self {
             Self::Diagonal(entries) => entries.iter().collect(),
+            Self::Named(entries) => entries.iter().map(|(_, formula)| formula).collect(),
             Self::Rows(rows) => rows.iter().flatten().collect(),
         }
     }
@@ -59,7 +85,8 @@ impl ForcesSpec {
 
     /// Every formula in it.
     pub fn formulas(&self) -> Vec<&Located<String>> {
-        let one_form = self.one_form.iter().flat_map(|list| &list.value);
+        let one_form = self.one_form.iter();
+        let one_form = one_form.flat_map(|one_form| one_form.value.formulas());
         let damping = self.damping.iter().flat_map(|damping| {
             let metric = damping.metric.iter();
             let metric = metric.flat_map(|metric| metric.value.formulas());
@@ -77,8 +104,14 @@ pub(super) fn read_forces(
 ) -> Option<ForcesSpec> {
     let one_form = match table.get("forces") {
         Some(item) => {
-            let list = item.list_of("a list of formulas", problems, Item::formula)?;
-            Some(Located::new(list, item.place()))
+            let one_form = match item.is_table() {
+                true => OneFormSpec::Named(read_by_coordinate(item, problems)?),
+                false => {
+                    let expected = "a list of formulas, or a table of formulas by coordinates";
+                    OneFormSpec::All(item.list_of(expected, problems, Item::formula)?)
+                }
+            };
+            Some(Located::new(one_form, item.place()))
         }
         None => known.one_form,
     };
@@ -106,8 +139,18 @@ fn read_damping(item: &Item<'_>, problems: &mut Problems) -> Option<DampingSpec>
     })
 }
 
+/// `{ "p[i]" = "0.1*p[i]" }`.
+fn read_by_coordinate(item: &Item<'_>, problems: &mut Problems) -> Option<ByCoordinate> {
+    let entries = item.pairs("a table of formulas", problems, Item::formula)?;
+    check_sites_once(entries.iter().map(|(key, _)| key), problems);
+    Some(entries)
+}
+
 fn read_metric(item: &Item<'_>, problems: &mut Problems) -> Option<MetricSpec> {
-    const EXPECTED: &str = "a list of formulas, or of such lists";
+    const EXPECTED: &str = "a list of formulas, or of such lists, or a table of formulas by coordinates";
+    if item.is_table() {
+        return read_by_coordinate(item, problems).map(MetricSpec::Named);
+    }
     let entries = item.list(EXPECTED, problems)?;
     if entries.iter().any(Item::is_list) {
         let row = |item: &Item<'_>, problems: &mut Problems| {

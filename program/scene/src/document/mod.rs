@@ -47,7 +47,7 @@ pub use bracket::{BracketSpec, SummandSpec};
 pub use ensemble::{Distribution, EnsembleSection, FinalStates, InitialDraw, ParameterDraw};
 pub use error::{SceneErrors, SceneProblem, SceneProblemCause};
 pub use field::FieldSpec;
-pub use forces::{DampingSpec, ForcesSpec, MetricSpec};
+pub use forces::{ByCoordinate, DampingSpec, ForcesSpec, MetricSpec, OneFormSpec};
 pub use json_schema::json_schema;
 pub use lie_algebra::{AlgebraSpec, LieAlgebraSpec, Matrix, StructureConstant};
 pub use located::{Located, Number, Place, Source};

@@ -83,8 +83,8 @@ pub(super) static SYSTEM: [Key; 14] = [
     ),
     key(
         "forces",
-        Shape::List(&Shape::Formula),
-        "A one-form beside dH, a formula for each variable: dH + forces moves the system, on its leaves; a force F on a momentum is -F for its coordinate",
+        Shape::Either(&[Shape::List(&Shape::Formula), FORMULAS]),
+        "A one-form beside dH, a formula for each variable, or { \"q[i]\" = \"0.1*p[i]\" } for some: dH + forces moves the system, on its leaves; a force F on a momentum is -F for its coordinate",
     ),
     key(
         "damping",
@@ -119,11 +119,14 @@ pub(super) static DAMPING: [Key; 2] = [
     ),
     key(
         "metric",
-        Shape::List(&Shape::Either(&[
-            Shape::Formula,
-            Shape::List(&Shape::Formula),
-        ])),
-        "Which velocities are damped: a diagonal, or the rows of a symmetric matrix without negative eigenvalues; all alike where not said",
+        Shape::Either(&[
+            Shape::List(&Shape::Either(&[
+                Shape::Formula,
+                Shape::List(&Shape::Formula),
+            ])),
+            FORMULAS,
+        ]),
+        "Which velocities are damped: a diagonal, or { \"p[i]\" = \"1\" } for some of it, or the rows of a symmetric matrix without negative eigenvalues; all alike where not said",
     ),
 ];
 
