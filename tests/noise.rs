@@ -7,6 +7,7 @@
 )]
 
 mod equilibrium;
+mod lattices;
 
 use std::sync::Arc;
 

@@ -12,6 +12,7 @@
 //! approximation of stochastic differential equations and application to derivative pricing*, Applied Mathematical
 //! Finance 15 (2008)). Both orders stand in one product, 1 … K … 1, where the flows of one pass have no time.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use leafwise_expression::Kernel;
@@ -119,12 +120,33 @@ impl StepMap for SplitNoise {
     }
 }
 
-/// A step map whose last parameters are drawn before every step. Steppers take the parameters before those.
+/// Increments that enter a step at the sites of a lattice: coordinates behind the state's own, at rest in the step.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SiteNoise {
+    /// How many sites there are.
+    pub sites: usize,
+    /// The sites that are moved, each by a channel of its own; `None` where one channel moves all.
+    pub apart: Option<Range<usize>>,
+}
+
+/// Where a map finds the increments.
+#[derive(Clone, Debug)]
+enum Entry {
+    /// As its last parameters.
+    Parameters,
+    /// As its last coordinates.
+    Coordinates,
+}
+
+/// A step map whose last parameters, or last coordinates on a lattice, are drawn before every step. Steppers take the parameters
+/// and coordinates before those.
 #[derive(Clone)]
 pub struct NoisyMap {
     map: Arc<dyn StepMap>,
     noise: Noise,
-    channels: usize,
+    /// Channels that enter together, each with as many places as it has sites: one without a lattice.
+    groups: Vec<SiteNoise>,
+    entry: Entry,
     normals: Arc<dyn Normals>,
 }
 
@@ -136,10 +158,32 @@ impl NoisyMap {
         channels: usize,
         normals: Arc<dyn Normals>,
     ) -> Self {
+        let alone = SiteNoise {
+            sites: 1,
+            apart: None,
+        };
         Self {
             map,
             noise,
-            channels,
+            groups: vec![alone; channels],
+            entry: Entry::Parameters,
+            normals,
+        }
+    }
+
+    /// Steps of the map of a lattice whose last coordinates are the increments w of these groups, group after group and site
+    /// after site, in the order of the [parameters](Noise::parameters) of so many channels.
+    pub fn of_sites(
+        map: Arc<dyn StepMap>,
+        noise: Noise,
+        groups: Vec<SiteNoise>,
+        normals: Arc<dyn Normals>,
+    ) -> Self {
+        Self {
+            map,
+            noise,
+            groups,
+            entry: Entry::Coordinates,
             normals,
         }
     }
@@ -151,11 +195,41 @@ impl NoisyMap {
             ..self.clone()
         }
     }
+
+    /// How many random numbers a step takes, the sign of a [split](Noise::Split) one apart.
+    pub fn channels(&self) -> usize {
+        self.groups.iter().map(SiteNoise::channels).sum()
+    }
+
+    /// Where the increments begin that a step reads of the groups 1 … K or 1 … K … 1, and behind the last their number.
+    fn starts(&self) -> Vec<usize> {
+        let count = self.groups.len();
+        let mut starts = vec![0];
+        for at in 0..self.noise.parameters(count) {
+            let group = at.min(2 * count - 2 - at);
+            starts.push(starts[at] + self.groups[group].sites);
+        }
+        starts
+    }
+
+    /// How many increments of a lane a step reads.
+    fn increments(&self) -> usize {
+        *self.starts().last().unwrap_or(&0)
+    }
+}
+
+impl SiteNoise {
+    fn channels(&self) -> usize {
+        self.apart.as_ref().map_or(1, Range::len)
+    }
 }
 
 impl StepMap for NoisyMap {
     fn dimension(&self) -> usize {
-        self.map.dimension()
+        match self.entry {
+            Entry::Parameters => self.map.dimension(),
+            Entry::Coordinates => self.map.dimension() - self.increments(),
+        }
     }
 
     /// The order is that of means.
@@ -171,7 +245,7 @@ impl StepMap for NoisyMap {
     }
 
     fn describe(&self) -> String {
-        let channels = match self.channels {
+        let channels = match self.channels() {
             1 => "one channel".to_owned(),
             count => format!("{count} channels"),
         };
@@ -183,15 +257,20 @@ impl StepMap for NoisyMap {
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
-        let own = parameters.len();
-        let mut parameters = parameters.to_vec();
-        parameters.resize(own + self.noise.parameters(self.channels) * lanes, 0.0);
+        let increments = self.increments() * lanes;
+        let (mut parameters, own) = (parameters.to_vec(), parameters.len());
+        if matches!(self.entry, Entry::Parameters) {
+            parameters.resize(own + increments, 0.0);
+        }
         Box::new(NoisyStepper {
             stepper: self.map.stepper(lanes, &parameters, epsilon, h),
             spent: SolverStatistics::default(),
             map: self.clone(),
             parameters,
             own,
+            starts: self.starts(),
+            increments,
+            extended: Extended::default(),
             members: (0..lanes as u64).collect(),
             step: 0,
             step_sizes: (epsilon, h),
@@ -241,41 +320,81 @@ struct NoisyStepper {
     parameters: Vec<f64>,
     /// Where those that are drawn begin.
     own: usize,
+    /// Where the increments of each pass begin.
+    starts: Vec<usize>,
+    /// How many increments there are, all lanes together.
+    increments: usize,
+    extended: Extended,
     members: Vec<u64>,
     /// The number of the next step.
     step: u64,
     step_sizes: (f64, f64),
 }
 
+/// States with increments behind their own coordinates.
+#[derive(Default)]
+struct Extended {
+    state: Vec<f64>,
+    low: Vec<f64>,
+    moved: Vec<f64>,
+}
+
 impl NoisyStepper {
+    /// Draws the increments of a step, where the map finds them.
     fn draw(&mut self) {
         let NoisyMap {
             noise,
-            channels,
+            groups,
             normals,
+            entry,
             ..
         } = &self.map;
         let lanes = self.members.len();
         let (epsilon, h) = self.step_sizes;
         let root = libm::sqrt(epsilon * h);
-        let drawn = &mut self.parameters[self.own..];
+        let drawn = match entry {
+            Entry::Parameters => &mut self.parameters[self.own..],
+            Entry::Coordinates => {
+                let own = self.extended.state.len() - self.increments;
+                &mut self.extended.state[own..]
+            }
+        };
+        let (all, last) = (self.map.channels(), groups.len().saturating_sub(1));
         for (lane, member) in self.members.iter().enumerate() {
             let normal = |channel: usize| normals.normal(*member, channel as u32, self.step);
-            let is_second = *noise == Noise::Split && *channels > 1 && normal(*channels) < 0.0;
-            for channel in 0..*channels {
-                let w = normal(channel) / root;
-                if *noise == Noise::Joint || channel + 1 == *channels {
-                    drawn[channel * lanes + lane] = w;
-                    continue;
+            let is_second = *noise == Noise::Split && groups.len() > 1 && normal(all) < 0.0;
+            let mut channel = 0;
+            for (at, group) in groups.iter().enumerate() {
+                // The last group stands in the middle of both passes.
+                let other = (*noise == Noise::Split && at < last).then(|| 2 * last - at);
+                let (takes, rests) = match other {
+                    Some(other) if is_second => (other, Some(at)),
+                    _ => (at, other),
+                };
+                let first = channel;
+                channel += group.channels();
+                let shared = match group.apart {
+                    None => normal(first) / root,
+                    Some(_) => 0.0,
+                };
+                for site in 0..group.sites {
+                    let w = match &group.apart {
+                        Some(apart) if apart.contains(&site) => {
+                            normal(first + site - apart.start) / root
+                        }
+                        _ => shared,
+                    };
+                    let place = |pass: usize| (self.starts[pass] + site) * lanes + lane;
+                    drawn[place(takes)] = w;
+                    if let Some(rests) = rests {
+                        drawn[place(rests)] = 0.0;
+                    }
                 }
-                let (first, second) = if is_second { (0.0, w) } else { (w, 0.0) };
-                drawn[channel * lanes + lane] = first;
-                drawn[(2 * *channels - 2 - channel) * lanes + lane] = second;
             }
         }
     }
 
-    /// The stepper with what was drawn; a new one where it takes no other parameters.
+    /// The stepper with these parameters; a new one where it takes no other ones.
     fn renew(&mut self) {
         if self.stepper.set_parameters(&self.parameters) {
             return;
@@ -295,9 +414,31 @@ impl Stepper for NoisyStepper {
         increment: &mut [f64],
         outcome: &mut [Result<(), StepError>],
     ) {
-        self.draw();
-        self.renew();
-        self.stepper.increment(x, low, increment, outcome);
+        match self.map.entry {
+            Entry::Parameters => {
+                self.draw();
+                self.renew();
+                self.stepper.increment(x, low, increment, outcome);
+            }
+            Entry::Coordinates => {
+                let length = x.len() + self.increments;
+                let Extended {
+                    state,
+                    low: own_low,
+                    moved,
+                } = &mut self.extended;
+                for (extended, own) in [(state, x), (own_low, low)] {
+                    extended.clear();
+                    extended.extend_from_slice(own);
+                    extended.resize(length, 0.0);
+                }
+                moved.resize(length, 0.0);
+                self.draw();
+                let Extended { state, low, moved } = &mut self.extended;
+                self.stepper.increment(state, low, moved, outcome);
+                increment.copy_from_slice(&moved[..x.len()]);
+            }
+        }
         // A step that fails has not been made.
         if outcome.iter().any(Result::is_ok) {
             self.step += 1;
@@ -305,12 +446,18 @@ impl Stepper for NoisyStepper {
     }
 
     fn solution(&self, lane: usize) -> Option<Vec<f64>> {
-        self.stepper.solution(lane)
+        match self.map.entry {
+            Entry::Parameters => self.stepper.solution(lane),
+            Entry::Coordinates => None,
+        }
     }
 
     /// At what was drawn for the last step.
     fn tangent(&mut self, lane: usize) -> Option<Vec<f64>> {
-        self.stepper.tangent(lane)
+        match self.map.entry {
+            Entry::Parameters => self.stepper.tangent(lane),
+            Entry::Coordinates => None,
+        }
     }
 
     fn restart(&mut self) {
@@ -323,6 +470,9 @@ impl Stepper for NoisyStepper {
 
     fn set_parameters(&mut self, parameters: &[f64]) -> bool {
         self.parameters[..self.own].copy_from_slice(parameters);
+        if matches!(self.map.entry, Entry::Coordinates) {
+            self.renew();
+        }
         true
     }
 

@@ -78,6 +78,28 @@ impl TemplateReach {
         Ok(with)
     }
 
+    /// With a channel of noise: a sum over sites, or a template of its own index; its increment stands at the index.
+    ///
+    /// # Errors
+    /// Those of [`Formula::offsets_of_sums`] and [`Formula::offsets_from`].
+    pub fn with_channel(mut self, formula: &Formula) -> Result<Self, SyntaxError> {
+        let templates = match formula.free_index() {
+            Some(index) => formula.offsets_from(index)?.into_iter().collect(),
+            None => formula.offsets_of_sums()?,
+        };
+        let templates = templates.iter().map(|own| joined(own, &(0..=0)));
+        let templates: Vec<Offsets> = templates.collect();
+        for offsets in &templates {
+            let farthest = offsets
+                .start()
+                .unsigned_abs()
+                .max(offsets.end().unsigned_abs());
+            self.terms = self.terms.max(sites(farthest));
+        }
+        self.hamiltonian = self.hamiltonian.max(self.apart(templates));
+        Ok(self)
+    }
+
     /// With a component of a one-form, or an entry of a metric, at a coordinate.
     ///
     /// # Errors

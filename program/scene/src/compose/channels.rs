@@ -7,7 +7,7 @@ use leafwise_expression::Expression;
 use leafwise_expression::syntax::Scope;
 
 use super::Refusal;
-use super::names::function;
+use super::names::{self, check_code, function, parse};
 use crate::document::{Located, NoiseSpec, SceneDocument};
 
 /// The noise of a run: Σ_k σ_k {H_k, x} ∘ dW_k.
@@ -32,29 +32,63 @@ pub struct Channel {
     pub strength: Expression,
 }
 
-/// The channels of a scene.
+/// The channels of a scene, a template's one at every site; no family is longer than `longest`.
 ///
 /// # Errors
 /// The first formula that cannot be read, and a strength that depends on the state.
-pub(super) fn channels(document: &SceneDocument, scope: &Scope) -> Result<Vec<Channel>, Refusal> {
-    let channel = |spec: &NoiseSpec| {
-        let strength = function(document, scope, &spec.strength)?;
-        if !strength.variables().is_empty() {
-            return Err(refusal(
-                document,
-                &spec.strength,
-                "the strength of a channel of noise is a formula of the parameters, and this one depends on the state"
-                    .to_owned(),
-                "multiply by it in the channel's hamiltonian",
-            ));
+pub(super) fn channels(
+    document: &SceneDocument,
+    scope: &Scope,
+    longest: usize,
+) -> Result<Vec<Channel>, Refusal> {
+    let mut channels = Vec::new();
+    for spec in &document.system.noise {
+        let strength = strength(document, scope, spec)?;
+        let parsed = parse(document, &spec.hamiltonian)?;
+        let text = spec.hamiltonian.value.trim();
+        let Some(index) = parsed.free_index() else {
+            channels.push(Channel {
+                text: text.to_owned(),
+                hamiltonian: function(document, scope, &spec.hamiltonian)?,
+                strength,
+            });
+            continue;
+        };
+        for site in 0..longest {
+            let own = parsed
+                .resolve(scope, Some((index, site)))
+                .map_err(|error| names::refusal(document, &spec.hamiltonian, &error))?;
+            let Some(hamiltonian) = own else { continue };
+            check_code(document, &spec.hamiltonian, &hamiltonian)?;
+            channels.push(Channel {
+                text: format!("{text} at {index} = {site}"),
+                hamiltonian,
+                strength: strength.clone(),
+            });
         }
-        Ok(Channel {
-            text: spec.hamiltonian.value.trim().to_owned(),
-            hamiltonian: function(document, scope, &spec.hamiltonian)?,
-            strength,
-        })
-    };
-    document.system.noise.iter().map(channel).collect()
+    }
+    Ok(channels)
+}
+
+/// σ of a channel.
+///
+/// # Errors
+/// A formula that cannot be read, or that depends on the state.
+pub(super) fn strength(
+    document: &SceneDocument,
+    scope: &Scope,
+    spec: &NoiseSpec,
+) -> Result<Expression, Refusal> {
+    let strength = function(document, scope, &spec.strength)?;
+    if strength.variables().is_empty() {
+        return Ok(strength);
+    }
+    Err(refusal(
+        document,
+        &spec.strength,
+        "the strength of a channel of noise is a formula of the parameters, and this one depends on the state".to_owned(),
+        "multiply by it in the channel's hamiltonian",
+    ))
 }
 
 impl Channel {

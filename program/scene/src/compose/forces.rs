@@ -44,7 +44,13 @@ pub(super) fn forces(
     };
     let by_name = |entries: &ByCoordinate| -> Result<Vec<Expression>, Refusal> {
         let mut formulas = vec![0.into(); dimension];
-        by_coordinate(document, scope, entries, longest, &mut formulas[..moving.len()])?;
+        by_coordinate(
+            document,
+            scope,
+            entries,
+            longest,
+            &mut formulas[..moving.len()],
+        )?;
         Ok(formulas)
     };
     let one_form = match &spec.one_form {
@@ -213,7 +219,13 @@ pub(super) fn check_damping(
             Metric::Diagonal(entries) => {
                 let least = entries.iter().map(value).fold(0.0, f64::min);
                 let most = entries.iter().map(|entry| value(entry).abs());
-                let most = most.fold(0.0, |most, size| if size > most || size.is_nan() { size } else { most });
+                let most = most.fold(0.0, |most, size| {
+                    if size > most || size.is_nan() {
+                        size
+                    } else {
+                        most
+                    }
+                });
                 DMatrix::from_diagonal(&vec![least, most].into())
             }
             Metric::Full(rows) => {

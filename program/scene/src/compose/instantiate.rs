@@ -2,7 +2,7 @@
 
 use leafwise_core::Convention;
 use leafwise_core::lattice::LatticeGeometry;
-use leafwise_core::system::{Casimir, Forces, Parameter};
+use leafwise_core::system::{Casimir, Forces, Metric, Parameter};
 use leafwise_core::{BuildError, PoissonSystem, SystemFormulas};
 use leafwise_expression::Expression;
 
@@ -97,7 +97,7 @@ pub fn instantiate(document: &SceneDocument, lengths: &[usize]) -> Result<Instan
     let moving = system.variables.len() + lengths[..moving].iter().sum::<usize>();
     let longest = lengths.iter().copied().max().unwrap_or(1);
     let forces = forces(document, &scope, &names[..moving], (names.len(), longest))?;
-    let noise = channels(document, &scope)?;
+    let noise = channels(document, &scope, longest)?;
     Ok(Instantiated {
         names,
         bracket,
@@ -154,6 +154,20 @@ fn check_lengths(document: &SceneDocument) -> Result<(), Refusal> {
 }
 
 impl Instantiated {
+    /// Adds coordinates that stay as they are, and feel no force.
+    pub(super) fn rest(&mut self, names: impl IntoIterator<Item = String>) {
+        self.names.extend(names);
+        let count = self.names.len();
+        if !self.forces.one_form.is_empty() {
+            self.forces.one_form.resize(count, 0.into());
+        }
+        if let Some(damping) = &mut self.forces.damping
+            && let Metric::Diagonal(entries) = &mut damping.metric
+        {
+            entries.resize(count, 0.into());
+        }
+    }
+
     /// The Poisson system of the scene's parameters and convention, [forms](Forms::apply) not yet applied.
     ///
     /// # Errors

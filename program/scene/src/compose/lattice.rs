@@ -5,6 +5,7 @@ use leafwise_core::lattice::{
     LatticeGeometry, LatticeObservables, LatticeSource, TemplateReach, proxy_of,
 };
 use leafwise_core::{BuildError, PoissonSystem};
+use leafwise_expression::Expression;
 use leafwise_expression::syntax::{Formula, VariablePattern};
 
 use super::Refusal;
@@ -12,6 +13,7 @@ use super::definitions::scope;
 use super::dense::{DENSE_LIMIT, WRITTEN_LIMIT};
 use super::instantiate::{geometry, instantiate};
 use super::lattice_functions::LatticeFunctions;
+use super::lattice_noise::SiteTerms;
 use super::names::{function, is_a_sum, parse, refusal};
 use super::observables::{Observable, coordinate};
 use super::sum::summands;
@@ -19,10 +21,13 @@ use super::time::wants_time;
 use crate::document::{BracketSpec, Located, MetricSpec, OneFormSpec, Place, SceneDocument};
 
 /// A scene whose families are too long to be written out.
+#[derive(Clone)]
 pub(super) struct SceneLattice<'a> {
     document: &'a SceneDocument,
+    /// Behind the scene's own families those of the increments of noise.
     geometry: LatticeGeometry,
     reach: TemplateReach,
+    noise: Option<SiteTerms>,
 }
 
 /// The numbers a coordinate that a run keeps for a method of so many fields, at its first checkpoint: the states
@@ -109,6 +114,7 @@ impl<'a> SceneLattice<'a> {
             document,
             geometry,
             reach,
+            noise: None,
         };
         for formula in lattice.sums()? {
             let observed = lattice.reach.with_observable(&parse(document, formula)?);
@@ -117,9 +123,43 @@ impl<'a> SceneLattice<'a> {
         Ok(Some(lattice))
     }
 
+    /// The same moved by noise, whose increments are families at rest.
+    pub fn with_noise(&self, noise: SiteTerms) -> Self {
+        let mut with = self.clone();
+        with.geometry.families = noise.extended(&self.geometry).families;
+        with.noise = Some(noise);
+        with
+    }
+
+    /// The same moved by other terms of its noise.
+    pub fn with_flow(&self, noise: SiteTerms) -> Self {
+        let noise = Some(noise);
+        Self {
+            noise,
+            ..self.clone()
+        }
+    }
+
     /// The number of coordinates.
     pub fn dimension(&self) -> usize {
         self.geometry.dimension()
+    }
+
+    /// Whether it is moved by noise.
+    pub fn has_noise(&self) -> bool {
+        self.noise.is_some()
+    }
+
+    /// Whether it is written out for steppers that do not sweep: it is short enough, and not moved by noise at its sites.
+    pub fn is_written_for_any(&self) -> bool {
+        self.dimension() <= WRITTEN_LIMIT && !self.has_noise()
+    }
+
+    /// The lattice of the scene's own families at the lengths that `geometry` gives them.
+    pub fn own(&self, geometry: &LatticeGeometry) -> LatticeGeometry {
+        let mut own = geometry.clone();
+        own.families.truncate(self.document.system.families.len());
+        own
     }
 
     /// A site of a shorter lattice, or of the whole, that moves as all sites do that are away from open ends.
@@ -143,16 +183,15 @@ impl<'a> SceneLattice<'a> {
                 .geometry
                 .resized(TRIAL_LENGTH.min(self.geometry.length()));
         }
-        let mut written = instantiate(document, &lengths(&geometry))?;
-        let observables = std::mem::take(&mut written.observables);
-        let system = written.system(document).map_err(refused)?;
+        let written = instantiate(document, &lengths(&self.own(&geometry)))?;
+        let system = self.write_out(&geometry).map_err(refused)?;
         let scope = scope(document, &lengths(&geometry), None)?;
         for formula in self.sums()? {
             parse(document, formula)?
                 .density(&scope, geometry.length() / 2)
                 .map_err(|error| refusal(document, formula, &error))?;
         }
-        Ok((system, geometry, observables))
+        Ok((system, geometry, written.observables))
     }
 
     /// Energy and Casimirs, and formulas of the state that the scene records.
@@ -161,9 +200,6 @@ impl<'a> SceneLattice<'a> {
     /// [`BuildError`] where one has no code, or looks too far.
     pub fn functions(&self, parameters: &[f64]) -> Result<[LatticeFunctions; 2], BuildError> {
         let invariants = 1 + self.document.system.casimirs.len();
-        let of_lattice = |refusal: Refusal| BuildError::Lattice {
-            message: refusal.message.clone(),
-        };
         let whole = scope(self.document, &lengths(&self.geometry), None).map_err(of_lattice)?;
         let mut written = Vec::new();
         for (place, formula) in self.formulas().into_iter().enumerate().skip(invariants) {
@@ -249,6 +285,11 @@ fn reach(document: &SceneDocument, known: TemplateReach) -> Result<TemplateReach
         reach = reach
             .with_casimir(&parse(document, casimir)?)
             .map_err(|error| refused(casimir, error))?;
+    }
+    for channel in &system.noise {
+        reach = reach
+            .with_channel(&parse(document, &channel.hamiltonian)?)
+            .map_err(|error| refused(&channel.hamiltonian, error))?;
     }
     force_reach(document, reach)
 }
@@ -434,11 +475,19 @@ impl LatticeSource for SceneLattice<'_> {
     }
 
     fn write_out(&self, geometry: &LatticeGeometry) -> Result<PoissonSystem, BuildError> {
-        instantiate(self.document, &lengths(geometry))
-            .map_err(|refusal| BuildError::Lattice {
-                message: refusal.message.clone(),
-            })?
-            .system(self.document)
+        let own = lengths(&self.own(geometry));
+        let mut written = instantiate(self.document, &own).map_err(of_lattice)?;
+        let Some(noise) = &self.noise else {
+            return written.system(self.document);
+        };
+        let further = own.iter().sum::<usize>()..geometry.dimension();
+        written.rest(further.map(|coordinate| geometry.name(coordinate)));
+        let scope = scope(self.document, &own, None).map_err(of_lattice)?;
+        let mut terms = Vec::new();
+        for site in 0..geometry.length() {
+            terms.extend(noise.at(self.document, &scope, geometry, site)?);
+        }
+        noise.moved(&written.system(self.document)?, Expression::Sum(terms))
     }
 
     fn densities(
@@ -446,30 +495,40 @@ impl LatticeSource for SceneLattice<'_> {
         geometry: &LatticeGeometry,
         site: usize,
     ) -> Result<Vec<SiteDensity>, BuildError> {
-        let scope = scope(self.document, &lengths(geometry), None).map_err(|refusal| {
-            BuildError::Lattice {
-                message: refusal.message.clone(),
-            }
-        })?;
-        self.formulas()
-            .into_iter()
-            .map(|formula| {
-                let parsed = Formula::parse(&formula.value);
-                // What is no sum over sites is evaluated as a whole.
-                let parsed = parsed.and_then(|parsed| match parsed.offsets_of_sums() {
-                    Ok(_) => Ok(parsed),
-                    Err(_) => Formula::parse("0"),
-                });
-                let density = parsed
-                    .and_then(|parsed| parsed.density(&scope, site))
-                    .map_err(|error| BuildError::Lattice {
-                        message: error.to_string(),
-                    })?;
-                Ok(SiteDensity {
-                    constant: density.constant,
-                    site: density.site,
-                })
+        let own = lengths(&self.own(geometry));
+        let scope = scope(self.document, &own, None).map_err(of_lattice)?;
+        let densities = self.formulas().into_iter().map(|formula| {
+            let parsed = Formula::parse(&formula.value);
+            // What is no sum over sites is evaluated as a whole.
+            let parsed = parsed.and_then(|parsed| match parsed.offsets_of_sums() {
+                Ok(_) => Ok(parsed),
+                Err(_) => Formula::parse("0"),
+            });
+            let density = parsed
+                .and_then(|parsed| parsed.density(&scope, site))
+                .map_err(|error| BuildError::Lattice {
+                    message: error.to_string(),
+                })?;
+            Ok(SiteDensity {
+                constant: density.constant,
+                site: density.site,
             })
-            .collect()
+        });
+        let mut densities: Vec<SiteDensity> = densities.collect::<Result<_, BuildError>>()?;
+        if let (Some(noise), Some(energy)) = (&self.noise, densities.first_mut()) {
+            let mut terms = noise.at(self.document, &scope, geometry, site)?;
+            if noise.has_energy() {
+                terms.push(energy.site.clone());
+            }
+            energy.site = Expression::Sum(terms);
+        }
+        Ok(densities)
+    }
+}
+
+/// An error of a scene's formula, as one of its lattice.
+pub(super) fn of_lattice(refusal: Refusal) -> BuildError {
+    BuildError::Lattice {
+        message: refusal.message.clone(),
     }
 }

@@ -45,6 +45,7 @@ mod initial;
 mod instantiate;
 mod lattice;
 mod lattice_functions;
+mod lattice_noise;
 mod lie_algebra;
 mod motion;
 mod names;

@@ -39,12 +39,10 @@ impl Motion {
         let (Some(noise), Some(system)) = (run.method.noise(), run.system.expressions()) else {
             return Vec::new();
         };
-        let coordinates: Vec<usize> = (0..run.plan.coordinates).collect();
         let field = |channel: &Channel| {
             let alone = channel.system(system).ok()?;
             let code = field_at(run, &alone.clone().into())?;
-            let rows = formulas(&alone, &run.near, &code, &coordinates, alone.variables());
-            Some((channel.text.clone(), Self::Formulas(rows)))
+            Some((channel.text.clone(), Self::written(run, &alone, &code)))
         };
         noise.channels.iter().filter_map(field).collect()
     }
@@ -57,17 +55,20 @@ impl Motion {
             let names = in_time.variables().iter().cloned();
             return Some(Self::Values(names.zip(code).collect()));
         };
+        Some(Self::written(run, system, &code))
+    }
+
+    /// The formulas of the field of a system that stands for a run's, given its values near the initial state.
+    fn written(run: &ComposedRun, system: &SystemFormulas, code: &[f64]) -> Self {
         let lattice = match &run.method {
-            Stepping::Lattice(lattice) => lattice.interior.map(|site| (lattice, site)),
+            Stepping::Lattice(lattice) => lattice.interior.map(|site| (&lattice.written, site)),
             _ => None,
         };
-        let Some((lattice, site)) = lattice else {
+        let Some((geometry, site)) = lattice else {
             let coordinates: Vec<usize> = (0..run.plan.coordinates).collect();
-            let names = system.variables().to_vec();
-            let formulas = formulas(system, &run.near, &code, &coordinates, &names);
-            return Some(Self::Formulas(formulas));
+            let names = system.variables();
+            return Self::Formulas(formulas(system, &run.near, code, &coordinates, names));
         };
-        let geometry = lattice.base.map().proxy_geometry();
         let offsets = geometry.offsets();
         let moving = run.plan.families.len();
         let families = offsets.iter().zip(&geometry.families[..moving]);
@@ -76,8 +77,7 @@ impl Motion {
             .map(|(offset, _)| offset + site)
             .collect();
         let names = names_about(geometry, site);
-        let formulas = formulas(system, &run.near, &code, &coordinates, &names);
-        Some(Self::Site(formulas))
+        Self::Site(formulas(system, &run.near, code, &coordinates, &names))
     }
 }
 

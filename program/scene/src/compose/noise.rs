@@ -4,33 +4,38 @@ use std::sync::Arc;
 
 use leafwise_core::noise::{Noise, NoisyMap, Seed, SplitNoise};
 use leafwise_core::part::Family;
+use leafwise_core::registry::StepperPart;
 use leafwise_core::system::Forces;
 use leafwise_core::{BuildError, PartParameters, PoissonSystem, Registry, StepMap};
 
 use super::Refusal;
 use super::channels::{Channel, RunNoise, refusal};
-use super::dense::DENSE_LIMIT;
 use super::domain::OutOfDomain;
-use super::stepping::{MapStepping, Stepping};
+use super::lattice::SceneLattice;
+use super::lattice_noise::{SiteTerms, groups, site_channels};
+use super::stepping::{LatticeStepping, MapStepping, Stepping};
 use crate::document::{Place, SceneDocument};
 
 /// What the parts of a scene with noise are made for, and how its map is made of theirs.
-pub(super) struct NoisySteps {
+pub(super) struct NoisySteps<'a> {
     pub noise: RunNoise,
-    /// The system whose steps the parts make, with the parameters of the increments behind its own: H_w where they enter with
-    /// H, else H alone.
+    /// The system whose steps the parts make, with the increments behind its own parameters, on a long lattice behind its own
+    /// coordinates: H_w where they enter with H, else H alone.
     pub stepped: PoissonSystem,
+    /// The long lattice that the system stands for.
+    pub lattice: Option<SceneLattice<'a>>,
 }
 
-impl NoisySteps {
+impl<'a> NoisySteps<'a> {
     /// Those of a scene that has noise.
     ///
     /// # Errors
     /// What is wrong with it or not offered beside it, underlined in the scene.
     pub fn of(
-        document: &SceneDocument,
+        document: &'a SceneDocument,
         system: &PoissonSystem,
         channels: Vec<Channel>,
+        lattice: Option<&SceneLattice<'a>>,
     ) -> Result<Option<Self>, Refusal> {
         refuse_beside(document)?;
         let Some(formulas) = system.expressions().filter(|_| !channels.is_empty()) else {
@@ -49,13 +54,24 @@ impl NoisySteps {
             },
             channels,
         };
-        let stepped = noise.stepped(formulas).map_err(|error| {
-            let first = &document.system.noise[0].hamiltonian;
-            refusal(document, first, error.to_string(), "write another channel")
-        })?;
+        let lattice = lattice.map(|lattice| {
+            let terms = SiteTerms::of_steps(noise.way, noise.channels.len());
+            lattice.with_noise(terms)
+        });
+        let stepped = match &lattice {
+            Some(lattice) => lattice.trial()?.0,
+            None => {
+                let stepped = noise.stepped(formulas).map_err(|error| {
+                    let first = &document.system.noise[0].hamiltonian;
+                    refusal(document, first, error.to_string(), "write another channel")
+                })?;
+                stepped.into()
+            }
+        };
         Ok(Some(Self {
             noise,
-            stepped: stepped.into(),
+            stepped,
+            lattice,
         }))
     }
 
@@ -73,7 +89,17 @@ impl NoisySteps {
         let (map, method): (Arc<dyn StepMap>, _) = match method {
             Stepping::Written(method) => (Arc::new(method.as_ref().clone()), Some(method)),
             Stepping::Map(stepping) => (stepping.map, stepping.method),
-            Stepping::Lattice(_) => unreachable!("noise on a long lattice is refused"),
+            Stepping::Lattice(mut stepping) => {
+                let map = self.enter_sites(document, registry, &stepping)?;
+                stepping.stepped = Arc::new(map.clone());
+                let channels = site_channels(document, &stepping.written)?;
+                let noise = RunNoise {
+                    channels,
+                    ..self.noise.clone()
+                };
+                stepping.noise = Some((noise, map));
+                return Ok(Stepping::Lattice(stepping));
+            }
         };
         let map = match self.noise.way {
             Noise::Joint => map,
@@ -93,6 +119,72 @@ impl NoisySteps {
         }))
     }
 
+    /// Steps of a long lattice with increments that are drawn for its sites.
+    ///
+    /// # Errors
+    /// As [`enter`](Self::enter).
+    fn enter_sites(
+        &self,
+        document: &SceneDocument,
+        registry: &Registry,
+        stepping: &LatticeStepping,
+    ) -> Result<NoisyMap, Refusal> {
+        let RunNoise {
+            way,
+            seed,
+            channels,
+        } = &self.noise;
+        let mut map = Arc::clone(&stepping.stepped);
+        if let (Noise::Split, Some(lattice)) = (way, &self.lattice) {
+            let flows = SiteTerms::of_flows(channels.len()).into_iter();
+            let flow = |terms: SiteTerms| {
+                let channel = terms.channel();
+                let lattice = lattice.with_flow(terms);
+                let flow = exact_flow(registry, |part| {
+                    let map = part.build_on_lattice(&lattice, &PartParameters::new())?;
+                    Ok(map as Arc<dyn StepMap>)
+                });
+                self.single(document, channel, flow)
+            };
+            let flows = flows.map(flow).collect::<Result<_, _>>()?;
+            map = Arc::new(SplitNoise::new(map, flows));
+        }
+        let groups = groups(document, &stepping.geometry)?;
+        Ok(NoisyMap::of_sites(map, *way, groups, Arc::new(*seed)))
+    }
+
+    /// The flow of a channel, where it is one.
+    ///
+    /// # Errors
+    /// Where there is none, and where it comes apart into several, underlined in the scene.
+    fn single(
+        &self,
+        document: &SceneDocument,
+        channel: usize,
+        flow: Result<Arc<dyn StepMap>, BuildError>,
+    ) -> Result<Arc<dyn StepMap>, Refusal> {
+        let refuse = |reason: String| {
+            let message = format!(
+                "noise = \"split\" needs the exact flow of every channel, and `{}` has none: {reason}",
+                self.noise.channels[channel].text
+            );
+            let help = "write noise = \"joint\" into [method], or channels that are single pieces, such as coordinates";
+            let specs = &document.system.noise;
+            let spec = &specs[channel.min(specs.len() - 1)].hamiltonian;
+            refusal(document, spec, message, help)
+        };
+        match flow {
+            Ok(map) if map.pieces() == 1 => Ok(map),
+            Ok(map) => Err(refuse(match map.pieces() {
+                0 => "nothing moves under it".to_owned(),
+                pieces => {
+                    format!("it comes apart into {pieces} pieces whose flows do not commute")
+                }
+            })),
+            Err(error) => Err(refuse(error.to_string())),
+        }
+    }
+
     /// The flow of w_j σ_k H_k for every parameter w_j.
     fn flows(
         &self,
@@ -106,37 +198,25 @@ impl NoisySteps {
         let own = formulas.parameters().len() - count;
         let flow = |at: usize| {
             let channel = at.min(count - 1 - at);
-            let refuse = |reason: String| {
-                let spec = &document.system.noise[channel].hamiltonian;
-                let message = format!(
-                    "noise = \"split\" needs the exact flow of every channel, and `{}` has none: {reason}",
-                    channels[channel].text
-                );
-                let help = "write noise = \"joint\" into [method], or channels that are single pieces, such as coordinates";
-                refusal(document, spec, message, help)
-            };
             let term = channels[channel].times(own + at);
             let alone = formulas
                 .with_forces(Forces::default())
                 .and_then(|alone| alone.with_hamiltonian(term));
-            let map = alone.and_then(|alone| exact_flow(registry, &alone.into()));
-            match map {
-                Ok(map) if map.pieces() == 1 => Ok(map),
-                Ok(map) => Err(refuse(match map.pieces() {
-                    0 => "nothing moves under it".to_owned(),
-                    pieces => {
-                        format!("it comes apart into {pieces} pieces whose flows do not commute")
-                    }
-                })),
-                Err(error) => Err(refuse(error.to_string())),
-            }
+            let map = alone.and_then(|alone| {
+                let alone = alone.into();
+                exact_flow(registry, |part| part.build(&alone, &PartParameters::new()))
+            });
+            self.single(document, channel, map)
         };
         (0..count).map(flow).collect()
     }
 }
 
-/// The map of the registry that is a product of exact flows.
-fn exact_flow(registry: &Registry, system: &PoissonSystem) -> Result<Arc<dyn StepMap>, BuildError> {
+/// The map of the registry's stepper that is a product of exact flows.
+fn exact_flow(
+    registry: &Registry,
+    build: impl FnOnce(StepperPart) -> Result<Arc<dyn StepMap>, BuildError>,
+) -> Result<Arc<dyn StepMap>, BuildError> {
     let parts = registry.parts();
     let splitting = parts
         .iter()
@@ -146,9 +226,7 @@ fn exact_flow(registry: &Registry, system: &PoissonSystem) -> Result<Arc<dyn Ste
         reason: "no stepper of this program is a product of exact flows".to_owned(),
     };
     let name = splitting.ok_or_else(missing)?.name;
-    registry
-        .stepper(name)?
-        .build(system, &PartParameters::new())
+    build(registry.stepper(name)?)
 }
 
 /// Refuses strengths that are not positive at the parameters' values.
@@ -175,20 +253,13 @@ fn check_strengths(
 /// Refuses what has no meaning beside noise, or another one.
 fn refuse_beside(document: &SceneDocument) -> Result<(), Refusal> {
     let system = &document.system;
-    let Some(first) = system.noise.first() else {
+    if system.noise.is_empty() {
         return Ok(());
-    };
+    }
     let refuse = |place: Place, message: &str, help: &str| {
         let help = Some(help.to_owned());
         Err(Box::new(document.diagnostic(&place, message, "here", help)))
     };
-    if system.coordinates() > DENSE_LIMIT {
-        let message = format!(
-            "noise is not offered on a lattice of more than {DENSE_LIMIT} coordinates, and this one has {}",
-            system.coordinates()
-        );
-        return refuse(first.hamiltonian.place(), &message, "shorten the lattice");
-    }
     if let Some(pace) = &document.method.pace {
         return refuse(
             pace.place(),

@@ -161,7 +161,7 @@ fn stepper(
         })?),
         Some(lattice) => match part.build_on_lattice(lattice, &given) {
             Ok(map) => Base::Sweeps(map),
-            Err(BuildError::DoesNotFit { .. }) if lattice.dimension() <= WRITTEN_LIMIT => {
+            Err(BuildError::DoesNotFit { .. }) if lattice.is_written_for_any() => {
                 let composed = written_out(request.document)?;
                 let map = part.build(&composed.system, &given).map_err(refused)?;
                 Base::WrittenOut(map, Box::new(composed))
@@ -169,10 +169,13 @@ fn stepper(
             Err(error) => {
                 let mut refusal = request.refused(&error);
                 if matches!(error, BuildError::DoesNotFit { .. }) {
-                    refusal.help = Some(format!(
-                        "a lattice of at most {WRITTEN_LIMIT} coordinates is written out for any \
-                         stepper; for longer ones name one that sweeps, or a realization and dynamics"
-                    ));
+                    refusal.help = Some(match lattice.has_noise() {
+                        true => "noise moves sites by sweeps: name a stepper that sweeps, or a realization and dynamics".to_owned(),
+                        false => format!(
+                            "a lattice of at most {WRITTEN_LIMIT} coordinates is written out for any \
+                             stepper; for longer ones name one that sweeps, or a realization and dynamics"
+                        ),
+                    });
                 }
                 return Err(refusal);
             }

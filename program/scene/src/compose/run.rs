@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use leafwise_core::lattice::LatticeMethod;
+use leafwise_core::lattice::{LatticeMethod, LatticeSource};
 use leafwise_core::system::SystemObservables;
 use leafwise_core::{
     BuildError, Method, Origin, PartKind, PoissonSystem, Registry, StepMap, Structure, Walk,
@@ -140,9 +140,14 @@ fn compose_at_its_values(
     let mut composed = compose_system(document)?;
     let lattice = SceneLattice::of(document)?;
     let channels = std::mem::take(&mut composed.noise);
-    let noise = NoisySteps::of(document, &composed.system, channels)?;
+    let noise = NoisySteps::of(document, &composed.system, channels, lattice.as_ref())?;
     let moved = stepped(noise.as_ref(), &composed);
-    let mut parts = parts(document, moved, lattice.as_ref(), registry)?;
+    let own = lattice.as_ref();
+    let swept = noise
+        .as_ref()
+        .and_then(|noise| noise.lattice.as_ref())
+        .or(own);
+    let mut parts = parts(document, moved, swept, registry)?;
     let choices = parts.choices.clone();
     let dynamics = parts.dynamics();
     if let Base::WrittenOut(map, whole) = parts.base {
@@ -162,20 +167,20 @@ fn compose_at_its_values(
         }
         refusal
     };
-    let method = match (lattice, &parts.base) {
-        (Some(lattice), Base::Pair(..) | Base::Sweeps(_)) => {
-            compose_lattice(&lattice, &composed.system, parts, registry)
+    let method = match (own.zip(swept), &parts.base) {
+        (Some(lattices), Base::Pair(..) | Base::Sweeps(_)) => {
+            compose_lattice(lattices, &composed.system, parts, registry)
                 .map(|stepping| Stepping::Lattice(Box::new(stepping)))
         }
         _ => compose_written(stepped(noise.as_ref(), &composed), parts),
     };
     let mut method = method.map_err(|error| refused(&composed, &error))?;
-    if let Stepping::Lattice(lattice) = &method {
-        let map = lattice.base.map();
-        composed.system = map.proxy().clone();
-        let (geometry, short) = (map.geometry(), map.proxy_geometry());
-        has_room(document, geometry.dimension(), map.fields())?;
-        composed.near = shortened(&composed.initial, geometry, short);
+    if let (Stepping::Lattice(stepping), Some(own)) = (&method, own) {
+        let map = stepping.base.map();
+        let written = own.write_out(&stepping.written);
+        composed.system = written.map_err(|error| refused(&composed, &error))?;
+        has_room(document, map.geometry().dimension(), map.fields())?;
+        composed.near = shortened(&composed.initial, &stepping.geometry, &stepping.written);
     }
     let step = &document.method.step;
     let fits = check_own_parts(
@@ -334,9 +339,9 @@ fn compose_written(system: &PoissonSystem, parts: Parts) -> Result<Stepping, Bui
 }
 
 /// The map of a long lattice: a stepper's sweeps, or the chosen parts again, on the proxy their order
-/// asks for.
+/// asks for. The first lattice is the scene's own, the second the same with its noise.
 fn compose_lattice(
-    lattice: &SceneLattice<'_>,
+    (own, lattice): (&SceneLattice<'_>, &SceneLattice<'_>),
     trial: &PoissonSystem,
     parts: Parts,
     registry: &Registry,
@@ -360,9 +365,13 @@ fn compose_lattice(
         None => base.shared(),
         Some((part, given)) => part.build(base.shared(), &given)?,
     };
-    let [invariants, formulas] = lattice.functions(&trial.parameter_values())?;
+    let [invariants, formulas] = own.functions(&trial.parameter_values())?;
+    let written = own.own(base.map().proxy_geometry());
     Ok(LatticeStepping {
         interior: lattice.interior(base.map().proxy_geometry()),
+        geometry: own.own(base.map().geometry()),
+        written,
+        noise: None,
         invariants,
         formulas,
         stepped: WithoutPoles::of_lattice(lattice, map)?,

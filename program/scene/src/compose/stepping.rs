@@ -75,6 +75,12 @@ pub struct LatticeStepping {
     pub base: LatticeBase,
     /// What is stepped: that or a composition of it, with poles not crossed.
     pub stepped: Arc<dyn StepMap>,
+    /// The lattice.
+    pub geometry: LatticeGeometry,
+    /// The short lattice that is written out for it.
+    pub written: LatticeGeometry,
+    /// What its steps draw.
+    pub noise: Option<(RunNoise, NoisyMap)>,
     /// Whether it is a composition.
     pub is_composed: bool,
     /// A site of the lattice that is written out for it which moves as all sites do that are away from open ends; `None`
@@ -113,17 +119,19 @@ impl Stepping {
 
     /// What its steps draw.
     pub fn noise(&self) -> Option<&RunNoise> {
-        match self {
-            Self::Map(stepping) => stepping.noise.as_ref().map(|(noise, _)| noise),
-            Self::Written(_) | Self::Lattice(_) => None,
-        }
+        self.drawn().map(|(noise, _)| noise)
     }
 
     /// The steps that draw, to be given other numbers.
     pub fn noisy(&self) -> Option<&NoisyMap> {
+        self.drawn().map(|(_, map)| map)
+    }
+
+    fn drawn(&self) -> Option<&(RunNoise, NoisyMap)> {
         match self {
-            Self::Map(stepping) => stepping.noise.as_ref().map(|(_, map)| map),
-            Self::Written(_) | Self::Lattice(_) => None,
+            Self::Map(stepping) => stepping.noise.as_ref(),
+            Self::Lattice(lattice) => lattice.noise.as_ref(),
+            Self::Written(_) => None,
         }
     }
 
@@ -178,7 +186,7 @@ impl Stepping {
     pub fn lattice(&self) -> Option<&LatticeGeometry> {
         match self {
             Self::Written(_) | Self::Map(_) => None,
-            Self::Lattice(lattice) => Some(lattice.base.map().geometry()),
+            Self::Lattice(lattice) => Some(&lattice.geometry),
         }
     }
 
@@ -210,7 +218,7 @@ impl Stepping {
             return Vec::new();
         };
         let map = lattice.base.map();
-        let sites = map.geometry().length();
+        let sites = lattice.geometry.length();
         let each = match lattice.base {
             LatticeBase::Method(_) => "One iteration",
             LatticeBase::Sweeps(_) => "One evaluation",

@@ -12,6 +12,7 @@ use super::forces::check_damping;
 use super::initial::initial_state;
 use super::instantiate::instantiate;
 use super::lattice::{SceneLattice, has_forms, shortened};
+use super::lattice_noise::site_channels;
 use super::names::{check_names, parse};
 use super::observables::{Observable, observables};
 use super::time::check_begin;
@@ -76,11 +77,12 @@ pub fn compose_system(document: &SceneDocument) -> Result<ComposedSystem, Refusa
         let events = events(document, &scope(document, &lengths, None)?)?;
         events.check(document, &initial, &system.parameter_values())?;
         let near = shortened(&initial, lattice.geometry(), &geometry);
+        check_damping(document, &system, &near)?;
         return Ok(ComposedSystem {
+            noise: site_channels(document, &lattice.own(&geometry))?,
             system,
             initial,
             extension: None,
-            noise: Vec::new(),
             observables,
             events,
             near,

@@ -147,7 +147,8 @@ fn read_by_coordinate(item: &Item<'_>, problems: &mut Problems) -> Option<ByCoor
 }
 
 fn read_metric(item: &Item<'_>, problems: &mut Problems) -> Option<MetricSpec> {
-    const EXPECTED: &str = "a list of formulas, or of such lists, or a table of formulas by coordinates";
+    const EXPECTED: &str =
+        "a list of formulas, or of such lists, or a table of formulas by coordinates";
     if item.is_table() {
         return read_by_coordinate(item, problems).map(MetricSpec::Named);
     }
