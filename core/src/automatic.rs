@@ -1,4 +1,5 @@
-//! What a choice left open takes: exact realizations that fit a tensor, by rank and by operations.
+//! Choice of exact realizations that fit a tensor, by rank and by operations, where a scene leaves the realization
+//! open.
 
 use std::sync::Arc;
 
@@ -17,7 +18,7 @@ use crate::walk::Walk;
 pub struct Exact {
     /// The realization.
     pub realization: Arc<dyn RealizationData>,
-    /// What its part declares.
+    /// Declaration of the realization's part.
     pub info: &'static PartInfo,
     /// Why it is taken.
     pub reason: String,
@@ -56,9 +57,9 @@ impl Registry {
             .collect()
     }
 
-    /// The exact realization that a choice left open takes under a dynamic approximation: where that steps in coordinates in which
-    /// the system's tensor is constant, a realization that has such, whose step solves nothing for its start; otherwise
-    /// [`exact_realization`](Self::exact_realization).
+    /// Exact realization for a choice left open, under a dynamic approximation. If the dynamics step in coordinates in
+    /// which the system's tensor is constant, it is a realization that has such coordinates: its step solves nothing
+    /// for its start. Otherwise it is that of [`exact_realization`](Self::exact_realization).
     pub fn exact_realization_under(
         &self,
         dynamics: &Arc<dyn DynamicApproximation>,
@@ -75,12 +76,13 @@ impl Registry {
         lift.or_else(|| self.exact_realization(system, is_long))
     }
 
-    /// The exact realization that a choice left open takes: of those that fit the system's tensor the first, by rank, whose maps
-    /// are code; where none is, the one whose steps take the fewest operations. Of a long lattice, one that can be swept.
+    /// Exact realization for a choice left open. Of those that fit the system's tensor it is the first, by rank, whose
+    /// maps are code. Where there is none, it is the one whose steps take the fewest operations. Of a long lattice,
+    /// only those that can be swept are considered.
     ///
-    /// Code is compiled with its derivatives into one kernel and costs a fraction of the numbers of the same maps. Numbers are
-    /// counted over steps of order 2 of H = ½ Σ x_i²/i, which depend on the tensor alone: what the system's own H costs is the same
-    /// over each.
+    /// Code is compiled with its derivatives into one kernel and costs a fraction of the numbers of the same maps.
+    /// Realizations without code are compared by the operations of steps of order 2 of H = ½ Σ x_i²/i, which depend on
+    /// the tensor alone. The cost of the system's own H is the same over each.
     pub fn exact_realization(&self, system: &PoissonSystem, is_long: bool) -> Option<Exact> {
         let exact = self.exact_realizations().into_iter();
         let fitting = exact.filter_map(|(info, reason)| {
@@ -102,8 +104,8 @@ impl Registry {
         self.fewest_operations(system, others, None)
     }
 
-    /// The first of those whose steps take the fewest operations, by the dynamics given or by those of order 2 that serve every
-    /// system; the first of all where none counts them.
+    /// Takes the first of those whose steps take the fewest operations, and the first of all where none counts them.
+    /// The steps are by the dynamics given or, without any, by those of order 2 that serve every system.
     fn fewest_operations(
         &self,
         system: &PoissonSystem,
@@ -173,8 +175,8 @@ impl Registry {
         })
     }
 
-    /// What comparisons try in coordinates in which the system's tensor is constant: exact realizations that have
-    /// such, each with every dynamic approximation for them and its settings.
+    /// Methods that comparisons try in coordinates in which the system's tensor is constant. They are the exact
+    /// realizations that have such coordinates, each with every dynamic approximation for them and its settings.
     pub fn over_lifts(&self, system: &PoissonSystem) -> Vec<OverLift> {
         let lifts = self.lifts(system).into_iter().map(|exact| exact.info);
         let dynamics = self.compared(PartKind::Dynamics);
@@ -191,13 +193,15 @@ impl Registry {
         tried.collect()
     }
 
-    /// The method of a scene whose realization is `auto`, of order m: the dynamic approximation that
-    /// serves every system, with forces that of order 2 which takes them, over [`exact_realization`](Self::exact_realization) or, where none fits,
-    /// over the realization that serves every system, of order m too.
+    /// Method of a scene whose realization is `auto`, of order m. The dynamic approximation is the one that serves
+    /// every system; with forces it is that of order 2 which takes them. The realization is
+    /// [`exact_realization`](Self::exact_realization). Where none fits, it is the one that serves every system, of
+    /// order m too.
     ///
     /// # Errors
-    /// [`BuildError::UnknownPart`] where the registry has no such part, [`BuildError::Parameter`] for
-    /// an odd order, [`BuildError::NotMade`] for an order above 2 of a system with forces, and those of [`Method::compose`].
+    /// [`BuildError::UnknownPart`] where the registry has no such part. An odd order gives [`BuildError::Parameter`].
+    /// For a system with forces any order but 2 gives [`BuildError::NotMade`]. Further errors are those of
+    /// [`Method::compose`].
     pub fn automatic(&self, system: &PoissonSystem, m: u32) -> Result<Method, BuildError> {
         let order = PartParameters::new().with("order", i64::from(m));
         let dynamics = if system.has_forces() {

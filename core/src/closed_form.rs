@@ -33,7 +33,7 @@ pub struct ChartPoint<'a, E> {
 pub trait ClosedForm: Send + Sync + std::fmt::Debug + 'static {
     /// d, the dimension of M.
     fn dimension(&self) -> usize;
-    /// Functions of x and of the parameters that α is formed with, in normal form: of {x₁, x₂} = λ x₃ the
+    /// Functions of x and of the parameters that α is formed with, in normal form. Example: of {x₁, x₂} = λ x₃ the
     /// factor λ.
     ///
     /// # Errors
@@ -63,8 +63,8 @@ pub trait ClosedForm: Send + Sync + std::fmt::Debug + 'static {
         let minus: Vec<Term> = at.p.iter().map(|p| graph.negate(p)).collect();
         self.source(graph, &ChartPoint { p: &minus, ..*at })
     }
-    /// β − x and α − β as code. x drops out of sums; a form in which it stands in a product writes the
-    /// differences itself, and so does one whose parts odd and even in p both ends share.
+    /// Offset β − x and increment α − β as code. By default x drops out of sums. A form in which x stands in a product
+    /// writes the differences itself. So does one whose parts odd and even in p both ends share.
     ///
     /// # Errors
     /// [`AlgebraError`] where an operation has no value.

@@ -12,7 +12,7 @@ pub fn two_sum(a: f64, b: f64) -> (f64, f64) {
 pub struct Compensated {
     /// The sums rounded.
     pub high: Vec<f64>,
-    /// What rounding took.
+    /// Remainders of the sums: the part that rounding took.
     pub low: Vec<f64>,
 }
 

@@ -45,7 +45,7 @@ pub trait DynamicApproximation: Send + Sync + std::fmt::Debug {
     ) -> Result<Arc<dyn LagrangianBisection>, BuildError>;
 }
 
-/// What a method does with β̂(L(y)) = x_k.
+/// Treatment of the equation β̂(L(y)) = x_k by a method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Correction {
     /// Solves it: the map is α̂ ∘ (β̂|_L)⁻¹, Poisson over an exact realization.

@@ -14,7 +14,7 @@ pub enum BuildError {
     /// Sizes that do not agree.
     #[error("{what}: expected {expected}, found {found}")]
     Dimension {
-        /// What has the wrong size.
+        /// Quantity that has the wrong size, in words.
         what: String,
         /// The size that fits.
         expected: usize,
@@ -33,7 +33,7 @@ pub enum BuildError {
         parameter: String,
         /// The value given.
         value: String,
-        /// What is allowed, with the nearest valid values where there are such.
+        /// Values that are allowed, with the nearest valid ones where there are such.
         expected: String,
     },
     /// A formula of a part's parameter that is wrong.
@@ -47,7 +47,7 @@ pub enum BuildError {
         position: usize,
         /// The bytes of it that are meant; all where there are none.
         span: Option<Range<usize>>,
-        /// What is wrong, and what to try.
+        /// Mistake in the formula, in words, and what to try.
         problem: String,
     },
     /// A parameter that the part does not have.
@@ -115,13 +115,13 @@ pub enum BuildError {
     LooksFurther {
         /// The distance.
         reach: usize,
-        /// What the lattice that it was written on has room for.
+        /// Distance for which the lattice that it was written on has room.
         foreseen: usize,
     },
     /// A scene's formula that does not fit the lattice it is written out on.
     #[error("{message}")]
     Lattice {
-        /// What is wrong.
+        /// Description of the mistake.
         message: String,
     },
     /// A composition of a map without the symmetry it needs.
@@ -148,7 +148,7 @@ pub enum BuildError {
     Pieces {
         /// The map.
         map: String,
-        /// What is needed.
+        /// Pieces that the composition needs.
         asked: Pieces,
         /// The bracket that is not 0, or what else is missing.
         reason: String,
@@ -192,7 +192,7 @@ pub enum BuildError {
         part: &'static str,
         /// The system's.
         system: String,
-        /// What the part would need.
+        /// Data of the system that the part would need, in words.
         missing: &'static str,
         /// The parts that need no more than the system has.
         instead: String,
@@ -214,7 +214,7 @@ pub enum BuildError {
         dynamics: String,
         /// The realization.
         realization: String,
-        /// What is missing.
+        /// Ability that is missing, in words.
         reason: String,
     },
 }
@@ -303,7 +303,7 @@ pub enum StepError {
     Part {
         /// Its name.
         part: String,
-        /// What it says.
+        /// Message of the part.
         message: String,
     },
     /// The state lies outside the domain of a part outside the program.
@@ -313,7 +313,7 @@ pub enum StepError {
         part: String,
         /// Distance from the section over the distance to which the domain reaches.
         ratio: f64,
-        /// What it says.
+        /// Message of the part.
         message: String,
     },
     /// A state that no point of a realization's coordinates lies over.
@@ -330,7 +330,7 @@ pub enum StepError {
          division by zero, a power without derivatives at 0) or overflowed; check `initial` or reduce epsilon*h"
     )]
     NonFinite {
-        /// What was being computed.
+        /// Quantity that was being computed, in words.
         what: &'static str,
     },
 }

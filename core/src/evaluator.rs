@@ -2,8 +2,8 @@
 
 use crate::error::StepError;
 
-/// One thread's evaluator of a map F: ℝⁿ → ℝᵐ, for fixed parameters, ε and h: a bisection y ↦ L(y), a chart
-/// (x, p) ↦ z, a one-form, a vector field.
+/// Evaluator of a map F: ℝⁿ → ℝᵐ in one thread, for fixed parameters, ε and h. Such maps are a bisection y ↦ L(y), a
+/// chart (x, p) ↦ z, a one-form, a vector field.
 ///
 /// Both functions take one point or several, n contiguous numbers each, and write the results in their order.
 pub trait Evaluator: Send {
@@ -50,7 +50,7 @@ pub trait Evaluator: Send {
     }
     /// Forgets earlier evaluations: the next one starts cold.
     fn restart(&mut self) {}
-    /// What later evaluations depend on, for a checkpoint; always of the same length.
+    /// Memory for a checkpoint, always of the same length: the numbers that later evaluations depend on.
     fn memory(&self) -> Vec<f64> {
         Vec::new()
     }
@@ -60,13 +60,13 @@ pub trait Evaluator: Send {
     }
 }
 
-/// Evaluates points of `inputs` numbers one by one.
+/// Evaluates points one by one, `inputs` numbers each.
 ///
 /// # Errors
-/// That of the first point that fails.
+/// The error of the first point that fails.
 ///
 /// # Panics
-/// When a slice is not that of a whole number of points.
+/// Unless every slice holds a whole number of points.
 #[inline]
 pub fn one_by_one(
     inputs: usize,

@@ -1,11 +1,12 @@
 //! The shadow Hamiltonian of the map with a generating function.
 //!
-//! The flow of H̃ over τh has the generating function S with ∂_τ S = h H̃(α(x, dS)), S = 0 at τ = 0: its coefficients
+//! The flow of H̃ over τh has the generating function S with ∂_τ S = h H̃(α(x, dS)) and S = 0 at τ = 0. Its
+//! coefficients are polynomials in τ:
 //!
-//! s_n(x, τ) = ∫_0^τ [h^{n−1}] H̃(α(x, Σ_{k<n} hᵏ ds_k)) dτ
+//! s_n(x, τ) = ∫_0^τ [h^{n−1}] H̃(α(x, Σ_{k<n} hᵏ ds_k)) dτ.
 //!
-//! are polynomials in τ. With H̃ = Σ h^{n−1} F_n, F_n enters s_n as τ F_n alone. The map's own coefficients are the s_n(x, 1):
-//! Ŝ_n for n < m, nothing from there on; so F_n = −s_n(x, 1) before it has entered. F_{m+1} = −S_{m+1}(H).
+//! With H̃ = Σ h^{n−1} F_n, F_n enters s_n as τ F_n alone. The map's own coefficients are the s_n(x, 1): Ŝ_n for n < m,
+//! nothing from there on; so F_n = −s_n(x, 1) before it has entered. F_{m+1} = −S_{m+1}(H).
 
 use leafwise_expression::graph::lift;
 use leafwise_expression::series::{Tape, TapeIndex, TaylorState};
@@ -22,8 +23,9 @@ use crate::shadow::Shadow;
 /// The longest code of a shadow, in operations.
 const MOST_NODES: usize = 1 << 16;
 
-/// F_1 to F_`last` for a generating function on so many coordinates; `None` where they are too long: they take more than
-/// `products` products of terms, and as code only F_{m+1} is formed.
+/// Terms F_1 to F_`last` of the shadow Hamiltonian, for a generating function on `dimension` coordinates. They are
+/// expanded where that takes at most `products` products of terms. Beyond that they are formed as code, if F_{m+1} is
+/// the only correction among them. Otherwise, and where the code is too long, the result is `None`.
 ///
 /// # Errors
 /// [`BuildError::Algebra`] where the tensor or the Hamiltonian is outside the exact algebra.

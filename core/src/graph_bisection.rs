@@ -55,13 +55,13 @@ pub struct GraphBisection {
 }
 
 impl GraphBisection {
-    /// The bisection of a one-form over a realization, for a system with this number of parameters; `dynamics` is what
-    /// messages call the approximation.
+    /// Bisection of a one-form over a realization, for a system with this number of parameters. Messages call the
+    /// approximation `dynamics`.
     ///
     /// # Errors
-    /// [`BuildError::Incompatible`] when the realization has no chart about its section, or one in
-    /// which β̂(x, p) is not α̂(x, −p): only there are maps of forms odd in h self-adjoint (paper,
-    /// Proposition 1). [`BuildError::Algebra`] where a derivative has no code.
+    /// [`BuildError::Incompatible`] when the realization has no chart about its section, or one in which β̂(x, p) is
+    /// not α̂(x, −p). Only with β̂(x, p) = α̂(x, −p) are maps of forms odd in h self-adjoint (paper, Proposition 1). A
+    /// derivative without code gives [`BuildError::Algebra`].
     pub fn new(
         form: OneForm,
         realization: &Arc<dyn RealizationData>,

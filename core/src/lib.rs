@@ -1,8 +1,8 @@
 //! The vocabulary of Poisson integration by realizations and Lagrangian bisections.
 //!
-//! A Poisson system ẋ = {H, x} is stepped by φ̂ = α̂ ∘ (β̂|_L)⁻¹, where R̂_ε = (S, ω, α̂, β̂, σ) is
-//! (approximate) realization data of (M, επ) and L ⊂ S a Lagrangian bisection (Cabrera, Martín de
-//! Diego, Vaquero, *Approximating Symplectic Realizations*, Definitions 2.3–2.4 and Algorithm 1).
+//! A Poisson system ẋ = {H, x} is stepped by φ̂ = α̂ ∘ (β̂|_L)⁻¹. Here R̂_ε = (S, ω, α̂, β̂, σ) is (approximate)
+//! realization data of (M, επ), and L ⊂ S is a Lagrangian bisection. Source: Cabrera, Martín de Diego, Vaquero,
+//! *Approximating Symplectic Realizations*, Definitions 2.3–2.4 and Algorithm 1.
 //!
 //! - [`system`]: the Poisson tensor, the Hamiltonian, Casimirs and parameters.
 //! - [`realization`]: [`RealizationData`], the geometric approximation.
@@ -25,7 +25,7 @@
 //! - [`lifted_realization`]: realizations that are such coordinates.
 //! - [`lattice`]: long lattices in O(N) time and memory a step.
 //! - [`part`], [`part_description`], [`origin`], [`registry`]: parts by name, built in or loaded.
-//! - [`automatic`]: what a choice left open takes.
+//! - [`automatic`]: the choice of a method where a scene leaves it open.
 //! - [`diagnostics`]: realization error, tensor defect, fitted slopes, Jacobi and Casimir checks.
 //! - [`gradient`]: derivatives of trajectories, forwards and backwards.
 //! - [`error`]: typed failures.

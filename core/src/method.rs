@@ -34,7 +34,7 @@ pub struct Method {
     path: Path,
     /// Coordinates whose sign every step keeps.
     kept_signs: Vec<usize>,
-    /// What no step crosses.
+    /// Poles of the equations of motion, which no step crosses.
     poles: Option<Arc<Poles>>,
     /// The derivatives by parameters of both ends, compiled when the first differential is asked for.
     by_parameters: Arc<OnceLock<Option<Arc<Kernel>>>>,
@@ -75,12 +75,12 @@ impl std::fmt::Debug for Path {
 }
 
 impl Method {
-    /// Composes parts by their names, each with its default parameters, on a system: `Method::of(&registry, &system, "so3-exponential",
-    /// "hamilton-jacobi")`.
+    /// Composes parts by their names, each with its default parameters, on a system:
+    /// `Method::of(&registry, &system, "so3-exponential", "hamilton-jacobi")`.
     ///
     /// # Errors
-    /// [`BuildError::UnknownPart`] for a name that the registry does not have, those of the parts, and those of
-    /// [`compose`](Self::compose).
+    /// [`BuildError::UnknownPart`] for a name that the registry does not have. Further errors are those of the parts
+    /// and of [`compose`](Self::compose).
     pub fn of(
         registry: &Registry,
         system: &PoissonSystem,
@@ -93,13 +93,13 @@ impl Method {
         Self::compose(system, realization, dynamics)
     }
 
-    /// Combines the two approximations for a system and compiles what its steps need, by the
-    /// shortest path: one fused solve, one kernel, or evaluators.
+    /// Combines the two approximations for a system and compiles what its steps need. It takes the shortest path: one
+    /// fused solve, one kernel, or evaluators.
     ///
     /// # Errors
-    /// [`BuildError::Incompatible`] when the realization lacks what the bisection needs,
-    /// [`BuildError::Algebra`] where a formula has no code, [`BuildError::TooManyVariables`] for formulas in
-    /// too many variables, [`BuildError::Forces`] for a system with forces that the dynamics does not take.
+    /// [`BuildError::Incompatible`] when the realization lacks what the bisection needs. A formula without code gives
+    /// [`BuildError::Algebra`], and formulas in too many variables give [`BuildError::TooManyVariables`]. Forces that
+    /// the dynamics does not take give [`BuildError::Forces`].
     pub fn compose(
         system: &PoissonSystem,
         realization: Arc<dyn RealizationData>,
@@ -372,9 +372,9 @@ fn kept_by(system: &PoissonSystem, properties: MapProperties) -> Vec<usize> {
     }
 }
 
-/// What Theorems 1 and 2 promise of a realization and a dynamic approximation. Over an exact realization α̂(z) and β̂(z) lie on
-/// one symplectic leaf for any z, so that a solved bisection maps along leaves even where it is not Lagrangian (paper,
-/// section 2).
+/// Properties of the map of a realization and a dynamic approximation, as Theorems 1 and 2 promise them. Over an exact
+/// realization α̂(z) and β̂(z) lie on one symplectic leaf for any z. There a solved bisection maps along leaves even
+/// where it is not Lagrangian (paper, section 2).
 pub(crate) fn properties_of(
     realization: &dyn RealizationData,
     dynamics: &dyn DynamicApproximation,

@@ -1,4 +1,4 @@
-//! What a run watches.
+//! Observables: functions of the state that a run watches.
 
 /// Functions of the state that a run watches.
 pub trait Observe: Send {

@@ -117,7 +117,7 @@ pub struct CodeOneForm {
 }
 
 impl CodeOneForm {
-    /// What is evaluated, for reports.
+    /// Kernels that are evaluated, each with its name, for reports.
     pub fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
         self.map.kernels()
     }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-/// What offered a part to the [`Registry`](crate::Registry).
+/// Origin of a part of the [`Registry`](crate::Registry): a crate of the program or a library loaded at run time.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 #[non_exhaustive]

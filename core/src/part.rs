@@ -43,7 +43,7 @@ impl PartKind {
 pub struct ParameterInfo {
     /// Its name in a scene.
     pub name: &'static str,
-    /// What it means and what is allowed.
+    /// Meaning of the parameter and values that are allowed, in words.
     pub summary: &'static str,
     /// The value taken when the scene names none; its type is the parameter's.
     pub default: ParameterDefault,
@@ -75,7 +75,7 @@ impl fmt::Display for ParameterDefault {
     }
 }
 
-/// What separates formulas in one text.
+/// Separator of formulas in one text.
 pub const FORMULAS: &str = "; ";
 
 /// A value given to a part's parameter.
@@ -132,7 +132,7 @@ impl From<ParameterDefault> for ParameterSetting {
 /// Values for some of a part's parameters.
 pub type Settings = &'static [(&'static str, ParameterDefault)];
 
-/// What a choice left open takes a realization or a dynamic approximation for.
+/// Role of a realization or a dynamic approximation in a choice left open.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Auto {
     /// Exact where it fits: of those that fit, [`exact_realization`](crate::Registry::exact_realization) takes one.
@@ -142,7 +142,7 @@ pub enum Auto {
         /// Why it is taken where it fits.
         reason: &'static str,
     },
-    /// What remains: it serves every system without forces, to the order that its parameter `order` names.
+    /// Fallback: it serves every system without forces, to the order that its parameter `order` names.
     OfOrder,
     /// It serves every system with forces.
     Forces,
@@ -190,11 +190,12 @@ impl Compared {
 pub struct ServesNumbers {
     /// Lower ranks of a kind are named first.
     pub rank: u32,
-    /// What it is limited to, behind its name: `of order 2`.
+    /// Limit of its service, as messages put it behind its name: `of order 2`.
     pub limit: &'static str,
 }
 
-/// What a part declares about itself.
+/// Declaration of a part: its name, kind, promises, domain, literature and parameters, and how choices and comparisons
+/// use it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PartInfo {
     /// Its name in a scene.
@@ -224,7 +225,7 @@ pub struct PartInfo {
     /// Whether it is coordinates with a constant tensor, for a realization.
     #[serde(skip)]
     pub is_lift: bool,
-    /// What it is akin to, for a stepper.
+    /// Family of a stepper: the steppers that are compared and advised like it.
     #[serde(skip)]
     pub family: Option<Family>,
     /// Whether it needs no formulas of the system.
@@ -341,11 +342,10 @@ impl PartParameters {
         }
     }
 
-    /// The value of a parameter of `info`, its default where none is given.
+    /// Value of a parameter of `info`, its default where none is given.
     ///
     /// # Errors
-    /// [`BuildError::UnknownParameter`] when a given name is not one of `info`'s, or the one asked
-    /// for is not.
+    /// [`BuildError::UnknownParameter`] for a name, given or asked for, that is not one of `info`'s parameters.
     pub fn setting(&self, info: &PartInfo, name: &str) -> Result<ParameterSetting, BuildError> {
         self.refuse_unknown(info)?;
         let parameter = info.parameters.iter().find(|p| p.name == name);
@@ -408,7 +408,7 @@ pub fn linked() -> impl Iterator<Item = &'static PartInfo> {
     inventory::iter::<Declared>().map(|declared| (declared.0)())
 }
 
-/// What a linked part declares; see [`built_in!`](crate::built_in).
+/// Declaration of a linked part, as a function that returns it; see [`built_in!`](crate::built_in).
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug)]
 pub struct Declared(pub fn() -> &'static PartInfo);

@@ -1,4 +1,4 @@
-//! What a part declares, in text that is made at run time.
+//! Declarations of parts, in text that is made at run time.
 
 use crate::part::{ParameterDefault, ParameterInfo, ParameterSetting, PartInfo, PartKind};
 
@@ -26,7 +26,7 @@ pub struct PartDescription {
 pub struct ParameterDescription {
     /// Its name in a scene.
     pub name: String,
-    /// What it means and what is allowed.
+    /// Meaning of the parameter and values that are allowed, in words.
     pub summary: String,
     /// The value taken when the scene names none; its type is the parameter's.
     pub default: ParameterSetting,

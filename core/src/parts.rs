@@ -26,7 +26,7 @@ type MakeComposition =
 /// A Poisson system that can be built from parameters.
 #[derive(Clone)]
 pub struct SystemPart {
-    /// What it declares.
+    /// Declaration of the system: name, promises, domain, parameters.
     pub info: &'static PartInfo,
     /// The text of a scene's `[system]` table, for a system given by formulas.
     pub fragment: Option<Arc<str>>,
@@ -69,7 +69,7 @@ impl SystemPart {
 /// A realization that can be built for a system.
 #[derive(Clone)]
 pub struct RealizationPart {
-    /// What it declares.
+    /// Declaration of the realization: name, promises, domain, parameters.
     pub info: &'static PartInfo,
     make: Arc<MakeRealization>,
 }
@@ -105,7 +105,7 @@ impl RealizationPart {
 /// A dynamic approximation that can be built from parameters.
 #[derive(Clone)]
 pub struct DynamicsPart {
-    /// What it declares.
+    /// Declaration of the dynamic approximation: name, promises, domain, parameters.
     pub info: &'static PartInfo,
     make: Arc<MakeDynamics>,
 }
@@ -140,7 +140,7 @@ impl DynamicsPart {
 /// A step map that needs no realization.
 #[derive(Clone)]
 pub struct StepperPart {
-    /// What it declares.
+    /// Declaration of the stepper: name, promises, domain, parameters.
     pub info: &'static PartInfo,
     make: Arc<MakeStepper>,
     sweeps: Option<MakeSweeps>,
@@ -168,11 +168,11 @@ impl StepperPart {
         self
     }
 
-    /// The step map of a system.
+    /// Step map of a system.
     ///
     /// # Errors
-    /// [`BuildError`] when a parameter is out of range or the system does not fit, [`BuildError::Forces`] where it has forces
-    /// and the part takes none.
+    /// [`BuildError`] when a parameter is out of range or the system does not fit. A system with forces gives
+    /// [`BuildError::Forces`] where the part takes none.
     pub fn build(
         &self,
         system: &PoissonSystem,
@@ -184,11 +184,11 @@ impl StepperPart {
         (self.make)(system, parameters)
     }
 
-    /// The step map of a long lattice, as sweeps over its sites.
+    /// Step map of a long lattice, as sweeps over its sites.
     ///
     /// # Errors
-    /// [`BuildError::DoesNotFit`] where the part has no such form, for this lattice or for any;
-    /// otherwise as [`build`](Self::build).
+    /// [`BuildError::DoesNotFit`] where the part has no such form, for this lattice or for any. Further errors are
+    /// those of [`build`](Self::build).
     pub fn build_on_lattice(
         &self,
         source: &dyn LatticeSource,
@@ -207,7 +207,7 @@ impl StepperPart {
 /// A composition of step maps.
 #[derive(Clone)]
 pub struct CompositionPart {
-    /// What it declares.
+    /// Declaration of the composition: name, promises, domain, parameters.
     pub info: &'static PartInfo,
     /// Its order over a base of order 2.
     pub order: usize,
@@ -266,14 +266,14 @@ pub enum Part {
 macro_rules! kinds {
     ($($kind:ident: $part:ident),*) => {
         impl Part {
-            /// What it declares.
+            /// Declaration of the part: name, promises, domain, parameters.
             pub fn info(&self) -> &'static PartInfo {
                 match self {
                     $(Self::$kind(part) => part.info,)*
                 }
             }
 
-            /// What it is.
+            /// Kind of the part, by its variant.
             pub fn kind(&self) -> PartKind {
                 match self {
                     $(Self::$kind(_) => PartKind::$kind,)*

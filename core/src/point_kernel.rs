@@ -66,10 +66,11 @@ impl PointKernel {
         self.evaluate_each(|at| z[at * inputs..][..inputs].iter().copied(), out);
     }
 
-    /// Evaluates at as many points as `out` holds results; `point` gives the inputs of each.
+    /// Evaluates at as many points as `out` holds results. The function `point` gives the inputs of each, as many as
+    /// the kernel has.
     ///
     /// # Panics
-    /// When `out` is not that of a whole number of points, or a point has another number of inputs.
+    /// When `out` is not that of a whole number of points.
     pub(crate) fn evaluate_each<I: Iterator<Item = f64>>(
         &mut self,
         point: impl Fn(usize) -> I,

@@ -53,8 +53,8 @@ pub trait RealizationData: Send + Sync + std::fmt::Debug {
         let _ = (parameters, epsilon);
         None
     }
-    /// The symplectic chart χ: T*M ⊃ U → S about σ with χ(x, 0) = σ(x) and inv(x, p) = (x, −p), where points of S are
-    /// not pairs (x, p).
+    /// Symplectic chart χ: T*M ⊃ U → S about σ, where points of S are not pairs (x, p). It has χ(x, 0) = σ(x) and
+    /// inv(x, p) = (x, −p).
     fn chart(&self) -> Option<ChartCode<'_>> {
         None
     }
@@ -75,8 +75,8 @@ pub trait RealizationData: Send + Sync + std::fmt::Debug {
     fn lift(&self) -> Option<Arc<dyn Lift>> {
         None
     }
-    /// A self-contained step map that solves for the realization and the bisection in one go: that of its
-    /// [`lift`](Self::lift), where it has one.
+    /// Self-contained step map that solves for the realization and the bisection in one go. By default it is that of
+    /// its [`lift`](Self::lift), where it has one.
     ///
     /// # Errors
     /// [`BuildError`] when the bisection cannot be fused.
@@ -129,11 +129,10 @@ pub struct SourceTarget {
     pub offset: Vec<Term>,
     /// α̂ − β̂.
     pub increment: Vec<Term>,
-    /// First and last term of a truncated series, or the radius of a closed form's chart and how
-    /// far the point reaches in it: where the last is not the smaller one, the point is outside the
-    /// chart. Lists of equal lengths, compared by their largest entries; terms of series also coordinate by coordinate in
-    /// units of their own, where the largest say outside. `None` for closed forms that hold
-    /// everywhere.
+    /// Guard of the chart: first and last term of a truncated series, or the radius of a closed form's chart and how
+    /// far the point reaches in it. Where the last is not the smaller one, the point is outside the chart. Both lists
+    /// have equal lengths and are compared by their largest entries. Where these say outside, terms of series are
+    /// compared also coordinate by coordinate, in units of their own. Closed forms that hold everywhere have `None`.
     pub guard: Option<(Vec<Term>, Vec<Term>)>,
 }
 
@@ -197,20 +196,18 @@ pub trait RealizationEvaluator: Evaluator {
     fn has_source_hessian(&self) -> bool {
         false
     }
-    /// How far the point of the last call reaches into the chart: the ratio that
-    /// [`StepError::LeftChart`] tells from 1 on, the last term of a truncated series over its first.
-    /// `None` where the maps hold everywhere or do not say.
+    /// Ratio by which the point of the last call reaches into the chart. [`StepError::LeftChart`] tells it from 1 on.
+    /// For a truncated series it is the last term over the first. Maps that hold everywhere or do not say have `None`.
     fn chart_ratio(&self) -> Option<f64> {
         None
     }
 }
 
-/// The exact (untruncated) series of α∘χ along p(h) = Σ_{k≥1} pₖ hᵏ at ε = 1, where χ is a
-/// cotangent chart with χ(x, 0) = σ(x) and inv(x, p) = (x, −p).
+/// Exact (untruncated) series of α∘χ along p(h) = Σ_{k≥1} pₖ hᵏ at ε = 1. Here χ is a cotangent chart with
+/// χ(x, 0) = σ(x) and inv(x, p) = (x, −p).
 ///
-/// Either function starts the recursion at α₀ = x, of whose components the algebra's coordinates of these indices are
-/// x₁ … x_d, and fails with [`BuildError::Algebra`] where the tensor is outside
-/// the algebra.
+/// Either function starts the recursion at α₀ = x, whose components x₁ … x_d are the algebra's coordinates of these
+/// indices. Either fails with [`BuildError::Algebra`] where the tensor is outside the algebra.
 #[allow(clippy::missing_errors_doc, reason = "said above, for both")]
 pub trait SourceSeries {
     /// As exact polynomials.

@@ -73,9 +73,9 @@ pub enum RegistryError {
     Kind {
         /// Its name.
         name: &'static str,
-        /// What it declares.
+        /// Kind that it declares.
         declared: &'static str,
-        /// What it is offered as.
+        /// Kind that it is offered as.
         kind: &'static str,
         /// Where it comes from.
         offered: Box<Origin>,
@@ -100,8 +100,8 @@ impl Registry {
         Self::default()
     }
 
-    /// Every part linked into this program. A crate that nothing names is not linked: depend on
-    /// the `leafwise` facade, which names them all.
+    /// Every part linked into this program. A crate that nothing names is not linked. Depend on the `leafwise` facade,
+    /// which names them all.
     ///
     /// # Panics
     /// When two linked crates submit the same name: a defect of the program itself.
@@ -144,12 +144,12 @@ impl Registry {
         Ok(())
     }
 
-    /// What every part declares, sorted by kind and name.
+    /// Declarations of all parts, sorted by kind and name.
     pub fn parts(&self) -> Vec<&'static PartInfo> {
         self.listing().into_iter().map(|(info, _)| info).collect()
     }
 
-    /// What every part declares and where it comes from, sorted by kind and name.
+    /// Declarations of all parts with their origins, sorted by kind and name.
     pub fn listing(&self) -> Vec<(&'static PartInfo, &Origin)> {
         let entries = self.entries.values();
         let mut listing: Vec<_> = entries.map(|e| (e.part.info(), &e.origin)).collect();

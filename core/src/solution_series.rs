@@ -1,9 +1,9 @@
 //! The solution of β̂(L(y)) = x over the graph of dŜ, as a series in the time step.
 //!
-//! With t = εh let X_t(y) = β(y, dŜ_t(y)) = y + Σ_k (−t)ᵏ α_k(y), where α(y, dŜ_t(y)) = y + Σ_k tᵏ α_k(y): Ŝ is odd
-//! in t and β(y, p) = α(y, −p). Its inverse Y_t is what a step solves for. As X_{−t} = α ∘ dŜ_t, the solution of the
-//! step that led to x is Y_{−t}(x): the even part of Y_t is known from it, and
-//! Y_t(x) = Y_{−t}(x) + 2 Σ_{k odd} tᵏ Y_k(x).
+//! With t = εh let α(y, dŜ_t(y)) = y + Σ_k tᵏ α_k(y). Then X_t(y) = β(y, dŜ_t(y)) = y + Σ_k (−t)ᵏ α_k(y), since Ŝ is
+//! odd in t and β(y, p) = α(y, −p). A step solves for the inverse Y_t of X_t. As X_{−t} = α ∘ dŜ_t, the solution of the
+//! step that led to x is Y_{−t}(x). Hence the even part of Y_t is known from it: Y_t(x) = Y_{−t}(x) + 2 Σ_{k odd} tᵏ
+//! Y_k(x).
 
 use leafwise_expression::graph::lift;
 use leafwise_expression::{
@@ -27,9 +27,9 @@ const FEWEST: usize = 3;
 /// of one at t = 0.4.
 const MOST: usize = 4;
 
-/// The start of a method's solves over code, as [`SolutionSeries::code`]: the longest sum of at most so many
-/// `operations`. `None` where the shortest takes more, where Ŝ is not expanded, or the realization offers no series as
-/// far.
+/// Start of a method's solves over code, as [`SolutionSeries::code`]: the longest sum of at most so many `operations`.
+/// It is `None` where the shortest takes more or Ŝ is not expanded. The same holds where the realization offers no
+/// series as far.
 ///
 /// # Errors
 /// [`BuildError::Algebra`] where an adjoined function has no code.
@@ -74,9 +74,9 @@ pub(crate) fn start_of_solves(
 
 /// 2 Y_1, 2 Y_3, …, d components each, at ε = 1, as far as they are known.
 ///
-/// X_t is followed by its velocity W_t, ∂_t X_t = W_t ∘ X_t: then ∂_t (f ∘ Y_t) = −W_t (f ∘ Y_t) for every
-/// function f, W_t as a derivation (Deprit, Canonical transformations depending on a small parameter, 1969).
-/// With W = Σ t^{n−1} W_n and ∂_t X = Σ t^{k−1} g_k, W_n = Σ_{k≤n} [t^{n−k}] g_k ∘ Y.
+/// X_t is followed by its velocity W_t, ∂_t X_t = W_t ∘ X_t. Then ∂_t (f ∘ Y_t) = −W_t (f ∘ Y_t) for every function f,
+/// W_t as a derivation (Deprit, Canonical transformations depending on a small parameter, 1969). With W = Σ t^{n−1} W_n
+/// and ∂_t X = Σ t^{k−1} g_k, W_n = Σ_{k≤n} [t^{n−k}] g_k ∘ Y.
 struct SolutionSeries {
     ring: Ring,
     odd: Vec<Vec<Polynomial>>,
@@ -99,8 +99,8 @@ impl SolutionSeries {
         }
     }
 
-    /// Forms the next term, two orders or the first; `false` where that takes more than a few products of terms, or a
-    /// derivative does not exist: a start is not needed.
+    /// Forms the next term, two orders or the first. Returns `false` where the term takes more than a few products of
+    /// terms, or a derivative does not exist. Such a failure is no error, as a start is not needed.
     fn extend(
         &mut self,
         generating: &GeneratingFunction,

@@ -8,12 +8,12 @@ use crate::system::PoissonSystem;
 /// Trajectories of one step map, x_{k+1} = x_k + Δ_k, in one lane or in several side by side: a lane has the bits that it
 /// would have alone.
 ///
-/// States are compensated: what rounding takes from x_k + Δ_k is kept in a second double and enters the next step, so that
-/// round-off grows like a random walk of steps' round-off, not of states'. Arrays are structures of arrays, coordinate j of
-/// lane w at `[j*lanes + w]`; of one lane they are the state itself.
+/// States are compensated: what rounding takes from x_k + Δ_k is kept in a second double and enters the next step.
+/// Round-off then grows like a random walk of steps' round-off, not of states'. Arrays are structures of arrays,
+/// coordinate j of lane w at `[j*lanes + w]`; of one lane they are the state itself.
 ///
-/// Of several lanes, one whose step fails rests at its last good state and disturbs no other: its column goes on as a copy of
-/// one that lives, which nobody reads. One lane alone stays where it is, and may try again.
+/// Of several lanes, one whose step fails rests at its last good state and disturbs no other. Its column goes on as a
+/// copy of one that lives, which nobody reads. One lane alone stays where it is, and may try again.
 pub struct Walk {
     stepper: Box<dyn Stepper>,
     lanes: usize,
@@ -50,10 +50,10 @@ impl Walk {
         Self::side_by_side(map, 1, (parameters, initial), epsilon, h)
     }
 
-    /// Starts `lanes` trajectories with parameters and initial states of their own, both structures of arrays.
+    /// Starts `lanes` trajectories with parameters and initial states of their own. Both are structures of arrays.
     ///
     /// # Panics
-    /// Without a lane, and when the initial states do not have the map's dimension in each of them.
+    /// Without a lane, and when an initial state does not have the map's dimension.
     pub fn side_by_side(
         map: &dyn StepMap,
         lanes: usize,
@@ -187,10 +187,10 @@ impl Walk {
     /// x_k ↦ x_{k+n}, to the same bits as n steps one by one. One lane of straight-line code stays in one loop.
     ///
     /// # Errors
-    /// The [`StepError`] of the first lane that fails; [`failed`](Self::failed) has the others of that step, behind which no
-    /// further one is made. Of several lanes those that fail rest at the state before it, the others have made it; one lane alone
-    /// tries the step again at the next call. Where every lane rests, no step is made, and the error is that of the first that
-    /// failed at some time.
+    /// The [`StepError`] of the first lane that fails. The others of that step are in [`failed`](Self::failed), and no
+    /// further step is made behind it. Of several lanes those that fail rest at the state before it, the others have
+    /// made it; one lane alone tries the step again at the next call. Where every lane rests, no step is made, and the
+    /// error is that of the first that failed at some time.
     pub fn advance(&mut self, steps: u64) -> Result<(), StepError> {
         self.failed.clear();
         if self.living == 0 {

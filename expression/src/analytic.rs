@@ -74,7 +74,7 @@ impl AnalyticFunction {
         }
     }
 
-    /// What is equal to the function of this name.
+    /// Stand-in that is equal to the function of this name: functions compare by name. Its values are NaN.
     pub(crate) fn named(name: &'static str) -> Self {
         Self::new(name, |_, _| f64::NAN)
     }

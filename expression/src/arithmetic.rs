@@ -1,9 +1,8 @@
 //! The operations that a formula needs, over whatever it is evaluated on.
 //!
-//! One [`Expression`](crate::Expression) is evaluated on exact polynomials
-//! ([`Ring`](crate::Ring)), on nodes of straight-line code ([`Graph`](crate::Graph)), on
-//! polynomials of a curve parameter, or on numbers. [`Arithmetic`] is the context that carries
-//! these operations; its elements are plain values.
+//! One [`Expression`](crate::Expression) is evaluated on exact polynomials ([`Ring`](crate::Ring)), on nodes of
+//! straight-line code ([`Graph`](crate::Graph)), on polynomials of a curve parameter, or on numbers. The trait
+//! [`Arithmetic`] is the context that carries these operations; its elements are plain values.
 
 use thiserror::Error;
 

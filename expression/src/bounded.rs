@@ -32,7 +32,8 @@ impl Bounded {
 /// Half an ulp, with what first order leaves out.
 const ROUND_OFF: f64 = 0.51 * f64::EPSILON;
 
-/// What `libm` rounds by: its functions are within an ulp, the power within two.
+/// Largest relative rounding error of `libm`: its functions are within an ulp, the power within
+/// two.
 const FUNCTION: f64 = 2.0 * f64::EPSILON;
 
 /// Formulas in plain double arithmetic at these values of the parameters, with a running error bound

@@ -24,8 +24,8 @@ pub trait DifferentialAlgebra: Arithmetic<Element: 'static> {
         f: &Self::Element,
         dimension: usize,
     ) -> Result<Vec<Self::Element>, AlgebraError>;
-    /// What `form` finds in an exact ring over x₁ … x_d, in this algebra, of whose coordinates these d are
-    /// x₁ … x_d: for elements whose normal form matters.
+    /// Elements that `form` finds in an exact ring over x₁ … x_d, taken into this algebra, of whose coordinates these
+    /// d are x₁ … x_d. This serves elements whose normal form matters.
     ///
     /// # Errors
     /// Those of `form`, and [`AlgebraError`] when an adjoined function has no code.

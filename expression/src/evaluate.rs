@@ -5,7 +5,7 @@ use crate::expression::Expression;
 use crate::rational::Rational;
 use crate::shared::Known;
 
-/// What stands for the variable xᵢ in an algebra.
+/// Element of an algebra that stands for the variable xᵢ, as a function of the algebra and i.
 pub type VariableIn<'a, A> =
     dyn FnMut(&mut A, usize) -> Result<<A as Arithmetic>::Element, AlgebraError> + 'a;
 

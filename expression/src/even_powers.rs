@@ -1,8 +1,8 @@
 //! Powers of even powers: (xⁿ)ᵃ = |x|ⁿᵃ for an even n, written as xⁿᵃ where na is even too, as (x²)^(na/2) elsewhere.
 //!
-//! This is how |x| is written, as (x^2)^0.5 or sqrt(x^4). Slopes of the form chosen here have values at x = 0 wherever the
-//! function has a slope there: sqrt(x⁴) is x², |x| x² is (x²)^(3/2), whose two derivatives hold no negative power of x. The
-//! second derivative of |x|ᵃ has none by code at 0 where 2 < a < 3, as 0·∞.
+//! This is how |x| is written, as (x^2)^0.5 or sqrt(x^4). Slopes of the form chosen here have values at x = 0 wherever
+//! the function has a slope there. Thus sqrt(x⁴) is x², and |x| x² is (x²)^(3/2), whose two derivatives hold no
+//! negative power of x. The second derivative of |x|ᵃ has none by code at 0 where 2 < a < 3, as 0·∞.
 
 use crate::expression::{Expression, Function};
 use crate::rational::Rational;

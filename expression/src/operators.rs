@@ -23,9 +23,9 @@ use crate::rational::Rational;
 /// assert_eq!(formula.evaluate(&[0.0, 2.0], &[3.0]), 2.0 - 3.0 + 0.8);
 /// ```
 ///
-/// A number is exact: an `f64` stands for the shortest decimal that rounds to it, as it is printed and
-/// as a scene reads it, so that 0.1 is 1/10. NaN and the infinities are 0/0, 1/0 and −1/0, which
-/// every system refuses as a division by zero.
+/// A number is exact. An `f64` stands for the shortest decimal that rounds to it, as it is printed and as a scene
+/// reads it, so that 0.1 is 1/10. NaN and the infinities are 0/0, 1/0 and −1/0, which every system refuses as a
+/// division by zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Quantity {
     /// The state variable of this index.

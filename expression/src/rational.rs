@@ -1,7 +1,7 @@
 //! Exact rational numbers: machine words while they fit, arbitrary precision beyond.
 //!
-//! A value is always in lowest terms with a positive denominator, and is held in machine words
-//! exactly when numerator and denominator both fit `i64`; equality and hashing compare this one
+//! A value is always in lowest terms with a positive denominator. It is held in machine words
+//! exactly when numerator and denominator both fit `i64`. Equality and hashing compare this one
 //! representation.
 
 mod arithmetic;

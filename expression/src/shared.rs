@@ -41,7 +41,7 @@ impl<T: PartialEq> PartialEq for Shared<T> {
     }
 }
 
-/// What was made of the shared values met so far, while they live.
+/// Results made of the shared values met so far, by their address, while these values live.
 pub(crate) struct Known<T, U>(FxHashMap<*const T, U>);
 
 impl<T, U> Default for Known<T, U> {

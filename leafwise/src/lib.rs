@@ -9,12 +9,12 @@
 //! - [`walk`]: trajectories in memory, watched between steps.
 //! - [`scene`]: scene files, composed.
 //! - [`run`]: runs, ensembles and sweeps, into directories; [`report`]: their pages.
-//! - [`conformance`]: is one part, built-in or of a plugin, what it declares?
-//! - [`verify`]: what every part really does, measured against what it declares.
+//! - [`conformance`]: checks that one part, built-in or of a plugin, is as declared.
+//! - [`verify`]: every part measured against its declaration.
 //! - [`trade`]: cost against accuracy, measured on a scene.
 //! - [`reproduce`](mod@reproduce): the paper's figures and numbers, measured.
 //! - [`stress`]: the extremes, each with its expected outcome.
-//! - [`prelude`]: what most programs need.
+//! - [`prelude`]: types and functions that most programs need.
 
 pub mod prelude;
 

@@ -1,4 +1,4 @@
-//! What most programs need: `use leafwise::prelude::*`.
+//! Types and functions that most programs need: `use leafwise::prelude::*`.
 
 pub use leafwise_core::{
     Method, PartParameters, PoissonSystem, Registry, SolverStatistics, StepError, StepMap,

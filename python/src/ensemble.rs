@@ -1,4 +1,4 @@
-//! What an ensemble leaves, as arrays.
+//! Results of an ensemble, as arrays.
 
 use std::fs;
 use std::path::Path;
@@ -41,10 +41,10 @@ pub(crate) struct Ensemble {
     /// Member, time, recorded coordinates and observables of each crossing of the section.
     #[pyo3(get)]
     crossings: Option<Py<PyArray2<f64>>>,
-    /// What the members are reduced to: the end of the program's manifest, as JSON.
+    /// Reductions over the members: the end of the program's manifest, as JSON.
     #[pyo3(get)]
     ending: String,
-    /// What to change in the scene.
+    /// Advice: changes to make in the scene.
     #[pyo3(get)]
     advice: Vec<String>,
     /// The report.
@@ -52,7 +52,7 @@ pub(crate) struct Ensemble {
     page: String,
 }
 
-/// What an ensemble's directory holds, without arrays of Python.
+/// Contents of an ensemble's directory, without arrays of Python.
 pub(crate) struct Left {
     members: Vec<f64>,
     outcomes: Vec<u8>,

@@ -47,7 +47,8 @@ pub(crate) fn no_memory(no_room: &NoRoom) -> PyErr {
     PyMemoryError::new_err(no_room.to_string())
 }
 
-/// What the program calls its flags and the values that they set, as one who calls it from Python does.
+/// Names of flags in the program's messages, with the words that a caller from Python uses for them and for the values
+/// that they set.
 const WORDS: [(&str, &str); 3] = [
     (" with --set", " with the values set"),
     ("--set", "values set"),
@@ -75,7 +76,7 @@ pub(crate) fn of_scene(errors: &SceneErrors) -> PyErr {
     exception(&Failure::Scene(errors.diagnostics()))
 }
 
-/// What a command printed before it ended with this code.
+/// The exception for a command that printed `text` and ended with this exit code.
 pub(crate) fn of_code(code: u8, text: &str) -> PyErr {
     let text = text.trim();
     let text = text.strip_prefix("error: ").unwrap_or(text).to_owned();

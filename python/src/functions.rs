@@ -20,10 +20,11 @@ use crate::error::{LeafwiseError, is_interruption};
 /// The id under which a scene names the one system of this kind that it has.
 const NAME: &str = "python/functions";
 
-/// What a part declares, for every list of parameters' names that a system has had: parts declare what lives as long as the program.
+/// Declarations of the part, one for every list of parameters' names that a system has had. Declarations of parts live
+/// as long as the program.
 static DECLARED: Mutex<BTreeMap<Vec<String>, &'static PartInfo>> = Mutex::new(BTreeMap::new());
 
-/// What the part of a system with these parameters declares.
+/// The declaration of the part of a system with these parameters, leaked once for each list of their names.
 fn declared(parameters: &[(String, f64)]) -> &'static PartInfo {
     let names: Vec<String> = parameters.iter().map(|(name, _)| name.clone()).collect();
     let mut declared = DECLARED.lock().unwrap_or_else(PoisonError::into_inner);

@@ -339,8 +339,8 @@ impl Map {
         ))
     }
 
-    /// The gradient by the initial state, and where asked by the parameters, of a function of the samples with the derivatives
-    /// `cotangents` (n, d), for a run that kept these states.
+    /// The gradient of a function of the samples by the initial state, and where asked by the parameters. The function
+    /// has the derivatives `cotangents` (n, d). The states `kept` are those that the run kept.
     #[allow(clippy::too_many_arguments)]
     fn pull<'py>(
         &self,

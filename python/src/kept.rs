@@ -57,8 +57,8 @@ struct Composed {
 }
 
 impl Kept {
-    /// The kept run at the values of a document that differs from its own in values alone, composed first where there is none;
-    /// `None` where the method has to be composed for these values.
+    /// The kept run at the values of a document that differs from its own in values alone. It is composed first where
+    /// there is none. The result is `None` where the method has to be composed for these values.
     ///
     /// # Errors
     /// Values that are none.

@@ -2,11 +2,11 @@
 //!
 //! - [`scene`]: scenes, composed and stepped without the interpreter's lock;
 //! - [`read`]: scenes as read, composed and checked;
-//! - [`recorded`]: what a run leaves, as arrays;
-//! - [`ensemble`]: what an ensemble leaves, as arrays;
-//! - [`sweep`]: what a sweep leaves;
+//! - [`recorded`]: results of a run, as arrays;
+//! - [`ensemble`]: results of an ensemble, as arrays;
+//! - [`sweep`]: results of a sweep;
 //! - [`functions`]: a system whose values functions of Python compute;
-//! - [`progress`]: what a function of Python sees of a run, and what ends it;
+//! - [`progress`]: progress of a run as a function of Python sees it, and its interruption;
 //! - [`kept`]: a composed scene that is kept for others with the same method;
 //! - [`retraced`]: the states of a run at any times;
 //! - [`integrator`]: one trajectory, step by step;

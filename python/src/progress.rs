@@ -1,4 +1,4 @@
-//! What a function of Python sees of a run, and what ends it.
+//! Progress of a run as a function of Python sees it, and its interruption by signals and exceptions.
 
 use std::time::{Duration, Instant};
 
@@ -17,7 +17,7 @@ pub(crate) struct PythonProgress<'a> {
     functions: Option<&'a Functions>,
     looked: Instant,
     is_interrupted: bool,
-    /// What the function raised.
+    /// The exception that the function raised.
     raised: Option<PyErr>,
 }
 
@@ -38,7 +38,7 @@ impl<'a> PythonProgress<'a> {
         self.raised.take().or(of_system).map_or(Ok(()), Err)
     }
 
-    /// What the function, or one of the system's, raised.
+    /// The exception that the function, or one of the system's, raised.
     pub(crate) fn into_raised(self) -> Option<PyErr> {
         let of_system = self.functions.and_then(Functions::raised);
         self.raised.or(of_system)

@@ -62,7 +62,7 @@ impl Read {
         self.unless_raised(composed.map_err(|refusal| exception(&Failure::from(refusal))))
     }
 
-    /// What is looked for beside the scene's own section.
+    /// Events that are asked for beside the scene's own section.
     pub(crate) fn events(&self, run: &ComposedRun, asked: &[AskedEvent]) -> PyResult<Vec<Event>> {
         let events = asked.iter().map(|(text, direction, last)| {
             let direction = match direction.as_str() {
@@ -98,7 +98,7 @@ impl Read {
         }
     }
 
-    /// What a function of the system has raised goes before what came of it.
+    /// The result `found`, or the exception of a function of the system in its place where one was raised.
     fn unless_raised<T>(&self, found: PyResult<T>) -> PyResult<T> {
         match self.functions.as_ref().and_then(Functions::raised) {
             Some(error) => Err(error),
@@ -127,7 +127,7 @@ pub(crate) fn record_invariants(document: &mut SceneDocument) {
     }
 }
 
-/// What a run in a directory is asked for.
+/// Options of a run in a directory.
 pub(crate) fn options(directory: PathBuf, allow_non_poisson: bool) -> RunOptions {
     RunOptions {
         directory,

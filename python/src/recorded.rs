@@ -1,4 +1,4 @@
-//! What a run leaves, as arrays.
+//! Results of a run, as arrays.
 
 use leafwise::report::{ReportData, render_report};
 use leafwise::run::{self, RunOutcome, RunReport};
@@ -67,14 +67,14 @@ pub(crate) struct Recorded {
     /// Which of the events ended the run, where one did.
     #[pyo3(get)]
     ended_by: Option<usize>,
-    /// What to change in the scene.
+    /// Advice: changes to make in the scene.
     #[pyo3(get)]
     advice: Vec<String>,
     page: ReportData,
 }
 
 impl Recorded {
-    /// What a run leaves that records so many coordinates, of a scene with this text and method.
+    /// Results of a run that records so many coordinates, of a scene with this text and method.
     pub fn new(
         py: Python<'_>,
         coordinates: usize,

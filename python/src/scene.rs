@@ -50,8 +50,9 @@ pub(crate) struct Scene {
 }
 
 impl Scene {
-    /// The scene with more overrides and its run, where the invariants are recorded. The method is composed once for all that differs in
-    /// values alone; `at` other parameters it is the one of the scene's own, as those of members of an ensemble are.
+    /// The scene with more overrides and its run, where the invariants are recorded. The method is composed once for
+    /// all scenes that differ in values alone. At other parameters (`at`) it is the one of the scene's own, as those of
+    /// members of an ensemble are.
     fn composed(&self, more: &Overrides, at: &Parameters) -> PyResult<(Read, ComposedRun)> {
         let mut read = self.with(&[more.clone(), self.chosen_at(at)].concat())?;
         record_invariants(&mut read.document);
@@ -182,7 +183,7 @@ impl Scene {
         &self.document.text
     }
 
-    /// What it was made of: text, name, overrides, and a system of functions.
+    /// Origin of the scene: its text, name, overrides, and a system of functions.
     #[getter]
     fn origin(&self, py: Python<'_>) -> (&str, &str, Overrides, Option<Py<PyAny>>) {
         let system = self.system.as_ref().map(|system| system.clone_ref(py));
@@ -198,7 +199,7 @@ impl Scene {
         }
     }
 
-    /// What it composes to.
+    /// Names, Casimirs, parameters and method that the scene composes to.
     fn describe(&self, py: Python<'_>) -> PyResult<Description> {
         py.detach(|| {
             let (_, run) = self.composed(&Vec::new(), &Vec::new())?;
@@ -258,8 +259,8 @@ impl Scene {
         Recorded::new(py, coordinates, of, recorded)
     }
 
-    /// Steps an ensemble of the scene with more overrides into the directory `out`: members with these states (n, d) and
-    /// parameters, or those of its own table, whose files are in `files`.
+    /// Steps an ensemble of the scene with more overrides into the directory `out`. Its members have these states
+    /// (n, d) and parameters, or are those of its own table, whose files are in `files`.
     #[allow(clippy::too_many_arguments)]
     fn ensemble(
         &self,

@@ -1,4 +1,4 @@
-//! What a sweep leaves.
+//! Results of a sweep.
 
 use std::fs;
 use std::num::NonZeroUsize;

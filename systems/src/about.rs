@@ -1,4 +1,4 @@
-//! What a library system is and where it is written.
+//! Title, summary, literature and orbits of a library system: the `[about]` table of its text.
 
 use std::fmt;
 
@@ -14,7 +14,7 @@ pub struct About {
     pub summary: String,
     /// Where the system is written.
     pub reference: Reference,
-    /// What is known of the orbits: bounded, periodic, chaotic, heteroclinic.
+    /// Known behaviour of the orbits: bounded, periodic, chaotic, heteroclinic.
     pub orbit: String,
 }
 

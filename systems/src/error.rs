@@ -1,4 +1,4 @@
-//! What may be wrong with a library text.
+//! Errors of reading a library text.
 
 use thiserror::Error;
 

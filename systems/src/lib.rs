@@ -1,8 +1,8 @@
 //! The problem library: Poisson systems of the literature, each as scene text.
 //!
-//! A library system is one TOML text with three tables. `[system]` is what a scene takes in
-//! when it says `library = "rigid-body"`; `[about]` tells what the system is and where it is
-//! written; `[default]` holds an initial state and a time step to start from.
+//! A library system is one TOML text with three tables. A scene takes in the table `[system]` when
+//! it says `library = "rigid-body"`. The table `[about]` tells what the system is and where it is
+//! written. The table `[default]` holds an initial state and a time step to start from.
 //!
 //! ```
 //! let top = leafwise_systems::find("heavy-top").expect("the heavy top is in the library");
@@ -20,7 +20,7 @@
 //! - `ids`: their ids.
 //! - [`library`](LibrarySystem): the systems by id.
 //! - `part`: the systems as parts of the registry.
-//! - [`error`](SystemError): what may be wrong with a text.
+//! - [`error`](SystemError): errors of reading a text.
 
 #[macro_use]
 mod ids;

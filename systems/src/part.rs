@@ -11,7 +11,7 @@ use toml::{Table, Value};
 
 use crate::{LibrarySystem, all};
 
-/// What the systems declare.
+/// Declarations of the library systems as parts, one each.
 static INFOS: LazyLock<Vec<&'static PartInfo>> = LazyLock::new(|| {
     all()
         .iter()
@@ -27,7 +27,8 @@ fn part(id: &str) -> SystemPart {
     SystemPart::new(info, |given| build(system, info, given)).with_fragment(system.text)
 }
 
-/// What a text says of itself; every text of the library says it.
+/// Description of a system as a part, by the tables of its own text; every text of the library has
+/// them.
 fn description(system: &LibrarySystem) -> PartDescription {
     let about = system.about().ok();
     let table = system.system().unwrap_or_default();

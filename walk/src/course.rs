@@ -1,4 +1,4 @@
-//! What a walk does, and what is looked for on its way.
+//! Course of a walk: how far it goes, and the samples, events and invariants looked for on the way.
 
 use crate::events::{Event, Stop};
 use crate::functions::StateFunctions;

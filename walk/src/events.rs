@@ -160,17 +160,18 @@ impl Side {
     }
 }
 
-/// What is no distance from the section after so many steps, as a part of the largest |left − right| in a step: the time, and what goes
-/// as it does, is rounded to so much of a step.
+/// Distance from the section below which a value counts as on it after so many steps, relative to the largest
+/// |left − right| in a step. The time, and all that advances as it does, is rounded to this fraction of a step.
 fn round_off(steps: u64) -> f64 {
     CLOSE * steps.max(1) as f64
 }
 
-/// The side after the last step, and where the step crosses the section in a direction that counts; before it the `side` is known, and
-/// left − right has this `value` `after` it.
+/// Side of the section after the last step, and where the step crosses it in a direction that counts. The argument
+/// `side` is the side before the step, `value` is left − right at the state `after` it.
 ///
-/// A state on the section keeps the side from which it was reached. A value that jumps over zero, or has a pole, crosses nothing. Of a
-/// step that begins and ends on the section the side is that of its middle, and it crosses where it begins.
+/// A state on the section keeps the side from which it was reached. A value that jumps over zero, or has a pole,
+/// crosses nothing. Of a step that begins and ends on the section the side is that of its middle, and it crosses where
+/// it begins.
 pub(crate) fn crossing(
     section: &Section,
     difference: &mut dyn FnMut(&[f64]) -> f64,

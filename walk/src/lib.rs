@@ -11,9 +11,9 @@
 //! 6. samples at steps or at times ([`SampleTimes`]);
 //! 7. the end: all steps, or a time.
 //!
-//! States between two steps are ends of shorter steps from the first ([`LastStep`]): of the map's own order, on the leaf of the
-//! trajectory, and of no influence on what follows. Where nobody looks between steps, many are made before they are looked at, and
-//! invariants are evaluated at all of their states at once.
+//! States between two steps are ends of shorter steps from the first ([`LastStep`]). They are of the map's own order,
+//! lie on the leaf of the trajectory, and do not influence later steps. Where nobody looks between steps, many are made
+//! before they are looked at, and invariants are evaluated at all of their states at once.
 
 mod alone;
 mod batch;

@@ -1,4 +1,4 @@
-//! What a walk comes to.
+//! Records of a walk: steps, samples, crossings and ends, in the order of the way.
 
 use std::cell::Cell;
 

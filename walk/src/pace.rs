@@ -89,7 +89,7 @@ pub enum NoPace {
     },
 }
 
-/// What a checkpoint keeps beside the states; zeros where steps are of the time itself.
+/// Times of the steps so far, kept by a checkpoint beside the states; zeros where steps are of the time itself.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PacedSteps {
     /// min |t_{k+1} − t_k|.
@@ -239,9 +239,10 @@ impl<'a> PaceWatch<'a> {
         None
     }
 
-    /// Whether (H + e)∇g, which is 0 on the motion, makes a part of ∇K = g∇H + (H + e)∇g that shows in the state.
+    /// Whether (H + e)∇g makes a part of ∇K = g∇H + (H + e)∇g that shows in the state. The term (H + e)∇g is 0 on the
+    /// motion.
     ///
-    /// ∇g is taken by central differences; an error of the balance below [`NEGLIGIBLE`] is not looked at.
+    /// The gradient ∇g is taken by central differences. An error of the balance below [`NEGLIGIBLE`] is not looked at.
     fn is_lost(&mut self, state: &[f64], balance: f64) -> bool {
         let energy = state[self.pace.time + 1].abs();
         if balance.abs() <= NEGLIGIBLE * energy {

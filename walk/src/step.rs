@@ -12,12 +12,12 @@ const MOST_TRIED: usize = 100;
 /// How near to each other two lengths of a step are that are not told apart, over the whole length.
 pub(crate) const CLOSE: f64 = 4.0 * f64::EPSILON;
 
-/// What a checkpoint keeps of the state before the last step; empty where no state between is asked for.
+/// State before the last step, kept by a checkpoint; empty where no state between is asked for.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StepStart {
     /// x_{k−1}.
     pub state: Vec<f64>,
-    /// What x_{k−1} holds beyond a double.
+    /// Compensation of x_{k−1}: the part that a double does not hold.
     pub compensation: Vec<f64>,
 }
 
@@ -25,7 +25,7 @@ pub struct StepStart {
 pub struct StepEnd<'a> {
     /// x_k.
     pub state: Cow<'a, [f64]>,
-    /// What x_k holds beyond a double.
+    /// Compensation of x_k: the part that a double does not hold.
     pub compensation: Cow<'a, [f64]>,
 }
 
@@ -131,12 +131,12 @@ impl<'a> LastStep<'a> {
         Ok(self.sum(&increment))
     }
 
-    /// Encloses the place in the last step where `value`, a function of the increment and of the state, rises through zero;
-    /// `ends` are its values before and after the step. The sequence of steps goes on undisturbed.
+    /// Encloses the place in the last step where `value`, a function of the increment and of the state, rises through
+    /// zero; `ends` are its values before and after the step. The sequence of steps goes on undisturbed.
     ///
-    /// The search ends where the value is at most `enough`, if that is given, or where the lengths of steps are not told
-    /// apart any more. A part s of the step is read off the polynomial s(value) through all values that are known; where
-    /// that does not halve the bracket, the next one lies a little beyond the nearer end.
+    /// The search ends where the value is at most `enough`, if that is given, or where the lengths of steps are not
+    /// told apart any more. A part s of the step is read off the polynomial s(value) through all values that are known.
+    /// Where that does not halve the bracket, the next one lies a little beyond the nearer end.
     ///
     /// # Errors
     /// The [`StepError`] of a shorter step.

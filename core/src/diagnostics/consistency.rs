@@ -1,5 +1,5 @@
-//! Whether the values of a system of numbers are those of one Poisson system, sampled near a state: p·Π(x)p = 0, Π(x)p linear in p,
-//! and ∇H the derivative of H.
+//! Consistency of a system of numbers, sampled near a state: whether its values are those of one Poisson system.
+//! Three identities are looked at: p·Π(x)p = 0, Π(x)p linear in p, and ∇H the derivative of H.
 
 use super::differences::jacobian_by_differences;
 use super::numeric_identity::covector;
@@ -40,9 +40,9 @@ pub enum Inconsistency {
     Gradient {
         /// By which coordinate, counted from 0; none in many dimensions, where it is looked at along one direction.
         coordinate: Option<usize>,
-        /// What the system says.
+        /// Derivative of H as the system's `gradient` gives it, by the coordinate or along the direction.
         given: f64,
-        /// What differences of H say.
+        /// The same derivative by differences of H.
         found: f64,
         /// x.
         at: Vec<f64>,
@@ -50,7 +50,7 @@ pub enum Inconsistency {
 }
 
 impl Inconsistency {
-    /// What is wrong and where, with the coordinates' names.
+    /// Tells what is wrong and at which x, with the coordinates' names.
     pub fn told(&self, variables: &[String]) -> String {
         let (what, at) = match self {
             Self::Symmetric { residual, at } => (
@@ -89,7 +89,7 @@ impl Inconsistency {
         format!("{what}, at {}", place.join(", "))
     }
 
-    /// What to try.
+    /// Advice to the user: which function of the system to correct, and how.
     pub fn advice(&self) -> &'static str {
         match self {
             Self::Gradient { .. } => {

@@ -16,15 +16,15 @@ const LARGEST: f64 = 1.0 / 256.0;
 pub struct Differences {
     /// DF, outputs × inputs.
     pub jacobian: DMatrix<f64>,
-    /// What it may be wrong by.
+    /// Estimated error of each entry of `jacobian`, outputs × inputs.
     pub error: DMatrix<f64>,
 }
 
 /// DF(x) of a map with `outputs` components, by central differences over δ, δ/2 and δ/4 extrapolated to
 /// order 6 in δ, each coordinate in steps of its own size.
 ///
-/// The error is the difference of the two slopes of order 4, which holds in the mean what the map's own noise, such as
-/// that of a solve, puts into them, and the round-off of F over the smallest step.
+/// The error is the difference of the two slopes of order 4, and the round-off of F over the smallest step. In the
+/// mean that difference holds what the map's own noise, such as that of a solve, puts into the slopes.
 ///
 /// # Errors
 /// The map's [`StepError`].

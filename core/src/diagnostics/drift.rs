@@ -13,8 +13,8 @@ pub struct InvariantDrift {
     pub initial: f64,
     /// max_k |I(x_k) − I(x_0)| over every step.
     pub largest: f64,
-    /// The maximum over the last tenth of the steps over that of the first: near 1 for a bounded
-    /// error, √10 for a random walk, 10 and more for a secular drift. `None` where the first is 0.
+    /// Growth of the error: its maximum over the last tenth of the steps over that of the first tenth. Near 1 for a
+    /// bounded error, √10 for a random walk, 10 and more for a secular drift; `None` where the first is 0.
     pub growth: Option<f64>,
 }
 

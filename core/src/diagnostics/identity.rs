@@ -15,9 +15,9 @@ use crate::system::{PoissonSystem, SystemFormulas, TensorSource};
 const MOST_TRIPLES: usize = 1 << 16;
 
 /// Jacobi's identity Σ_cyc Σ_l Π_il ∂_l Π_jk = 0 for every triple that nonzero entries link. The inverse of a form
-/// that is proved to be closed is not looked at, and Dirac's bracket is Poisson where the bracket is that it is made of. Of a
-/// system of numbers, and where more than 65 536 triples are linked, sampled for linear functions of
-/// all coordinates.
+/// that is proved to be closed is not looked at, and Dirac's bracket is Poisson where the bracket is that it is made
+/// of. A system of numbers is sampled instead, for linear functions of all coordinates. So is one in which more than
+/// 65 536 triples are linked.
 ///
 /// # Errors
 /// [`BuildError::Algebra`] where an entry has no code at all.
@@ -67,7 +67,7 @@ pub fn check_jacobi(
     sample(system, parameters, near, &undecided, code)
 }
 
-/// What the making of a tensor says of Jacobi's identity.
+/// Verdict on Jacobi's identity that follows from how a tensor was made; `None` for one given by its entries.
 fn by_construction(
     system: &SystemFormulas,
     parameters: &[f64],

@@ -84,7 +84,7 @@ pub(super) fn casimir(
     check.finish()
 }
 
-/// What an identity's terms add up to at a state, their sizes, and what differences may add.
+/// Terms of an identity at a state: their sum, their size, and the error that differences may add.
 struct Terms {
     sum: f64,
     size: f64,

@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 pub struct FittedOrder {
     /// q in error ≈ c·t^q (1 + k t^r + …).
     pub exponent: f64,
-    /// What misfit, round-off and the terms left out may do to it.
+    /// Tolerance of the exponent: how far misfit, round-off and the terms left out may move it.
     pub tolerance: f64,
     /// How many points the fit holds.
     pub points: usize,
@@ -25,21 +25,21 @@ const LARGEST_BEND: f64 = 1.0;
 /// Five coefficients at most, and a degree of freedom.
 const FEWEST: usize = 6;
 
-/// Fits ln error = a + q ln t + k t^r to points (t, error) in any order, where r is `gap` and
-/// `round_off` bounds what rounding puts into an error.
+/// Fits ln error = a + q ln t + k t^r to points (t, error) in any order. The exponent r of the next term is `gap`,
+/// and `round_off` bounds what rounding puts into an error.
 ///
-/// Errors far above round-off may be pre-asymptotic, those near it are noise, and with a high order
-/// few lie between. So the next term is fitted as well, points weigh by their noise, and the
-/// tolerance is derived, not chosen:
+/// Errors far above round-off may be pre-asymptotic, those near it are noise, and with a high order few lie between.
+/// So the next term is fitted as well, and points weigh by their noise. The tolerance is derived, not chosen, as the
+/// sum of two parts:
 ///
-/// - a fit is linear, q = Σ wᵢ ln eᵢ, so round-off, independent from step to step, moves it by
-///   √Σ (wᵢ round_off/eᵢ)²; three times that, or three of the standard errors that the misfit gives;
-/// - the terms left out move it by at most twice what one or two more of them do, as long as each
-///   moves it by at most half of what the ones before did.
+/// - A fit is linear, q = Σ wᵢ ln eᵢ. So round-off, independent from step to step, moves q by √Σ (wᵢ round_off/eᵢ)².
+///   The tolerance holds three times that, or three of the standard errors that the misfit gives.
+/// - The next terms are left out. They move q by at most twice what one or two more of them do. This holds as long as
+///   each moves q by at most half of what the ones before did.
 ///
-/// Of the windows that hold the finest points the one with the smallest tolerance is taken; those
-/// over which the slope bends by more than one order are pre-asymptotic and are not. `None` where
-/// none is left, such as with fewer than six points above four times round-off.
+/// Of the windows that hold the finest points, the one with the smallest tolerance is taken. Windows over which the
+/// slope bends by more than one order are pre-asymptotic and are left out. Returns `None` where no window is left,
+/// such as with fewer than six points above four times round-off.
 pub fn fit_order(points: &[(f64, f64)], round_off: f64, gap: f64) -> Option<FittedOrder> {
     let kept = above_round_off(points, round_off);
     (FEWEST..=kept.len())
@@ -47,10 +47,10 @@ pub fn fit_order(points: &[(f64, f64)], round_off: f64, gap: f64) -> Option<Fitt
         .min_by(|a, b| a.tolerance.total_cmp(&b.tolerance))
 }
 
-/// The smallest slope of ln error over ln t near the finest points above round-off, whatever
-/// rounding does to them: between any two that are half an octave apart or more, both within an
-/// octave and a half of the finest. A lower bound of the order as far as it can be seen, where too
-/// few points are left for a fit or powers of t do not describe them. `None` with no such pair.
+/// Smallest slope of ln error over ln t near the finest points above round-off, whatever rounding does to them.
+/// Slopes are taken between any two points that are half an octave apart or more, both within an octave and a half of
+/// the finest. The smallest is a lower bound of the order as far as it can be seen. It serves where too few points
+/// are left for a fit, or where powers of t do not describe them. Returns `None` with no such pair.
 pub fn least_slope(points: &[(f64, f64)], round_off: f64) -> Option<f64> {
     let kept = above_round_off(points, round_off);
     let finest = kept.first()?.0;

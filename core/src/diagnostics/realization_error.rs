@@ -13,11 +13,12 @@ use crate::evaluator::Evaluator;
 use crate::realization::{Ends, RealizationData, RealizationEvaluator};
 use crate::system::{PoissonSystem, TensorMatrix};
 
-/// ε Π(α̂) − {α̂, α̂}_ω and {α̂_i, β̂_j}_ω at points χ(x, p) of a cotangent chart about the section, from
-/// the exact tangents of both maps; or, marked as such, by differences where a realization offers none.
+/// ε Π(α̂) − {α̂, α̂}_ω and {α̂_i, β̂_j}_ω at points χ(x, p) of a cotangent chart about the section. Derivatives are
+/// the exact tangents of both maps. Where a realization offers none, they are taken by differences, and the errors
+/// are marked as such.
 ///
-/// On T*M with ω = dp_i ∧ dx^i the bracket is {f, g}_ω = Σ_k ∂f/∂x^k ∂g/∂p_k − ∂f/∂p_k ∂g/∂x^k; where
-/// points of S are not pairs (x, p) it is taken of α̂∘χ and β̂∘χ, χ being symplectic.
+/// On T*M with ω = dp_i ∧ dx^i the bracket is {f, g}_ω = Σ_k ∂f/∂x^k ∂g/∂p_k − ∂f/∂p_k ∂g/∂x^k. Where points of S are
+/// not pairs (x, p), the bracket is taken of α̂∘χ and β̂∘χ, χ being symplectic.
 pub struct RealizationInstrument {
     maps: RealizationMaps,
     chart: ChartMaps,
@@ -40,9 +41,9 @@ pub struct RealizationError {
     /// Where tangents were taken by differences, what these may put into any of the errors; `None`
     /// where they are exact.
     pub floor: Option<f64>,
-    /// The three errors, entry by entry in units of what round-off may put into it, u b_ij: with
-    /// Σ_k |∂f_i/∂x^k ∂g_j/∂p_k| + |∂f_i/∂p_k ∂g_j/∂x^k|, each of the two derivatives known to u times its whole
-    /// row, and what the arguments put into ε Π_ij. No units of the coordinates change them.
+    /// The three errors, entry by entry in units of what round-off may put into it, u b_ij. The bound b_ij holds
+    /// Σ_k |∂f_i/∂x^k ∂g_j/∂p_k| + |∂f_i/∂p_k ∂g_j/∂x^k| and what the arguments put into ε Π_ij. Each of the two
+    /// derivatives is known to u times its whole row. No units of the coordinates change the errors.
     pub relative: Relative,
     /// [`floor`](Self::floor) in these units; 0 for exact tangents.
     pub relative_floor: f64,
@@ -76,11 +77,11 @@ struct Charted {
 }
 
 impl RealizationInstrument {
-    /// The instrument for a realization whose space has a symplectic chart about the section.
+    /// Instrument for a realization whose space has a symplectic chart about the section.
     ///
     /// # Errors
-    /// [`BuildError::Incompatible`] when the realization has no such chart or offers neither code
-    /// nor numbers, [`BuildError::Algebra`] where a derivative has no code.
+    /// [`BuildError::Incompatible`] when the realization has no such chart or offers neither code nor numbers. Also
+    /// [`BuildError::Algebra`] where a derivative has no code.
     pub fn new(
         system: &PoissonSystem,
         realization: &Arc<dyn RealizationData>,
@@ -200,7 +201,7 @@ struct OfRows {
 }
 
 impl OfRows {
-    /// What round-off of either may put into a bracket.
+    /// Round-off that the rows of either tangent may put into a bracket, entry by entry in units of u.
     fn bracket(&self, other: &Self) -> DMatrix<f64> {
         sums(&self.rows, &other.sizes) + sums(&self.sizes, &other.rows)
     }

@@ -1,4 +1,4 @@
-//! What round-off may put into coordinates, derivatives and tensors, whatever their units are.
+//! Round-off bounds of coordinates, derivatives and tensors, whatever their units are.
 //!
 //! In units c_i x_i of the coordinates every quantity here changes as what it bounds does, so that ratios of
 //! the two do not change at all.
@@ -25,9 +25,9 @@ pub(super) fn sizes_along(x: &[f64], y: &[f64], tangent: &DMatrix<f64>) -> Vec<f
         .collect()
 }
 
-/// F_ik in units of u: round-off of a derivative's row is that of the whole row, max(s_i, max_k |D_ik| a_k) in
-/// units of a_k, for values of size s_i and arguments of size a_k. An argument without a size has entries with
-/// round-off of their own alone.
+/// F_ik, the round-off of a derivative's entries in units of u, for values of size s_i and arguments of size a_k.
+/// Round-off of a row is that of the whole row: max(s_i, max_k |D_ik| a_k) in units of a_k. An argument without a
+/// size has entries with round-off of their own alone.
 pub(super) fn of_rows(
     derivative: &DMatrix<f64>,
     values: &[f64],

@@ -8,7 +8,7 @@ use crate::system::SystemFormulas;
 /// Products of terms that forming Π ∇(S − H) may take: seconds.
 const PRODUCTS: u64 = 1 << 22;
 
-/// What a function moves otherwise than H.
+/// Motion that a function S generates otherwise than H.
 pub(crate) struct OtherMotion {
     /// S − H.
     pub difference: Expression,
@@ -16,9 +16,11 @@ pub(crate) struct OtherMotion {
     pub coordinate: usize,
 }
 
-/// Where S − H is no Casimir: {S − H, x_i} in the normal form of the exact ring, however small, and where the form is not 0,
-/// more than the rounding of its own terms at points about the system's reference point. Functions of which the ring knows
-/// no relation, as sin 2x and sin x cos x, are alike to round-off. `None` too where the algebra cannot tell.
+/// Compares the motions by S and by H: returns S − H and a coordinate that it moves, where S − H is no Casimir. A
+/// coordinate moves where {S − H, x_i} is not 0 in the normal form of the exact ring, however small. The form must
+/// also be more than the rounding of its own terms at points about the system's reference point. Functions of which
+/// the ring knows no relation, as sin 2x and sin x cos x, are alike to round-off. Returns `None` too where the
+/// algebra cannot tell.
 pub(crate) fn other_motion(system: &SystemFormulas, s: &Expression) -> Option<OtherMotion> {
     let d = system.dimension();
     let mut ring = Ring::limited(d, PRODUCTS);

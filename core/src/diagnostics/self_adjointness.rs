@@ -5,11 +5,11 @@ use crate::error::StepError;
 use crate::solver::StepMap;
 use crate::solver::judge::larger;
 
-/// max_i |Φ_{−h}(Φ_h(x)) − x|_i / s_i from cold starts: round-off for a self-adjoint map, for which
-/// Φ_{−h}∘Φ_h = id.
+/// max_i |Φ_{−h}(Φ_h(x)) − x|_i / s_i from cold starts: round-off for a self-adjoint map, Φ_{−h}∘Φ_h = id.
 ///
-/// u s_i is what round-off may put into a coordinate: that of x goes through DΦ_h, that of Φ_h(x) through DΦ_{−h},
-/// both by differences where a map offers no tangent. No units of the coordinates change the ratio.
+/// The unit u s_i is what round-off may put into a coordinate. Round-off of x goes through DΦ_h, that of Φ_h(x)
+/// through DΦ_{−h}. Both tangents are taken by differences where a map offers none. No units of the coordinates
+/// change the ratio.
 ///
 /// # Errors
 /// The map's [`StepError`].

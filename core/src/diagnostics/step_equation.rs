@@ -64,8 +64,7 @@ impl StepEquation {
         Some(self.maps.operations()? + self.points.operations()?)
     }
 
-    /// The solution of β̂(L(y)) = x that Newton's method finds from `start`; y = x for a method that
-    /// solves no equation.
+    /// Solves β̂(L(y)) = x for y by Newton's method from `start`. Returns y = x for a method that solves no equation.
     ///
     /// # Errors
     /// [`StepError`]: an iterate left the chart, or the iteration does not converge.
@@ -133,10 +132,10 @@ impl StepEquation {
         })
     }
 
-    /// The solutions inside the chart that Newton's method finds from `starts` states around x, up
-    /// to the state's own size away, beside the one that it finds from x: the farther from unique,
-    /// the more it depends on the start where a step goes. A method that solves no equation has none.
-    /// No start is tried once all solves together took `most` operations, where these are counted.
+    /// Further solutions inside the chart, beside the one that Newton's method finds from x. The method starts from
+    /// `starts` states around x, up to the state's own size away. The farther the solution is from unique, the more
+    /// it depends on the start where a step goes. A method that solves no equation has none. No start is tried once
+    /// all solves together took `most` operations, where these are counted.
     ///
     /// # Errors
     /// [`StepError`] where there is no solution from x itself.

@@ -7,9 +7,9 @@ use crate::error::{BuildError, StepError};
 use crate::solver::{StepMap, Stepper};
 use crate::system::{PoissonSystem, TensorMatrix};
 
-/// DΦ Π(x) DΦᵀ − Π(Φ(x)) for a step map Φ, with the exact tangent map through the solve:
-/// DΦ = (D α̂∘L)(y) · (D β̂∘L)(y)⁻¹ at the solution y of β̂(L(y)) = x; or, marked as such, with
-/// differences.
+/// DΦ Π(x) DΦᵀ − Π(Φ(x)) for a step map Φ, with the exact tangent map through the solve. The tangent is
+/// DΦ = (D α̂∘L)(y) · (D β̂∘L)(y)⁻¹ at the solution y of β̂(L(y)) = x. It may also be taken by differences; the
+/// defect is then marked as such.
 pub struct TensorDefect {
     stepper: Box<dyn Stepper>,
     tensor: TensorMatrix,
@@ -40,16 +40,17 @@ impl Defect {
     /// factors, a few dozen of them, and the solve.
     pub const ROUND_OFF: f64 = 256.0 * f64::EPSILON;
 
-    /// (Σ_{i<j} (defect_ij/b_ij)²)^{1/2}, b = F|Π||DΦ|ᵀ + |DΦ||Π|Fᵀ + |Π∘Φ|: each entry in units of what
-    /// round-off may put into it, u b_ij, for a row of DΦ is known to u times the whole row (F) and entries
-    /// of Π to u times what their arguments put into them. No units of the coordinates change it. `None`
-    /// where the tensor vanishes at both ends.
+    /// (Σ_{i<j} (defect_ij/b_ij)²)^{1/2} with b = F|Π||DΦ|ᵀ + |DΦ||Π|Fᵀ + |Π∘Φ|: the defect in units of round-off.
+    /// Each entry is measured in units of what round-off may put into it, u b_ij. A row of DΦ is known to u times the
+    /// whole row (F), entries of Π to u times what their arguments put into them. No units of the coordinates change
+    /// it. Returns `None` where the tensor vanishes at both ends.
     pub fn relative(&self) -> Option<f64> {
         self.relative_in(self)
     }
 
-    /// The same with the b of another step from the same state: for orders. Where a coordinate or an entry of Π is 0 at
-    /// the state, it holds what the step puts into it alone, so that a step's own b falls with the step.
+    /// [`relative`](Self::relative) with the b of another step from the same state: for orders. Where a coordinate or
+    /// an entry of Π is 0 at the state, it holds what the step puts into it alone. A step's own b then falls with the
+    /// step.
     pub fn relative_in(&self, other: &Self) -> Option<f64> {
         over_pairs(&self.defect, &other.bounds)
     }
@@ -96,7 +97,7 @@ impl TensorDefect {
         self.defect(x, &increment, &tangent, None)
     }
 
-    /// The same with DΦ by differences of cold steps, for maps over systems that offer no derivatives:
+    /// Measures the defect with DΦ by differences of cold steps, for maps over systems that offer no derivatives. The
     /// [`Defect::floor`] says how small a defect can be told from none.
     ///
     /// # Errors

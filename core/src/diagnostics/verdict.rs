@@ -1,14 +1,14 @@
-//! What was found out about an identity, and the states where it is sampled.
+//! Verdicts on an identity, and the states where it is sampled.
 
 use serde::Serialize;
 
-/// What was found out about an identity f = 0.
+/// Verdict on an identity f = 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
     /// The normal form is 0: it holds identically.
     Proved,
-    /// What it is about is made so that it holds.
+    /// Holds by construction: the object that the identity is about is made so.
     #[serde(rename = "by construction")]
     ByConstruction,
     /// The algebra could not decide; it holds to round-off at every sample.

@@ -91,7 +91,7 @@ pub struct OffSection {
 /// A momentum and an ε at which formulas are compared.
 const SAMPLES: [(f64, f64); 3] = [(0.1, 0.5), (-0.07, 0.25), (0.03, 2.0)];
 
-/// What round-off leaves of equal values of two formulas.
+/// Largest difference that round-off leaves between equal values a and b of two formulas, in units of 1 + |a|.
 const ROUND_OFF: f64 = 1e-12;
 
 /// A state that many domains contain: positive, all coordinates different.

@@ -81,15 +81,15 @@ impl FormulaText<'_> {
     }
 }
 
-/// What stands between two formulas of one text.
+/// Separator of two formulas in one text.
 const SEPARATOR: char = ';';
 
-/// The names that the formulas of a part may use: the system's variables, then `further` ones, its parameters, and its
-/// names for formulas.
+/// Names that the formulas of a part may use. They are the system's variables, then `further` ones, its parameters, and
+/// its names for formulas.
 ///
 /// # Errors
-/// [`BuildError::DoesNotFit`] where the system has one of the further names itself, or coordinates that formulas call by
-/// an index.
+/// [`BuildError::DoesNotFit`] where the system has one of the further names itself. Coordinates that formulas call by
+/// an index give the same error.
 pub fn scope(
     part: &'static str,
     system: &PoissonSystem,

@@ -1,8 +1,8 @@
 //! The states of a run in reverse order, from few that are kept.
 //!
-//! From s checkpoints, the first state among them, C(s + t, s) steps are reversed by taking none of them more than t times
-//! forwards, and no schedule reverses more (A. Griewank, A. Walther, *Algorithm 799: revolve*, ACM Transactions on Mathematical
-//! Software 26 (2000)).
+//! From s checkpoints, the first state among them, C(s + t, s) steps are reversed by taking none of them more than t
+//! times forwards. No schedule reverses more (A. Griewank, A. Walther, *Algorithm 799: revolve*, ACM Transactions on
+//! Mathematical Software 26 (2000)).
 
 use super::error::GradientError;
 use crate::error::StepError;

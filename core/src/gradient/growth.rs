@@ -7,9 +7,10 @@ const DIGITS: f64 = 6.0;
 
 /// By how much vectors, or covectors, grew over a time.
 ///
-/// The derivatives of a map at the states of a run are those of a trajectory within rounding of the exact one: relative to
-/// their size they are wrong by about e^g u, u the unit roundoff. Along regular motions e^g grows like t, along chaotic
-/// ones like e^{λt} with the largest Lyapunov exponent λ, and after t = ln(1/u)/λ ≈ 37/λ no digit of a gradient is left.
+/// The derivatives of a map at the states of a run are those of a trajectory within rounding of the exact one.
+/// Relative to their size they are wrong by about e^g u, u the unit roundoff. Along regular motions e^g grows like t,
+/// along chaotic ones like e^{λt} with the largest Lyapunov exponent λ. After t = ln(1/u)/λ ≈ 37/λ no digit of a
+/// gradient is left.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Growth {
     /// g: ln of the largest norm on the way over the norms that were given.

@@ -6,9 +6,9 @@ use super::trajectory::{Plan, Trajectory};
 /// Roundings of a time that a step's end may be missed by: the length of a step is rounded too.
 const MISSED: f64 = 64.0;
 
-/// The states at `times`, which go the way of the steps, d numbers each, and their tangents, as of
-/// [`push`](Trajectory::push): those of the method's own steps up to the last one before a time, and of one shorter step from there.
-/// Without tangents none are formed.
+/// States at `times`, d numbers each, and their tangents, as of [`push`](Trajectory::push). The times go the way of
+/// the steps. A state is that of the method's own steps up to the last one before its time, and of one shorter step
+/// from there. Without tangents none are formed.
 ///
 /// # Errors
 /// [`GradientError`], with the number of the step in which a state could not be reached.

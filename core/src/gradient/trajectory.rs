@@ -1,8 +1,9 @@
 //! Derivatives of a whole trajectory.
 //!
-//! Tangents run forwards beside the state. Covectors run backwards: a self-adjoint map is stepped back, Φ_{−h} = Φ_h⁻¹, and
-//! nothing is kept of the run but 64 of its states; other maps are stepped again from checkpoints, as many as the logarithm of
-//! the steps. Both are the derivatives of the map that is stepped, not approximations of the flow's.
+//! Tangents run forwards beside the state. Covectors run backwards. A self-adjoint map is stepped back,
+//! Φ_{−h} = Φ_h⁻¹, and nothing is kept of the run but 64 of its states. Other maps are stepped again from checkpoints,
+//! as many as the logarithm of the steps. Both are the derivatives of the map that is stepped, not approximations of
+//! the flow's.
 
 use super::checkpoints::{checkpoints, visit_in_reverse};
 use super::error::GradientError;
@@ -17,9 +18,9 @@ const LOOK_EVERY: u64 = 1024;
 /// How far, in parts of it, a run back may come from a kept state before covectors are taken along the run itself.
 const LARGEST_MISS: f64 = 1e-7;
 
-/// States that a run keeps for the way back. Round-off moves a state by n^{3/2} after n steps along regular motion, and by
-/// e^{λt} along chaotic motion: from one kept state to the one before it, by 64^{3/2} = 512 times less than over the whole run,
-/// or by the 64th root.
+/// Number of states that a run keeps for the way back. Round-off moves a state by n^{3/2} after n steps along regular
+/// motion, and by e^{λt} along chaotic motion. From one kept state to the one before it, that is 64^{3/2} = 512 times
+/// less than over the whole run, or its 64th root.
 const KEPT: u64 = 64;
 
 /// A map with its parameters and step sizes.
@@ -150,8 +151,8 @@ impl Trajectory<'_> {
         Ok(Reached { samples, kept })
     }
 
-    /// Samples and their tangents: for each v of x_0 in `tangents`, d numbers, with μ of the parameters in `by_parameters`,
-    /// which may be empty, dx = DΦᵏ v + ∂_λΦᵏ μ at every sample, tangent by tangent.
+    /// Samples and their tangents dx = DΦᵏ v + ∂_λΦᵏ μ at every sample, tangent by tangent. Each v of x_0 in
+    /// `tangents` has d numbers; its μ of the parameters is in `by_parameters`, which may be empty.
     ///
     /// # Errors
     /// [`GradientError`].

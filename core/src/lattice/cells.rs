@@ -20,7 +20,7 @@ pub struct Cells {
 }
 
 impl Cells {
-    /// `sites` in cells of `period`; `None` for a ring whose length is no multiple of it, and where
+    /// Groups `sites` into cells of `period`. Returns `None` for a ring whose length is no multiple of it, and where
     /// a cell would be longer than a family.
     ///
     /// # Panics
@@ -78,8 +78,8 @@ impl Cells {
         Self::new(sites, self.period)
     }
 
-    /// The cells on which code is written that looks at most so many cells away, and how many of them at an open end have code of
-    /// their own there: all where there are no more.
+    /// Proxy cells for code that looks at most `looks` cells away, and the number of cells at an open end that
+    /// have code of their own there. All cells where there are no more.
     ///
     /// # Errors
     /// [`BuildError::NotLocal`] where that takes too much memory.

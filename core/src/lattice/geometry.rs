@@ -56,8 +56,8 @@ impl LatticeGeometry {
         self.length() - lengths.min().unwrap_or(0)
     }
 
-    /// The lattice on which code is written that looks at most `reach` sites away, and how many sites at an open end
-    /// have code of their own there; `None` where this lattice is no longer than that.
+    /// Proxy lattice for code that looks at most `reach` sites away, and the number of sites at an open end that have
+    /// code of their own there. Returns `None` where this lattice is no longer than the proxy.
     ///
     /// The interior code at a site looks at none beyond the end of a family.
     pub fn proxy(&self, reach: usize) -> Option<(Self, usize)> {

@@ -15,8 +15,8 @@ use crate::error::BuildError;
 use crate::solver::{Lanes, MapProperties, StepMap, Stepper};
 use crate::system::PoissonSystem;
 
-/// x ↦ x₊ with x = y + offset(y), x₊ = x + increment(y), on a lattice: y by the linear iteration y ← y − (y + offset(y) − x),
-/// in O(N) time and memory a step.
+/// x ↦ x₊ with x = y + offset(y), x₊ = x + increment(y), on a lattice. The linear iteration
+/// y ← y − (y + offset(y) − x) solves for y, in O(N) time and memory a step.
 #[derive(Clone, Debug)]
 pub struct ImplicitSweeps {
     geometry: LatticeGeometry,
@@ -28,7 +28,7 @@ pub struct ImplicitSweeps {
     description: String,
 }
 
-/// What the code of a map is written with: the system on the proxy lattice, ε and h, and y.
+/// Inputs of the code of a map: the system on the proxy lattice, ε and h, and y.
 #[derive(Debug)]
 pub struct ProxyCode<'a> {
     /// The system written out.
@@ -40,8 +40,9 @@ pub struct ProxyCode<'a> {
 }
 
 impl ImplicitSweeps {
-    /// Builds the map on a proxy lattice just long enough for its templates. `write` writes its code, which looks no further
-    /// than a Hamilton–Jacobi series of this `order`, and says what the map declares and is called.
+    /// Builds the map on a proxy lattice just long enough for its templates. The closure `write` writes its code,
+    /// which looks no further than a Hamilton–Jacobi series of this `order`. It also says what the map declares and
+    /// is called.
     ///
     /// # Errors
     /// [`BuildError::NotLocal`] when the formulas look too far; those of `write`.

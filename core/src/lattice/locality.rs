@@ -4,12 +4,13 @@ use super::geometry::{LatticeGeometry, SHORTEST};
 use super::source::LatticeSource;
 use crate::error::BuildError;
 
-/// The most coordinates of a lattice that is written out in the place of a longer one, or whole where it is no longer, for code that
-/// goes through tensor and dH once: it takes minutes to form. Of code that goes through them more often every coordinate takes more.
+/// Largest number of coordinates of a lattice that is written out, in the place of a longer one or whole where it is
+/// no longer. It holds for code that goes through tensor and dH once, which takes minutes to form. Code that goes
+/// through them more often takes more for every coordinate.
 const MOST_COORDINATES: usize = 8192;
 
-/// The lattice that code is written on which goes through tensor and dH so many times, and how many sites at an open end have code
-/// of their own there: the true lattice where it is no longer.
+/// Proxy lattice for code that goes through tensor and dH `times` times, and the number of sites at an open end that
+/// have code of their own there. The true lattice where it is no longer.
 ///
 /// # Errors
 /// [`BuildError::NotLocal`] where that takes too much memory; those of [`LatticeSource::reach`].

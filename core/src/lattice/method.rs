@@ -28,7 +28,7 @@ pub struct LatticeMethod {
 impl LatticeMethod {
     /// Builds the method on a proxy lattice just long enough for its templates.
     ///
-    /// `realize` builds the realization for the proxy system.
+    /// The closure `realize` builds the realization for the proxy system.
     ///
     /// # Errors
     /// [`BuildError::NotLocal`] when the formulas look too far,

@@ -1,10 +1,9 @@
 //! Long lattices: one template of code a class of sites, never one a site.
 //!
-//! A lattice of N sites is built on a *proxy lattice* of a few sites, written out. Every map of
-//! the method is local, so the code of a site at the proxy's centre is the code of every interior
-//! site; next to an open boundary each of the first and last W sites has code of its own. A step
-//! is a sequence of *stages* that sweep over the sites, each reading the fields of earlier stages
-//! in a neighbourhood: time and memory are O(N).
+//! A lattice of N sites is built on a *proxy lattice* of a few sites, written out. Every map of the method is local,
+//! so the code of a site at the proxy's centre is the code of every interior site. Next to an open boundary each of
+//! the first and last W sites has code of its own. A step is a sequence of *stages* that sweep over the sites, each
+//! reading the fields of earlier stages in a neighbourhood. Time and memory are O(N).
 //!
 //! - [`geometry`]: families, boundary, proxies, classes of sites.
 //! - [`cells`]: lattices whose code repeats every few sites.

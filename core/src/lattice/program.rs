@@ -125,7 +125,7 @@ impl LatticeProgram {
         Fields::zeros(self.fields, self.geometry.dimension())
     }
 
-    /// What a stage computes of parameters and step sizes alone.
+    /// Prepares a stage: its kernels with all that depends on parameters and step sizes alone.
     pub fn prepare(&self, stage: usize, parameters: &[f64], epsilon: f64, h: f64) -> Prepared {
         let execution = Execution::default_of_process();
         self.prepare_for(execution, stage, parameters, [epsilon, h])

@@ -4,8 +4,8 @@ use leafwise_expression::syntax::{Formula, Offsets, SyntaxError, VariablePattern
 
 /// How far the templates of a lattice look, read off the indices that they are written with.
 ///
-/// On a short lattice `x[i+6]` may be `x[i-3]`, or beyond an open end: a trial tells how far a formula looks only
-/// where it is long enough, which is what it would have to tell.
+/// On a short lattice `x[i+6]` may be `x[i-3]`, or beyond an open end. A trial tells how far a formula looks only
+/// where the lattice is long enough. But how long that is, the trial itself would have to tell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TemplateReach {
     /// The largest distance between two sites that an entry of the bracket names, those of its pair among them.
@@ -29,8 +29,9 @@ impl TemplateReach {
         self.bracket.saturating_add(self.hamiltonian).max(1)
     }
 
-    /// How far code looks that goes through tensor and dH so many times, and at least what a check of Casimirs looks; on an
-    /// open lattice with what templates stand beside the sites that they name.
+    /// Number of sites that code looks to either side which goes through tensor and dH `times` times. It is at least
+    /// what a check of Casimirs looks. On an open lattice it includes how far templates stand beside the sites that
+    /// they name.
     pub fn of_times(&self, times: usize, is_open: bool) -> usize {
         let of_casimirs = self.casimirs.saturating_add(self.bracket).saturating_sub(1);
         let beside = if is_open { self.beside } else { 0 };

@@ -35,7 +35,7 @@ pub trait LatticeSource {
 /// f = constant + Σ_i site(i): one site's share.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SiteDensity {
-    /// What does not depend on the state.
+    /// Constant term, which does not depend on the state.
     pub constant: Expression,
     /// The terms at the site asked for.
     pub site: Expression,

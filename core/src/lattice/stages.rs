@@ -17,7 +17,7 @@ pub(super) struct MethodFields {
     pub(super) reach: Option<Field>,
 }
 
-/// What a stage writes into a field: one term a proxy coordinate, `None` where it stays.
+/// Terms that a stage writes into a field: one term a proxy coordinate, `None` where the number stays.
 pub(super) type Written = (Field, Vec<Option<Term>>);
 
 /// Code over the proxy lattice, cut into stages.

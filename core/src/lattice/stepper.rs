@@ -31,15 +31,16 @@ const IN_A_ROW: usize = 3;
 /// The smallest part of the path that is tried.
 const SHORTEST: f64 = 1.0 / 1024.0;
 
-/// Solves β̂(L(y)) = x by the iteration whose rate is the size of D(β̂∘L) − 1 = O(t), without any
-/// Jacobian: O(N) a step.
+/// Solves β̂(L(y)) = x by a linear iteration without any Jacobian: O(N) a step. The rate of the iteration is the size
+/// of D(β̂∘L) − 1 = O(t).
 ///
-/// *Stop*: when what the next correction would add is below a small part of an ulp, judged by the
-/// observed rate, or when the corrections stagnate at round-off.
+/// The *stop* comes when what the next correction would add is below a small part of an ulp, judged by the observed
+/// rate. It also comes when the corrections stagnate at round-off.
 ///
-/// *Branch*: where the iteration is slow or its start missed half of the way, steps s times as long are solved from
-/// s = 0 on, each from the one before. Where the iteration converges, every eigenvalue of D(β̂∘L) has a positive real
-/// part: none of these solutions is beyond a fold. Where corrections grow it passed one by.
+/// The *branch* is followed where the iteration is slow or its start missed half of the way. Steps s times as long
+/// are then solved from s = 0 on, each from the one before. Where the iteration converges, every eigenvalue of
+/// D(β̂∘L) has a positive real part: none of these solutions is beyond a fold. Where corrections grow it passed one
+/// by.
 pub(super) struct LatticeTrajectory {
     program: Arc<LatticeProgram>,
     fields: MethodFields,
@@ -50,7 +51,7 @@ pub(super) struct LatticeTrajectory {
     extrapolation: Extrapolation,
     /// y − x.
     displacement: Vec<f64>,
-    /// What was predicted of it.
+    /// Displacement y − x that was predicted, where the solve starts.
     start: Vec<f64>,
     /// Of the residuals alone, row after row: no room for unknowns.
     iteration: Iteration,
@@ -82,7 +83,7 @@ impl Path {
     }
 }
 
-/// What a solve is for.
+/// Purpose of a solve: the step itself, or a point of the path to its solution.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Purpose {
     Step,

@@ -3,9 +3,11 @@
 //! A lift is a map J: z ↦ x from ℝⁿ with a constant Poisson tensor Ω onto (an open set of) M that is Poisson,
 //! {x_i∘J, x_j∘J}_Ω = Π_ij∘J. The collective Hamiltonian K = H∘J moves z by ż = −Ω∇K, and J∘z is the motion of x.
 //! A Gauss method steps z by a Poisson map of Ω (Hairer, Lubich, Wanner, *Geometric Numerical Integration*, theorem
-//! VI.4.3). Where it takes fibres of J to fibres, as it does where they are orbits of affine symmetries of K and Ω, the step
-//! descends to a Poisson map of M, to round-off: the collective integrators of McLachlan, Modin and Verdier (Nonlinearity 27 (2014)) and
-//! of section 4.3 of Cabrera, Martín de Diego and Vaquero.
+//! VI.4.3). Where the method takes fibres of J to fibres, the step descends to a Poisson map of M, to round-off. It
+//! does so where they are orbits of affine symmetries of K and Ω. These are the collective integrators of McLachlan,
+//! Modin and Verdier (Nonlinearity 27 (2014)) and of section 4.3 of Cabrera, Martín de Diego and Vaquero.
+//!
+//! The types:
 //!
 //! - [`ConstantLift`]: x itself, where its tensor is constant.
 //! - [`Slowing`]: Casimirs taken off H.
@@ -40,7 +42,7 @@ pub trait Lift: Send + Sync + std::fmt::Debug {
     fn dimension(&self) -> usize;
     /// How many numbers the base point has.
     fn base_dimension(&self) -> usize;
-    /// Writes the base point of a step from x + low; `before` is where the step before has ended, if there was one.
+    /// Writes the base point of a step from x + low. The end of the step before, if there was one, is `before`.
     ///
     /// # Errors
     /// [`StepError`] where x is not in the image of J.
@@ -57,8 +59,8 @@ pub trait Lift: Send + Sync + std::fmt::Debug {
     }
     /// Writes what is known of each z relative to: the size of a change that changes x by its own size.
     fn sizes(&self, base: &[f64], sizes: &mut [f64]);
-    /// A Casimir C, a function of the coordinates `places` of the system, as H − C moves x as H does, and z along the fibres of
-    /// J more slowly. 0 where nothing is gained.
+    /// Casimir C, a function of the coordinates `places` of the system, to be taken off H. The function H − C moves x
+    /// as H does, and z along the fibres of J more slowly. Returns 0 where nothing is gained.
     ///
     /// # Errors
     /// [`BuildError`] where the choice cannot be made.
@@ -112,8 +114,8 @@ pub trait Lift: Send + Sync + std::fmt::Debug {
     /// Writes the derivative of base points by x, row-major m × d: of any that J takes back to the identity; NaN where there
     /// is none.
     fn slopes_of_base(&self, base: &[f64], slopes: &mut [f64]);
-    /// Takes off an increment of x what rounding has added to quadratic Casimirs Σ c x_i x_j; returns the most of that, as a part
-    /// of Σ |c x_i x_j|, and 0 where none is held.
+    /// Takes off an increment of x what rounding has added to quadratic Casimirs Σ c x_i x_j. Returns the most of
+    /// that, as a part of Σ |c x_i x_j|, and 0 where none is held.
     fn hold(&self, x: &[f64], low: &[f64], increment: &mut [f64]) -> f64 {
         let _ = (x, low, increment);
         0.0

@@ -29,7 +29,7 @@ pub struct Met {
     pub slopes: Vec<f64>,
 }
 
-/// What a lift chooses Casimirs by.
+/// Basis on which a lift chooses Casimirs: the system, normal forms, and states of the motion with ∇H there.
 #[derive(Debug)]
 pub struct Slowing<'a> {
     /// The system.

@@ -67,7 +67,8 @@ impl SmoothMap {
         }
     }
 
-    /// Compiles `outputs` over the graph's first `inputs` inputs; their derivatives when these are first needed.
+    /// Compiles `outputs` over the graph's first `inputs` inputs. Their derivatives are compiled when these are first
+    /// needed.
     ///
     /// # Errors
     /// [`BuildError::Algebra`] where a derivative has no code, [`BuildError::TooManyVariables`] for a
@@ -278,8 +279,8 @@ impl SmoothMapEvaluator {
         }
     }
 
-    /// F at several points in one call; where that fails, one by one: the points that fail are handed over,
-    /// with their place in `out` unspecified.
+    /// F at several points in one call. Where that fails, F is evaluated at one point after the other. The points
+    /// that fail are handed over, with their place in `out` unspecified.
     ///
     /// # Panics
     /// When a slice is not that of a whole number of points.

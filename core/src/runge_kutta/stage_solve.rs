@@ -19,7 +19,7 @@ const SLOW: f64 = 0.01;
 /// Corrections up to this size do not ask for other Jacobians where z itself is solved for.
 const SMALL: f64 = 1e-6;
 
-/// What all trajectories of a solver share: the coefficients and the step τ.
+/// Coefficients and step τ, which all trajectories of a solver share.
 pub(super) struct Coefficients {
     pub(super) tableau: PartitionedTableau,
     pub(super) time_step: f64,
@@ -333,7 +333,7 @@ impl StageSolve {
         &self.start
     }
 
-    /// What the next solve starts from.
+    /// Displacements Z_i − z from which the next solve starts, one stage after the other.
     pub(super) fn displacements(&self) -> &[f64] {
         &self.displacements
     }

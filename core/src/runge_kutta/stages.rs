@@ -14,20 +14,20 @@ use crate::solver::{Branch, StepReport};
 /// So many steps are taken by Newton's iteration after the plain one has failed.
 pub(super) const UNTIL_LANES: u32 = 15;
 
-/// Solves Z_i = z + τ Σ_j a_ij F(Z_j) and returns τ Σ_j b_j F(Z_j), for ż = F(z) and a step τ, of one
-/// trajectory or of several in lockstep: F is evaluated at once at all stages of all that iterate.
+/// Solves Z_i = z + τ Σ_j a_ij F(Z_j) and returns τ Σ_j b_j F(Z_j), for ż = F(z) and a step τ. It takes one
+/// trajectory or several in lockstep: F is evaluated at once at all stages of all that iterate.
 ///
-/// Newton's iteration on the displacements Z_i − z, its Jacobian kept while it contracts fast, until
-/// a further correction is negligible against |Z_i| + |τ DF(Z_i)| |Z_i|, componentwise: the effect
-/// of round-off in Z. It starts from the displacements of the last solve.
+/// Newton's iteration on the displacements Z_i − z keeps its Jacobian while it contracts fast. It ends where a
+/// further correction is negligible against |Z_i| + |τ DF(Z_i)| |Z_i|, componentwise: the effect of round-off in Z.
+/// It starts from the displacements of the last solve.
 ///
-/// Where F has no Jacobian the iteration is Z_i ← z + τ Σ_j a_ij F(Z_j) with Anderson's acceleration,
-/// until corrections and residuals are negligible against |Z_i| and |Z_i − z|: a shorter step is then
-/// asked for than with Newton's iteration.
+/// Where F has no Jacobian, the iteration is Z_i ← z + τ Σ_j a_ij F(Z_j) with Anderson's acceleration. It ends where
+/// corrections and residuals are negligible against |Z_i| and |Z_i − z|. It asks for a shorter step than Newton's
+/// iteration.
 ///
-/// [`by_lanes`](Self::by_lanes) first tries the plain iteration Z_i ← z + τ Σ_j a_ij F(Z_j), all stages at once in
-/// the lanes of vectors. Where its corrections halve on the average, its solution is that connected with z; elsewhere Newton's
-/// iteration takes the step, and the next few.
+/// A solver made [`by_lanes`](Self::by_lanes) first tries the plain iteration Z_i ← z + τ Σ_j a_ij F(Z_j), all stages
+/// at once in the lanes of vectors. Where its corrections halve on the average, its solution is that connected with
+/// z. Elsewhere Newton's iteration takes the step, and the next few.
 pub struct StageSolver {
     field: SmoothMapEvaluator,
     coefficients: Coefficients,
@@ -112,8 +112,8 @@ impl StageSolver {
         self.field.map().inputs()
     }
 
-    /// Writes τ Σ_j b_j F(Z_j) for the step of a single trajectory from `start`; returns how often the
-    /// stages' slopes were evaluated.
+    /// Writes τ Σ_j b_j F(Z_j) for the step of a single trajectory from `start`. Returns how often the stages' slopes
+    /// were evaluated.
     ///
     /// # Errors
     /// [`StepError::NoConvergence`], [`StepError::NonFinite`]; the next solve then starts cold.
@@ -383,8 +383,8 @@ impl StageSolver {
         self.field.map().has_jacobian()
     }
 
-    /// D(z + τ Σ b_j F(Z_j)) · V at the last solve of a trajectory, for V of as many rows as
-    /// coordinates: exact through the stage equations. `None` where they are singular or F has no
+    /// D(z + τ Σ b_j F(Z_j)) · V at the last solve of a trajectory, exact through the stage equations. The matrix V
+    /// has as many rows as there are coordinates. Returns `None` where the equations are singular or F has no
     /// Jacobian.
     pub fn tangent(&mut self, at: usize, seeds: &DMatrix<f64>) -> Option<DMatrix<f64>> {
         if !self.has_tangent() {
@@ -441,8 +441,8 @@ impl StageSolver {
         }
     }
 
-    /// What a trajectory's next solve depends on: the displacements of the last one, its slopes in lanes, and the
-    /// field's memory.
+    /// Numbers that a trajectory's next solve depends on: the displacements of the last one, its slopes in lanes, and
+    /// the field's memory. Before them stand the memory of the iteration and the steps until lanes are tried.
     pub fn memory(&self, at: usize) -> Vec<f64> {
         let own = &self.trajectories[at];
         let watch = [own.iteration.memory(), f64::from(self.until_lanes[at])];

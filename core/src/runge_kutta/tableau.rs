@@ -38,10 +38,9 @@ impl Tableau {
     /// The Gauss method with s ≥ 1 stages, of order 2s: collocation at the nodes of Gauss and
     /// Legendre (Hairer, Lubich, Wanner, section II.1.3).
     ///
-    /// With ℓ_j = b_j Σ_{k<s} (2k+1) P̃_k(c_j) P̃_k and
-    /// ∫₀ᶜ P̃_k = (P̃_{k+1}(c) − P̃_{k−1}(c)) / (2(2k+1)), P̃ the Legendre polynomials on [0, 1],
-    /// a_ij = ∫₀^{c_i} ℓ_j is b_j (c_i + ½ Σ_{1≤k<s} P̃_k(c_j) (P̃_{k+1}(c_i) − P̃_{k−1}(c_i))): every
-    /// summand is of size 1, whatever s.
+    /// With P̃ the Legendre polynomials on [0, 1], ℓ_j = b_j Σ_{k<s} (2k+1) P̃_k(c_j) P̃_k and
+    /// ∫₀ᶜ P̃_k = (P̃_{k+1}(c) − P̃_{k−1}(c)) / (2(2k+1)). Therefore a_ij = ∫₀^{c_i} ℓ_j is
+    /// b_j (c_i + ½ Σ_{1≤k<s} P̃_k(c_j) (P̃_{k+1}(c_i) − P̃_{k−1}(c_i))). Every summand is of size 1, whatever s.
     ///
     /// # Panics
     /// When `stages` is 0.
@@ -54,8 +53,8 @@ impl Tableau {
         }
     }
 
-    /// ∫₁^{1+c_i} ℓ_j, row-major s × s, for the Lagrange polynomials ℓ_j of the Gauss nodes c_j: the stages of the step
-    /// that follows are z + τ Σ_j e_ij F(Z_j) by the collocation polynomial of this one.
+    /// e_ij = ∫₁^{1+c_i} ℓ_j, row-major s × s, for the Lagrange polynomials ℓ_j of the Gauss nodes c_j. The stages of
+    /// the step that follows are z + τ Σ_j e_ij F(Z_j). They continue the collocation polynomial of this step.
     ///
     /// # Panics
     /// When `stages` is 0 or more than [`Tableau::MOST_STAGES`].

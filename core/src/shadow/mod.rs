@@ -1,8 +1,9 @@
-//! The shadow Hamiltonian: the one whose flow a step map is.
+//! Shadow Hamiltonian of a step map: the one whose flow the map is.
 //!
-//! Φ_t = exp(t L_{H̃}) with L_F = {F, ·} and H̃ = F_1 + t F_2 + t² F_3 + …, t = εh, F_1 = H: a formal series whose first
-//! terms Φ_t keeps far better than H (E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, section IX.3, for
-//! canonical tensors). Even F_k vanish where Φ is self-adjoint; of a map of order m, F_2 … F_m do.
+//! Let Φ_t = exp(t L_{H̃}) be the map, with L_F = {F, ·} and t = εh. The shadow H̃ = F_1 + t F_2 + t² F_3 + … with
+//! F_1 = H is a formal series. Steps keep its first terms far better than H (E. Hairer, C. Lubich, G. Wanner,
+//! *Geometric Numerical Integration*, section IX.3, for canonical tensors). Even F_k vanish where Φ is self-adjoint; of
+//! a map of order m, F_2 … F_m do.
 
 mod product;
 mod words;

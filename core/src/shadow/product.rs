@@ -1,12 +1,12 @@
 //! The shadow Hamiltonian of a product of flows, by the formula of Baker, Campbell, Hausdorff and Dynkin.
 //!
-//! With L_F = {F, ·} the flow of F over t takes a function f to exp(t L_F) f, and [L_F, L_G] = L_{{F, G}}: words of the
-//! logarithm of exp(…)·exp(…)·…, the first flow leftmost, are nested Poisson brackets. The part P of the logarithm in which
-//! a letter a occurs r times in each word is
+//! With L_F = {F, ·} the flow of F over t takes a function f to exp(t L_F) f, and [L_F, L_G] = L_{{F, G}}. So words of
+//! the logarithm of exp(…)·exp(…)·…, the first flow leftmost, are nested Poisson brackets. Let P be the part of the
+//! logarithm in which a letter a occurs r times in each word. Then
 //!
-//! P = (1/r) Σ c_w {…{{a, w_2}, w_3}, …, w_k} over the words w = a w_2 … w_k,
+//! P = (1/r) Σ c_w {…{{a, w_2}, w_3}, …, w_k} over the words w = a w_2 … w_k.
 //!
-//! Dynkin's formula for the grading that counts a alone (C. Reutenauer, *Free Lie Algebras*, section 1.6).
+//! This is Dynkin's formula for the grading that counts a alone (C. Reutenauer, *Free Lie Algebras*, section 1.6).
 
 use std::collections::BTreeMap;
 
@@ -24,8 +24,9 @@ const MOST_WORDS: f64 = 65_536.0;
 const SHORT: i64 = 1 << 10;
 
 impl Shadow {
-    /// That of Φ^s_{γ_s t} ∘ … ∘ Φ^1_{γ_1 t}, F_1 to F_`last`; each flow is a shadow's, by its place in `flows`, and its γ.
-    /// `None` where that takes too many words, or more than `products` products of terms, or a shadow is code.
+    /// Shadow of the product Φ^s_{γ_s t} ∘ … ∘ Φ^1_{γ_1 t}, F_1 to F_`last`. Each flow is a shadow's, by its place in
+    /// `flows`, and its γ. The result is `None` where a shadow is code. Too many words, or more than `products`
+    /// products of terms, give `None` too.
     ///
     /// # Errors
     /// [`BuildError::Algebra`] where the tensor or a Hamiltonian is outside the exact algebra.

@@ -9,8 +9,8 @@ use leafwise_expression::Rational;
 /// The letters of a word, first to last.
 pub(super) type Word = Vec<u8>;
 
-/// What coefficients of words are: exact where the parts of a step are short fractions, doubles where they are roots
-/// of order conditions.
+/// Coefficients of words: exact where the parts of a step are short fractions, doubles where they are roots of order
+/// conditions.
 pub(super) trait Coefficient: Clone + Debug {
     /// The double itself.
     fn of(value: f64) -> Self;

@@ -11,12 +11,11 @@ const DEPENDENT: f64 = 1e-7;
 
 /// Anderson's acceleration of u ← u + r(u), for residuals without derivatives.
 ///
-/// Of the last iterates' differences Δu, Δr it takes those γ that make r − ΔR γ smallest, component by
-/// component relative to the scale of u, and corrects u by r − (ΔU + ΔR) γ (D. G. Anderson, *Iterative
-/// procedures for nonlinear integral equations*, J. ACM 12 (1965); H. Walker, P. Ni, *Anderson
-/// acceleration for fixed-point iterations*, SIAM J. Numer. Anal. 49 (2011)). It is a secant method in
-/// as many directions as there are iterates: for a linear residual in n unknowns, n ≤ 5, the n-th
-/// accelerated correction is the last.
+/// Of the last iterates' differences Δu, Δr it takes those γ that make r − ΔR γ smallest, component by component
+/// relative to the scale of u. The correction of u is r − (ΔU + ΔR) γ (D. G. Anderson, *Iterative procedures for
+/// nonlinear integral equations*, J. ACM 12 (1965); H. Walker, P. Ni, *Anderson acceleration for fixed-point
+/// iterations*, SIAM J. Numer. Anal. 49 (2011)). It is a secant method in as many directions as there are iterates:
+/// for a linear residual in n unknowns, n ≤ 5, the n-th accelerated correction is the last.
 #[derive(Clone, Debug)]
 pub struct Anderson {
     size: usize,
@@ -79,15 +78,15 @@ impl Anderson {
         self.rate = 0.0;
     }
 
-    /// The largest |Δ(u + r)|/|Δu| of two iterates in a row of this solve, in the largest component or in the largest
-    /// relative one, whichever is smaller: the rate of the iteration without acceleration. Iterates closer than
-    /// 1e-6 of the scale tell of round-off and are left out.
+    /// Largest |Δ(u + r)|/|Δu| of two iterates in a row of this solve: the rate of the iteration without
+    /// acceleration. Sizes are taken in the largest component or in the largest relative one, whichever gives the
+    /// smaller ratio. Iterates closer than 1e-6 of the scale tell of round-off and are left out.
     pub fn rate(&self) -> f64 {
         self.rate
     }
 
-    /// Replaces the residual r(u) by the correction to be added to u. `scale` is what a component of
-    /// the residual is measured against, 0 to leave it out.
+    /// Replaces the residual r(u) by the correction to be added to u. A component of the residual is measured against
+    /// its `scale`, 0 to leave it out.
     ///
     /// # Panics
     /// When a slice has another length than the residuals.

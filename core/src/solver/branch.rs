@@ -23,14 +23,13 @@ const MOST_EVALUATIONS: u64 = 1000;
 
 /// Follows the solutions u of F_s(u) = 0 from u₀ at s = 0 to s = 1, by Newton's method.
 ///
-/// F_s is the equation of a step s times as long, and u₀ its solution for a step of size 0: y = x for
-/// β̂(L(y)) = x, all stages at the state for a Runge–Kutta method. DF_0 is the identity, so that along
-/// the branch that begins there the determinant of DF_s is positive until the branch folds. Newton's
-/// method alone may jump to another, on which the map is not near the flow, and which one it takes may
-/// depend on earlier steps.
+/// F_s is the equation of a step s times as long, and u₀ its solution for a step of size 0. That is y = x for
+/// β̂(L(y)) = x, and all stages at the state for a Runge–Kutta method. DF_0 is the identity, so that along the branch
+/// that begins there the determinant of DF_s is positive until the branch folds. Newton's method alone may jump to
+/// another, on which the map is not near the flow, and which one it takes may depend on earlier steps.
 ///
-/// Over the graph of a one-form θ that of sθ will do. Where neither is at hand, F_s = F − (1 − s) F(u₀) is followed: a path that ends at
-/// the same solution where the determinants of both families stay positive between them.
+/// Over the graph of a one-form θ that of sθ will do. Where neither is at hand, F_s = F − (1 − s) F(u₀) is followed.
+/// Its path ends at the same solution where the determinants of both families stay positive between them.
 #[derive(Clone, Debug)]
 pub struct Branch {
     point: Vec<f64>,
@@ -43,10 +42,10 @@ pub struct Branch {
     /// −F at the trial, then Newton's correction; DF there, then DF − 1.
     residual: Vec<f64>,
     jacobian: Vec<f64>,
-    /// What the unknowns are measured against, and the least of it: what the others put into them.
+    /// Scales that the unknowns are measured against, and the least of them: what the others put into an unknown.
     scale: Vec<f64>,
     least: Vec<f64>,
-    /// What they put in at first hand, and with that at second.
+    /// Round-off that the others put into an unknown: at first hand, and with that at second.
     hands: [Vec<f64>; 2],
     /// Which of them have begun to move, and whether others have moved.
     begins: Vec<bool>,
@@ -75,16 +74,16 @@ impl Branch {
         }
     }
 
-    /// Goes the path from `start` and makes sure that what was `solved` at s = 1 is its end. `evaluate`
-    /// writes −F_s(u) and DF_s(u), row-major, for s and u. `sizes` is what the unknowns are measured
-    /// against, beside the way that they came. Counts the evaluations.
+    /// Follows the path from `start` and makes sure that what was `solved` at s = 1 is its end. The closure
+    /// `evaluate` writes −F_s(u) and DF_s(u), row-major, for s and u. The unknowns are measured against `sizes`,
+    /// beside the way that they came. Counts the evaluations.
     ///
-    /// Where it is not, or nothing was found, returns `false`: the solve is to begin again at the
-    /// [`end`](Self::end), and what it then finds to be [confirmed](Self::confirm_end).
+    /// Returns `false` where it is not, or where nothing was found. The solve is then to begin again at the
+    /// [`end`](Self::end), and what it finds is to be [confirmed](Self::confirm_end).
     ///
     /// # Errors
-    /// [`StepError::OtherBranch`] where DF becomes singular on the way; where F has no value there, that of
-    /// the solve, or of `evaluate` if the solve had none.
+    /// [`StepError::OtherBranch`] where DF becomes singular on the way. Where F has no value there, the error of the
+    /// solve, or of `evaluate` if the solve had none.
     pub fn settle(
         &mut self,
         start: &[f64],
@@ -214,8 +213,8 @@ impl Branch {
         Ok(())
     }
 
-    /// Newton's method at s from the point, which then is its solution; fails, with a reason where F
-    /// has no value, where corrections do not fall or the determinant is not positive.
+    /// Solves F_s(u) = 0 by Newton's method from the point, which then is the solution. Fails where corrections do
+    /// not fall or the determinant is not positive. Where F has no value, it fails with that as a reason.
     fn correct(
         &mut self,
         begin: [&[f64]; 2],
@@ -249,7 +248,7 @@ impl Branch {
         Err(None)
     }
 
-    /// What the unknowns are measured against: `sizes` and how far they came.
+    /// Sets the scales of the unknowns: `sizes` and how far they came.
     fn take_scale(&mut self, [start, sizes]: [&[f64]; 2]) {
         let own = sizes.iter().zip(self.point.iter().zip(start));
         for (scale, (size, (point, start))) in self.scale.iter_mut().zip(own) {
@@ -259,8 +258,8 @@ impl Branch {
         self.has_others = false;
     }
 
-    /// A component may be the round-off of what the others put into it, at first hand and, by the elimination, at second:
-    /// N s + N² s with N = |DF − 1|, as far as DF⁻¹ does not take it back.
+    /// Sets the least scales. A component may be the round-off of what the others put into it, at first hand and, by
+    /// the elimination, at second. That is N s + N² s with N = |DF − 1|, as far as DF⁻¹ does not take it back.
     fn take_least(&mut self) {
         let n = self.scale.len();
         for (i, row) in self.jacobian.chunks_exact_mut(n).enumerate() {
@@ -281,11 +280,12 @@ impl Branch {
         }
     }
 
-    /// The largest relative correction of the unknowns that corrections must fall in, that which the next ones are compared
-    /// with, and whether the others are settled.
+    /// Largest relative correction of the unknowns that corrections must fall in. With it come the size that the next
+    /// ones are compared with, and whether the others are settled.
     ///
-    /// One that moves farther than by its size begins to move, from 0 or from the little that it came, as the others drive
-    /// it: its corrections fall when theirs have, and count, from the next one on, where no others have moved.
+    /// An unknown that moves farther than by its size begins to move, from 0 or from the little that it came, as the
+    /// others drive it. Its corrections fall when theirs have. They count, from the next one on, where no others have
+    /// moved.
     fn measure(&mut self) -> (f64, f64, bool) {
         let (mut moving, mut begun, mut begins) = (0.0, 0.0, false);
         for (i, correction) in self.residual.iter().enumerate() {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::{SolverStatistics, StepCheck, Stepper};
 use crate::error::StepError;
 
-/// What makes checks of so many lanes with these parameters, a structure of arrays.
+/// Maker of step checks for so many lanes with these parameters, a structure of arrays.
 pub(crate) trait MakeCheck: Send + Sync {
     fn make(self: Arc<Self>, lanes: usize, parameters: &[f64]) -> Box<dyn StepCheck>;
 }

@@ -3,7 +3,7 @@
 /// Columns of a strip: as many sums as stay in registers.
 const WIDEST: usize = 8;
 
-/// What is done to W columns side by side, whatever is done to the others.
+/// Work on W columns side by side, whatever is done to the others.
 trait Strip {
     fn strip<const W: usize>(&mut self, first: usize);
 }
@@ -39,7 +39,7 @@ fn from_mut<const W: usize>(numbers: &mut [f64], at: usize) -> &mut [f64; W] {
     numbers[at..].first_chunk_mut().expect("a strip of a row")
 }
 
-/// A B of an m × n and an n × `columns` matrix, row-major: each entry is summed from its first product on.
+/// Product A B of an m × n and an n × `columns` matrix, row-major. Each entry is summed from its first product on.
 ///
 /// # Panics
 /// When `a` or `b` has fewer rows than `out` and A's columns ask for.
@@ -83,8 +83,8 @@ impl Strip for Product<'_> {
     }
 }
 
-/// U⁻¹ L⁻¹ R in place of R, d × `columns`, row-major: L below the diagonal of `factors`, with a diagonal of ones, U from it on,
-/// with the reciprocals of its diagonal.
+/// U⁻¹ L⁻¹ R in place of R, d × `columns`, row-major. Below the diagonal of `factors` stands L, with a diagonal of
+/// ones. From the diagonal on stands U, with the reciprocals of its diagonal.
 pub(super) fn substitute(factors: &[f64], d: usize, right: &mut [f64], columns: usize) {
     in_strips(
         columns,

@@ -1,10 +1,10 @@
 //! Where a step crosses a zero of a denominator: a pole of the equations of motion, or none.
 //!
-//! On the straight way from x to x + Δ a denominator D vanishes at x + zΔ. Let f(δ) be a component of the
-//! field at x + (z ± δ)Δ. A pole of order p has f ~ δ^(−p), so f(2^(−k−10))/f(2^(−k)) → 2^(10p). Components that
-//! have no pole there, such as those of sin(q)/q, q/√(q²) or (1 − cos q)/q², stay bounded, and |q|^(−1/2), the
-//! force of |q|^(1/2), has the ratio 2⁵: the flow crosses both. The ratio's limit is 2^(20/3), its numerator
-//! is taken less its rounding error and its denominator with it, so that rounding makes no pole.
+//! On the straight way from x to x + Δ a denominator D vanishes at x + zΔ. Let f(δ) be a component of the field at
+//! x + (z ± δ)Δ. A pole of order p has f ~ δ^(−p), so f(2^(−k−10))/f(2^(−k)) → 2^(10p). Components that have no pole
+//! there stay bounded, such as those of sin(q)/q, q/√(q²) or (1 − cos q)/q². The force |q|^(−1/2) of |q|^(1/2) has
+//! the ratio 2⁵. The flow crosses in both cases. The ratio's limit is 2^(20/3), its numerator is taken less its
+//! rounding error and its denominator with it, so that rounding makes no pole.
 
 use leafwise_expression::bounded::{Bounded, BoundedNumbers};
 use leafwise_expression::{Graph, Term};

@@ -12,7 +12,7 @@ use crate::error::{BuildError, StepError};
 #[derive(Clone, Debug)]
 pub struct ExplicitMap {
     shared: Arc<Shared>,
-    /// What a step counts as.
+    /// Number of evaluations that a step counts as.
     evaluations: u64,
 }
 
@@ -195,8 +195,8 @@ impl Shared {
 
 /// Evaluates the step kernel once a step.
 ///
-/// What the compensated state holds beyond a double enters the sum, not the evaluation: the
-/// increment's own rounding, an ulp of the size of the step, is as large as its influence.
+/// The low part of the compensated state, beyond a double, enters the sum, not the evaluation. The increment's own
+/// rounding, an ulp of the size of the step, is as large as its influence.
 struct ExplicitStepper {
     shared: Arc<Shared>,
     workspace: Workspace,
@@ -207,7 +207,7 @@ struct ExplicitStepper {
     lanes: usize,
     /// Operations of one step.
     work: u64,
-    /// What a step counts as.
+    /// Number of evaluations that a step counts as.
     evaluations: u64,
     statistics: SolverStatistics,
 }

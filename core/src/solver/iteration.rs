@@ -21,9 +21,9 @@ pub enum CorrectionMethod {
 /// u ← u + δ, until what a further correction would add is negligible.
 ///
 /// The caller forms δ from its equation: the residual, by Newton's method with the Jacobian. Row i of δ is measured
-/// against |state| + |change|, the change [as far as it serves](Allowed) as a scale, row by row: units of rows change
-/// nothing. [`LinearIteration`] judges the measured sizes. Newton's method also keeps a [`Watch`] on whether its solution
-/// is plainly on the branch that begins at the state.
+/// against |state| + |change|. The change counts [as far as it serves](Allowed) as a scale, row by row: units of rows
+/// change nothing. The measured sizes are judged by [`LinearIteration`]. Newton's method also keeps a [`Watch`] on
+/// whether its solution is plainly on the branch that begins at the state.
 #[derive(Clone, Debug)]
 pub struct Iteration {
     method: CorrectionMethod,
@@ -100,7 +100,8 @@ impl Iteration {
         self.watch.take(!factors.is_near_identity());
     }
 
-    /// What a row is measured against: |state| + |change| + `put_in`, what the round-off of the others [leaves](super::judge::settled) in it.
+    /// |state| + |change| + `put_in`: the scale that a row is measured against. The last, `put_in`, is what the
+    /// round-off of the others [leaves](super::judge::settled) in it.
     #[inline(always)]
     pub fn scale(&self, row: usize, state: f64, change: f64, put_in: f64) -> f64 {
         state.abs() + self.allowed[row].scale(change) + put_in
@@ -146,9 +147,9 @@ impl Iteration {
         Ok(verdict)
     }
 
-    /// Adds the corrections, accelerated where the method says so, to the unknowns, and judges them. `measure(i, u, δ)`
-    /// is (state, change, what the others put in) of a row, and `way(i, u)` how far it has come with the unknown u; a
-    /// correction counts `unit` times in the state.
+    /// Adds the corrections, accelerated where the method says so, to the unknowns, and judges them. The closure
+    /// `measure(i, u, δ)` returns (state, change, what the others put in) of a row. How far the row has come with the
+    /// unknown u is `way(i, u)`. A correction counts `unit` times in the state.
     ///
     /// # Errors
     /// Those of [`judge`](Self::judge).
@@ -209,8 +210,8 @@ impl Iteration {
         }
     }
 
-    /// What tells whether the solution is plainly on the branch that begins at the state: without Newton's method the
-    /// caller keeps it.
+    /// Watch that tells whether the solution is plainly on the branch that begins at the state. Without Newton's
+    /// method the caller keeps it.
     pub fn watch(&mut self) -> &mut Watch {
         &mut self.watch
     }
@@ -232,7 +233,7 @@ impl Iteration {
         self.watch = Watch::NEW;
     }
 
-    /// What the next step depends on.
+    /// Memory between steps: the number of its [`Watch`], on which the next step depends.
     pub fn memory(&self) -> f64 {
         self.watch.memory()
     }

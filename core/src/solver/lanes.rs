@@ -12,8 +12,8 @@ const MOST_TOGETHER: usize = 64;
 /// Arrays hold the trajectories one after the other, d numbers each. What a step writes for a trajectory
 /// depends on that one alone, to the bit.
 pub trait Trajectories: Send {
-    /// Φ(x + low) − (x + low) of every trajectory, where `low` carries what the compensated state holds
-    /// beyond a double. `taken` says of each how it went, its evaluations also where it fails. The caller
+    /// Φ(x + low) − (x + low) of every trajectory, where `low` carries what the compensated state holds beyond a
+    /// double. The reports in `taken` say of each how it went, its evaluations also where it fails. The caller
     /// refuses an increment that is not finite, and restarts what failed.
     fn step(&mut self, x: &[f64], low: &[f64], increment: &mut [f64], taken: &mut [StepReport]);
     /// The solution y of β̂(L(y)) = x of a trajectory's last step, `None` for a map without a bisection.
@@ -33,7 +33,8 @@ pub trait Trajectories: Send {
     fn restart(&mut self, at: usize) {
         let _ = at;
     }
-    /// What a trajectory's later steps depend on beyond the state; always of the same length.
+    /// Memory of a trajectory: the numbers that its later steps depend on beyond the state; always of the same
+    /// length.
     fn memory(&self, at: usize) -> Vec<f64> {
         let _ = at;
         Vec::new()
@@ -51,7 +52,7 @@ pub struct StepReport {
     pub evaluations: u64,
     /// Whether it counts as [`SolverStatistics::rounded`].
     pub is_rounded: bool,
-    /// What [`SolverStatistics::held`] is the most of.
+    /// Part taken off this step so that a Casimir is held; [`SolverStatistics::held`] is the largest of all steps.
     pub held: f64,
     /// Why it could not be taken.
     pub outcome: Result<(), StepError>,

@@ -8,7 +8,7 @@ use crate::error::BuildError;
 /// elimination, half a minute.
 pub const MOST_EQUATIONS: usize = 4096;
 
-/// The most variables by which the functions of a step are differentiated: while code is formed, each of the
+/// Largest number of variables by which the functions of a step are differentiated. While code is formed, each of the
 /// entries of a Jacobian that are not zero takes up to a kilobyte.
 pub const MOST_VARIABLES: usize = 2048;
 
@@ -58,7 +58,7 @@ pub fn substitution_operations(n: usize) -> u64 {
 #[derive(Clone, Debug)]
 pub struct DenseFactors {
     factors: Factors<1>,
-    /// What A⁻¹ leaves of the round-off that is put into each unknown, as a part of it; room for N s.
+    /// Part of the round-off put into each unknown that A⁻¹ leaves; room for N s.
     left: Vec<f64>,
     first_hand: Vec<f64>,
 }
@@ -112,8 +112,8 @@ impl DenseFactors {
         }
     }
 
-    /// The part of the round-off put into an unknown at first hand, N s with N = |A − 1| and the sizes s of the last
-    /// [`factor_of_sizes`](Self::factor_of_sizes), that A⁻¹ leaves: 1 near the identity.
+    /// Part of the round-off put into an unknown at first hand that A⁻¹ leaves: 1 near the identity. That round-off
+    /// is N s with N = |A − 1| and the sizes s of the last [`factor_of_sizes`](Self::factor_of_sizes).
     pub fn left(&self, unknown: usize) -> f64 {
         self.left[unknown]
     }

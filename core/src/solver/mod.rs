@@ -71,7 +71,7 @@ pub(crate) fn tangent_of_map(target: &[f64], change: &[f64], d: usize) -> Option
 pub trait StepMap: Send + Sync {
     /// d.
     fn dimension(&self) -> usize;
-    /// What it promises.
+    /// Properties that the map promises.
     fn properties(&self) -> MapProperties;
     /// One line for reports: names and orders.
     fn describe(&self) -> String;
@@ -88,8 +88,8 @@ pub trait StepMap: Send + Sync {
         let stepper = self.stepper(1, parameters, epsilon, h);
         Box::new(ByTangents::new(stepper, self.dimension()))
     }
-    /// The [`Shadow`] Hamiltonian of this map of a system, its terms F_1 to F_`last`; `None` where there is no formula of
-    /// it, and where that takes more than `products` products of terms.
+    /// [`Shadow`] Hamiltonian of this map of a system, its terms F_1 to F_`last`. Returns `None` where there is no
+    /// formula of it. It also does so where that takes more than `products` products of terms.
     ///
     /// # Errors
     /// [`BuildError::Algebra`] where the tensor or the Hamiltonian is outside the exact algebra.
@@ -122,9 +122,9 @@ pub trait StepMap: Send + Sync {
             reason: "its pieces are not known as formulas".to_owned(),
         })
     }
-    /// … ∘ χ*_{α_4 h} ∘ χ_{α_3 h} ∘ χ*_{α_2 h} ∘ χ_{α_1 h} over the [`factors`](Self::factors), where
-    /// that takes less than one factor after the other; Φ_{γ_s h} ∘ … ∘ Φ_{γ_1 h} has
-    /// α_{2i−1} = α_{2i} = γ_i/2. Two factors count as an evaluation.
+    /// … ∘ χ*_{α_4 h} ∘ χ_{α_3 h} ∘ χ*_{α_2 h} ∘ χ_{α_1 h} over the [`factors`](Self::factors), where that takes less
+    /// than one factor after the other. The composition Φ_{γ_s h} ∘ … ∘ Φ_{γ_1 h} has α_{2i−1} = α_{2i} = γ_i/2. Two
+    /// factors count as an evaluation.
     fn product(&self, parts: &[f64]) -> Option<Arc<dyn StepMap>> {
         let _ = parts;
         None

@@ -6,8 +6,8 @@ use super::{SolverStatistics, StepMap, Stepper, restore_each};
 use crate::compensation::Compensated;
 use crate::error::StepError;
 
-/// One stepper a stage, with its own step size and its own history: the i-th stages of successive
-/// steps lie on one smooth curve, so that what a stage learned serves the same stage a step later.
+/// Stepper of a product of maps: one stepper a stage, with its own step size and its own history. The i-th stages of
+/// successive steps lie on one smooth curve, so that what a stage learned serves the same stage a step later.
 ///
 /// States between stages carry their compensation, and the stages' increments are summed with
 /// theirs, so that the product rounds no more than its stages do.

@@ -1,10 +1,10 @@
-//! What a step map declares about itself.
+//! Properties that a step map declares about itself.
 
 use std::fmt;
 
 use serde::{Serialize, Serializer};
 
-/// What a map preserves of the Poisson structure.
+/// Preservation of the Poisson structure by a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Structure {
     /// Φ is a Poisson map, to round-off.
@@ -34,18 +34,18 @@ impl Serialize for Structure {
     }
 }
 
-/// What a step map promises; instruments measure it.
+/// Properties that a step map promises; instruments measure them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MapProperties {
     /// A lower bound of the order in t = εh; 0 where the error does not depend on the step.
     pub order: usize,
-    /// What it preserves of the Poisson structure.
+    /// Preservation of the Poisson structure.
     pub structure: Structure,
     /// Whether Φ_{−h} ∘ Φ_h = id; `None` where that is not known.
     pub self_adjoint: Option<bool>,
 }
 
-/// What a composition asks of the pieces of a splitting, beyond χ and χ*.
+/// Demands of a composition on the pieces of a splitting, beyond χ and χ*.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pieces {
     /// Nothing.

@@ -7,16 +7,16 @@ use super::stepper::{StepCheck, Stepper};
 use crate::error::StepError;
 use crate::system::PoissonSystem;
 
-/// A step that leaves less than this of a coordinate has lost its digits: x + Δ keeps the sum's
-/// round-off, of the size of x, which is then more than 1/4096 of what is left.
+/// Smallest part of a coordinate that a step may leave; with less, the coordinate has lost its digits. Then x + Δ
+/// keeps the sum's round-off, of the size of x, which is more than 1/4096 of what is left.
 const LEAST_PART: f64 = 1.0 / (1_u64 << 40) as f64;
 
 /// Below this a number has not all its digits, and is left to underflow.
 const SMALLEST: f64 = 1e-290;
 
-/// The coordinates x_i for which {x_i, x_j} vanishes at x_i = 0 for all j, as in a Lotka–Volterra
-/// system: the hyperplane consists of leaves, and a Poisson map near the flow does not cross it.
-/// None of a tensor that the exact ring does not hold.
+/// Coordinates x_i for which {x_i, x_j} vanishes at x_i = 0 for all j, as in a Lotka–Volterra system. The hyperplane
+/// consists of leaves, and a Poisson map near the flow does not cross it. None of a tensor that the exact ring does
+/// not hold.
 pub fn kept_signs(system: &PoissonSystem) -> Vec<usize> {
     let Some(formulas) = system.expressions() else {
         return Vec::new();

@@ -7,11 +7,11 @@ pub struct SolverStatistics {
     pub steps: u64,
     /// Evaluations of the step kernel, summed over lanes.
     pub evaluations: u64,
-    /// Operations of all kernels, weighted as [`OperationCount::work`] says, and of the linear
-    /// algebra around them: eliminations, substitutions, sums over stages or nodes. Norms,
-    /// extrapolation and the compensated sum, a few operations a coordinate and step, are left
-    /// out. Four operations on the stages of a Gauss method side by side in the lanes of vectors count as one, since they take its
-    /// time. `None` when a part does not count its own.
+    /// Operations of all kernels, weighted as [`OperationCount::work`] says, and of the linear algebra around them:
+    /// eliminations, substitutions, sums over stages or nodes. Norms, extrapolation and the compensated sum, a few
+    /// operations a coordinate and step, are left out. Four operations on the stages of a Gauss method side by side
+    /// in the lanes of vectors count as one, since they take its time. The count is `None` when a part does not count
+    /// its own.
     ///
     /// [`OperationCount::work`]: leafwise_expression::OperationCount::work
     pub operations: Option<u64>,
@@ -19,11 +19,11 @@ pub struct SolverStatistics {
     pub most_evaluations: u64,
     /// Steps that failed.
     pub failures: u64,
-    /// Steps whose solve ended where the state as a whole was at round-off while a component, smaller
-    /// by far than the largest, still changed: its relative error is not known to be small.
+    /// Steps whose solve ended with the state as a whole at round-off while a component, smaller by far than the
+    /// largest, still changed. The relative error of that component is not known to be small.
     pub rounded: u64,
-    /// The most that was taken off a step so that a quadratic Casimir Σ c x_i x_j is [held](crate::lift::Lift::hold), as a part
-    /// of Σ |c x_i x_j|; 0 where none is.
+    /// Largest part of Σ |c x_i x_j| that was taken off a step so that a quadratic Casimir Σ c x_i x_j is
+    /// [held](crate::lift::Lift::hold); 0 where none is.
     pub held: f64,
 }
 
@@ -43,7 +43,7 @@ impl Default for SolverStatistics {
 }
 
 impl SolverStatistics {
-    /// What methods are compared by: operations, evaluations where the parts do not count those.
+    /// Cost that methods are compared by: operations, or evaluations where the parts do not count those.
     pub fn cost(&self) -> u64 {
         self.operations.unwrap_or(self.evaluations)
     }

@@ -1,4 +1,4 @@
-//! What takes steps: one thread's, of one trajectory or of several side by side.
+//! Steppers, which take steps: one thread's, of one trajectory or of several side by side.
 
 use leafwise_expression::kernel::apart;
 
@@ -51,9 +51,9 @@ pub trait Stepper: Send {
         let _ = h;
         false
     }
-    /// Takes other parameters, a structure of arrays over the lanes, for the steps that follow: they have the bits of those of
-    /// a stepper made with them, up to where a solve starts, and nothing is allocated. Returns whether that is offered;
-    /// where it is not, nothing has changed.
+    /// Takes other parameters, a structure of arrays over the lanes, for the steps that follow. These have the bits
+    /// of those of a stepper made with them, up to where a solve starts, and nothing is allocated. Returns whether
+    /// that is offered; where it is not, nothing has changed.
     fn set_parameters(&mut self, parameters: &[f64]) -> bool {
         let _ = parameters;
         false
@@ -163,7 +163,7 @@ pub(super) fn restore_each<'own, S: Stepper + ?Sized + 'own>(
     Ok(())
 }
 
-/// What a step from x to x + Δ must fulfil beyond its own equations.
+/// Condition that a step from x to x + Δ must fulfil beyond its own equations.
 pub trait StepCheck: Send {
     /// Replaces the outcome of each lane whose finished step does not fulfil it. Arrays are those of
     /// [`Stepper::increment`].

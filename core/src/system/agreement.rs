@@ -1,4 +1,4 @@
-//! What exact algebra made of formulas, against the formulas themselves.
+//! Agreement of code that exact algebra made of formulas with the formulas themselves.
 //!
 //! Sums expanded in exact algebra are right and may still be useless in doubles: of (q − 1000)⁴ nothing
 //! is left but the round-off of 10¹². And no algebra is trusted blindly. Both show in numbers: code made

@@ -84,12 +84,12 @@ impl SystemBuilder {
         self.convention = convention;
     }
 
-    /// The system.
+    /// Builds the system.
     ///
     /// # Errors
-    /// [`BuildError::NotMade`] for a name or a bracket that is given twice and for a bracket that is
-    /// not of two variables, [`BuildError::Dimension`] where a formula has a variable or a parameter
-    /// that the system does not. A number that is none is refused where its formula is first evaluated.
+    /// [`BuildError::NotMade`] for a name or a bracket that is given twice and for a bracket that is not of two
+    /// variables. A variable or a parameter of a formula that the system does not have gives [`BuildError::Dimension`].
+    /// A number that is none is refused where its formula is first evaluated.
     pub fn build(&self) -> Result<PoissonSystem, BuildError> {
         let refuse = |reason: String| BuildError::NotMade {
             part: "the system",

@@ -1,12 +1,11 @@
 //! H less multiples of Casimirs: energy–Casimir functions.
 //!
-//! H − λC has the field of H for every Casimir C. Its steps differ all the same: in a groupoid a
-//! Casimir turns about the leaves without moving a point of M, and a series that need not follow
-//! that turn has smaller terms. Made from H − |x|²/(2 I₁), order 8 errs about a thousand times less on
-//! the paper's rigid body than made from H, at the same steps (the guide, "Less a Casimir"); over a
-//! log-canonical tensor, where Casimirs translate, nothing changes. Energy–Casimir functions are known
-//! from stability (D. D. Holm, J. E. Marsden, T. Ratiu, A. Weinstein, Physics Reports 123, 1–116
-//! (1985)).
+//! H − λC has the field of H for every Casimir C. Its steps differ all the same. In a groupoid a Casimir turns about
+//! the leaves without moving a point of M. A series that need not follow that turn has smaller terms. On the paper's
+//! rigid body, order 8 made from H − |x|²/(2 I₁) errs about a thousand times less than made from H, at the same steps.
+//! See the guide, "Less a Casimir". Over a log-canonical tensor, where Casimirs translate, nothing changes.
+//! Energy–Casimir functions are known from stability (D. D. Holm, J. E. Marsden, T. Ratiu, A. Weinstein, Physics
+//! Reports 123, 1–116 (1985)).
 
 use leafwise_expression::algebra::{Coefficient, quotient};
 use leafwise_expression::{AlgebraError, Arithmetic, Expression, Graph, Polynomial, Ring, Term};
@@ -41,10 +40,9 @@ pub fn coefficient_sum(system: &SystemFormulas, ring: &Ring, f: &Polynomial) -> 
 }
 
 impl SystemFormulas {
-    /// H − Σ λ_k C_k over the Casimirs C_k one after the other, each λ_k ridding H of a monomial so
-    /// that Σ|c| over the coefficients left is least at the parameters' values; `None` where it is
-    /// least without. The λ_k are functions of the parameters: what is taken away is a Casimir at all
-    /// of their values.
+    /// Energy–Casimir function H − Σ λ_k C_k over the Casimirs C_k, one after the other. Each λ_k rids H of a monomial
+    /// so that Σ|c| over the coefficients left is least at the parameters' values. The result is `None` where it is
+    /// least without. The λ_k are functions of the parameters: what is taken away is a Casimir at all of their values.
     ///
     /// # Errors
     /// [`AlgebraError`] where a formula is outside the exact algebra.

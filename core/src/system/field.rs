@@ -170,7 +170,7 @@ fn inputs(count: usize) -> (Graph, Vec<Term>) {
     (graph, inputs)
 }
 
-/// What is computed of a system of numbers.
+/// Map computed from a system of numbers: its field, its tensor applied to a covector, ∇H, or H with the Casimirs.
 #[derive(Clone, Copy)]
 enum Value {
     Field,

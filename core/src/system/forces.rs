@@ -1,11 +1,11 @@
 //! Forces: one-forms η beside dH, for ẋ = −Π(dH + η).
 //!
 //! Motions stay on the symplectic leaves whatever η is: Casimirs are constant, since Π dC = 0. The energy is not:
-//! dH/dt = −⟨η, ẋ_H⟩ with ẋ_H = −Π dH. Damping is the one-form η = λ g ẋ_H of a rate λ ≥ 0 and a positive semidefinite metric g,
-//! under which dH/dt = −λ ⟨g ẋ_H, ẋ_H⟩ ≤ 0: the double bracket (R. Brockett, *Dynamical systems that sort lists, diagonalize
-//! matrices, and solve linear programming problems*, Linear Algebra and its Applications 146 (1991); A. Bloch,
-//! P. Krishnaprasad, J. Marsden, T. Ratiu, *The Euler–Poincaré equations and double bracket dissipation*, Communications in
-//! Mathematical Physics 175 (1996)).
+//! dH/dt = −⟨η, ẋ_H⟩ with ẋ_H = −Π dH. Damping is the one-form η = λ g ẋ_H of a rate λ ≥ 0 and a positive semidefinite
+//! metric g. Under it dH/dt = −λ ⟨g ẋ_H, ẋ_H⟩ ≤ 0: the double bracket (R. Brockett, *Dynamical systems that sort lists,
+//! diagonalize matrices, and solve linear programming problems*, Linear Algebra and its Applications 146 (1991); A.
+//! Bloch, P. Krishnaprasad, J. Marsden, T. Ratiu, *The Euler–Poincaré equations and double bracket dissipation*,
+//! Communications in Mathematical Physics 175 (1996)).
 
 use leafwise_expression::Expression;
 

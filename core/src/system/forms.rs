@@ -3,10 +3,10 @@
 //! With (dϑ)_ij = ∂_i ϑ_j − ∂_j ϑ_i the motion ẋ = −Π ∇H is that of the action ∫ ϑ·dx − H dt:
 //! dϑ ẋ = ∇H. Of ϑ = p dq it is q' = ∂H/∂p, p' = −∂H/∂q.
 //!
-//! Dirac's bracket of second-class constraints φ_a, with C_ab = {φ_a, φ_b}, is
-//! {f, g} − Σ {f, φ_a} (C⁻¹)_ab {φ_b, g}; it satisfies Jacobi's identity where {·,·} does, and every φ_a is a
-//! Casimir of it (P. A. M. Dirac, *Lectures on Quantum Mechanics*, Yeshiva University, 1964, lecture 1; J. E.
-//! Marsden, T. S. Ratiu, *Introduction to Mechanics and Symmetry*, second edition, section 8.5).
+//! Dirac's bracket of second-class constraints φ_a, with C_ab = {φ_a, φ_b}, is {f, g} − Σ {f, φ_a} (C⁻¹)_ab {φ_b, g}.
+//! It satisfies Jacobi's identity where {·,·} does, and every φ_a is a Casimir of it (P. A. M. Dirac, *Lectures on
+//! Quantum Mechanics*, Yeshiva University, 1964, lecture 1; J. E. Marsden, T. S. Ratiu, *Introduction to Mechanics and
+//! Symmetry*, second edition, section 8.5).
 //!
 //! Inverses are adjugates over Pfaffians (`pfaffian`), formed twice: in the exact ring, which tells
 //! what vanishes and where quotients end, and as code, which expands nothing. The shorter one is taken.
@@ -95,7 +95,7 @@ const MOST_PRODUCTS: u64 = 1 << 22;
 /// Differences within so many bounds are round-off.
 const WITHIN: f64 = 4.0;
 
-/// What a Pfaffian is called where a step crosses its zero.
+/// Name of a Pfaffian in messages, where a step crosses its zero.
 const OF_FORM: &str = "the Pfaffian of the two-form";
 const OF_CONSTRAINTS: &str = "the Pfaffian of the constraints' brackets";
 
@@ -205,8 +205,8 @@ impl SystemFormulas {
         Ok(self.with_tensor(tensor, source).with_names(named))
     }
 
-    /// Code or elements of the ring for the same entries: those that the ring knows to be 0 are left out, and
-    /// the ring's are taken where they are shorter and no less accurate.
+    /// Shorter form of the same entries, code or elements of the ring. Those that the ring knows to be 0 are left out.
+    /// The ring's elements are taken where they are shorter and no less accurate.
     fn shorter(
         &self,
         graph: &mut Graph,

@@ -9,7 +9,7 @@ use super::observables;
 use super::{Casimir, Convention, Parameter};
 use crate::error::BuildError;
 
-/// What a tensor is made of, and with it whether it is Poisson.
+/// Source of a tensor, which tells whether it is Poisson: entries, a one-form, a two-form, constraints or a direct sum.
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
 pub enum TensorSource {
@@ -53,12 +53,12 @@ pub struct SystemFormulas {
 }
 
 impl SystemFormulas {
-    /// A system over named variables; `bracket` holds {x_i, x_j} for i < j as its author wrote
-    /// them under `convention`, absent entries being zero.
+    /// System over named variables. The entries of `bracket` are {x_i, x_j} for i < j as its author wrote them under
+    /// `convention`. Absent ones are zero.
     ///
     /// # Errors
-    /// [`BuildError::Dimension`] when an entry names a variable that does not exist or is not above
-    /// the diagonal, or a formula uses an index out of range.
+    /// [`BuildError::Dimension`] when an entry names a variable that does not exist or is not above the diagonal. A
+    /// formula that uses an index out of range gives the same error.
     pub fn new(
         variables: Vec<String>,
         parameters: Vec<Parameter>,
@@ -117,7 +117,8 @@ impl SystemFormulas {
     /// The same system with these forces: ẋ = −Π(dH + η) in place of ẋ = {H, x}.
     ///
     /// # Errors
-    /// [`BuildError::Dimension`] unless there are d of them and the metric is d×d, and where one uses an index out of range.
+    /// [`BuildError::Dimension`] for another number of them than d or 0. A metric that is not d×d or an index out of
+    /// range gives the same error.
     pub fn with_forces(&self, forces: Forces) -> Result<Self, BuildError> {
         forces.check(self.dimension())?;
         let system = Self {
@@ -133,8 +134,8 @@ impl SystemFormulas {
         &self.forces
     }
 
-    /// The same system with the state about which it is going to move: where what is made of its
-    /// formulas is compared with them.
+    /// The same system with the state about which it is going to move. There the code made of its formulas is compared
+    /// with them.
     ///
     /// # Errors
     /// [`BuildError::Dimension`] unless there is a number for each variable.
@@ -170,8 +171,8 @@ impl SystemFormulas {
         }
     }
 
-    /// The same system with the tensors of these summands, each of the coordinates beside it, on which no entry of this one
-    /// depends: with their Casimirs and names.
+    /// The same system with the tensors of these summands, and with their Casimirs and names. Each summand is over the
+    /// coordinates beside it. No entry of this system's own tensor may depend on those.
     ///
     /// # Panics
     /// When a summand has another number of coordinates than stand beside it.
@@ -225,7 +226,7 @@ impl SystemFormulas {
         &self.names
     }
 
-    /// What the tensor is made of.
+    /// Source of the tensor: entries, a form, constraints or a direct sum.
     pub fn source(&self) -> &TensorSource {
         &self.source
     }
@@ -416,7 +417,7 @@ impl SystemFormulas {
         Ok(self.with_forces_added(graph, x, gradient)?)
     }
 
-    /// The field ẋ = −Π(x)(dH + η)(x) as code, X_H where there are no forces; `x` are the graph's first inputs.
+    /// Field ẋ = −Π(x)(dH + η)(x) as code, X_H where there are no forces. The terms `x` are the graph's first inputs.
     ///
     /// # Errors
     /// [`BuildError::Algebra`] where a formula or its derivative has no code.

@@ -27,10 +27,12 @@ pub struct MotionSeries {
 }
 
 impl SystemFormulas {
-    /// The motion's series to order p; the field as written or expanded in exact algebra, whichever has the shorter jet.
+    /// Taylor series of the motion to order p. The field is taken as written or expanded in exact algebra, whichever
+    /// has the shorter jet.
     ///
     /// # Errors
-    /// [`BuildError::Algebra`] where a formula or a derivative has no code, or the jet is longer than a kernel.
+    /// [`BuildError::Algebra`] where a formula or a derivative has no code. A jet longer than a kernel gives the same
+    /// error.
     pub fn motion_series(&self, order: usize) -> Result<MotionSeries, BuildError> {
         let mut graph = Graph::compilable();
         let x: Vec<Term> = (0..self.dimension()).map(|i| graph.input(i)).collect();

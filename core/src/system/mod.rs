@@ -1,6 +1,6 @@
 //! Poisson systems: tensor, Hamiltonian, Casimirs, parameters, sign convention.
 //!
-//! - [`agreement`]: what exact algebra made of formulas, against the formulas.
+//! - [`agreement`]: code that exact algebra made of formulas, against the formulas.
 //! - [`builder`]: systems written in Rust.
 //! - [`formulas`]: systems given by expressions, from which everything can be derived.
 //! - [`numbers`]: systems that only compute values, such as those of a loaded library.
@@ -247,7 +247,8 @@ impl PoissonSystem {
         Ok(())
     }
 
-    /// Values of Π, H, ∇H and the Casimirs, forces left out: the system's own, or kernels compiled from its formulas.
+    /// Values of Π, H, ∇H and the Casimirs, forces left out. They are the system's own, or those of kernels compiled
+    /// from its formulas.
     ///
     /// # Errors
     /// [`BuildError::Algebra`] where a formula or its derivative has no code.
@@ -258,11 +259,10 @@ impl PoissonSystem {
         }
     }
 
-    /// The same system with its formulas forgotten: what a library that computes the same values
-    /// would offer.
+    /// The same system with its formulas forgotten, as a library that computes the same values would offer it.
     ///
     /// # Errors
-    /// Those of [`numbers`](Self::numbers), and [`BuildError::Forces`] where there are forces, which have no numbers.
+    /// Those of [`numbers`](Self::numbers). Forces have no numbers and give [`BuildError::Forces`].
     pub fn without_formulas(&self, name: impl Into<String>) -> Result<Self, BuildError> {
         self.without_forces("a system of numbers")?;
         let casimirs = self

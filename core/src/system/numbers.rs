@@ -6,7 +6,7 @@ use super::Parameter;
 use crate::error::{BuildError, StepError};
 use crate::part::{PartKind, linked};
 
-/// What of this program serves a system of numbers, for refusals of what does not.
+/// Parts of this program that serve a system of numbers, in words, for refusals of those that do not.
 pub fn serves_numbers() -> String {
     let all = |kind: PartKind| -> Vec<String> {
         let mut serving: Vec<(u32, String)> = linked()
@@ -36,7 +36,7 @@ pub fn serves_numbers() -> String {
 /// A Poisson system known by its values: (M ≅ ℝᵈ, π, H) as functions to call.
 #[derive(Clone, Debug)]
 pub struct OpaqueSystem {
-    /// What messages call it: the id of the part that offers it.
+    /// Name in messages: the id of the part that offers it.
     pub name: String,
     /// The variables' names; as many as M has dimensions.
     pub variables: Vec<String>,

@@ -13,11 +13,11 @@ impl SystemFormulas {
         system
     }
 
-    /// ẋ = −Π(dH + η + dN): H + N in place of H, and damping that is of H all the same.
+    /// The same system with H + N in place of H: ẋ = −Π(dH + η + dN). Damping is of H all the same.
     ///
     /// # Errors
-    /// [`BuildError::Dimension`] where N uses an index out of range, [`BuildError::Algebra`] where beside forces it has no
-    /// derivative.
+    /// [`BuildError::Dimension`] where N uses an index out of range. Beside forces, an N without a derivative gives
+    /// [`BuildError::Algebra`].
     pub fn with_perturbation(&self, n: Expression) -> Result<Self, BuildError> {
         if self.forces().is_empty() {
             return self.with_hamiltonian(Expression::Sum(vec![self.hamiltonian().clone(), n]));

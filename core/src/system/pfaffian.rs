@@ -24,11 +24,11 @@ pub(super) struct Inverse<E> {
 const MOST_MINORS: usize = 1 << 16;
 
 impl<E: Clone> Antisymmetric<E> {
-    /// The inverse by Pfaffian minors, P_ij = (−1)^(i+j) Pf(A without i, j) for i < j; `None` where the Pfaffian
-    /// is recognized as 0, as it is for an odd size.
+    /// Inverse by Pfaffian minors, P_ij = (−1)^(i+j) Pf(A without i, j) for i < j. It is `None` where the Pfaffian is
+    /// recognized as 0, as it is for an odd size.
     ///
     /// # Errors
-    /// [`AlgebraError::ExpansionTooLong`] past 2¹⁶ minors, and the limit that the algebra has reached.
+    /// [`AlgebraError::ExpansionTooLong`] past 2¹⁶ minors. A limit that the algebra has reached is its error too.
     pub fn inverse<A: Arithmetic<Element = E>>(
         &self,
         algebra: &mut A,

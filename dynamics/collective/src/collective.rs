@@ -191,9 +191,9 @@ impl DynamicApproximation for Collective {
     }
 
     /// The adjoint is the image of σ(M) under the integrator of H∘β̂, in general another bisection.
-    /// The corrected implicit midpoint rule is self-adjoint over realizations with p·α̂(x, p) = p·x,
-    /// Karasev's and its truncations, where it is the Hamilton–Jacobi method of order 2; over others
-    /// that is not known.
+    /// The corrected implicit midpoint rule is self-adjoint over realizations with p·α̂(x, p) = p·x: Karasev's and its
+    /// truncations. There it is the Hamilton–Jacobi method of order 2. Over other realizations it is not known whether
+    /// the rule is self-adjoint.
     fn self_adjoint(&self) -> Option<bool> {
         let midpoint = matches!(
             self.integrator,

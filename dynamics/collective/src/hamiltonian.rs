@@ -5,8 +5,9 @@ use leafwise_core::runge_kutta::SmoothMap;
 use leafwise_core::{BuildError, SystemFormulas};
 use leafwise_expression::{Arithmetic, Graph, Rational, StepSize, Term};
 
-/// (x, p) ↦ (−∂K/∂p, ∂K/∂x) for K = H∘α̂_ε∘χ on T*M with ω = dp_i ∧ dxⁱ: ḟ = {K, f} with
-/// {xⁱ, p_j} = δ_ij (paper, section 2). χ is the identity where `chart` is `None`.
+/// (x, p) ↦ (−∂K/∂p, ∂K/∂x) for K = H∘α̂_ε∘χ on T*M with ω = dp_i ∧ dxⁱ: the Hamiltonian vector
+/// field of K. Functions move as ḟ = {K, f} with {xⁱ, p_j} = δ_ij (paper, section 2). The map χ is
+/// the identity where `chart` is `None`.
 ///
 /// # Errors
 /// [`BuildError::Algebra`] where a formula or a derivative has no code.

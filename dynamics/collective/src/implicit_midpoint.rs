@@ -2,8 +2,8 @@
 
 use leafwise_core::runge_kutta::{PartitionedTableau, Tableau};
 
-/// z⁺ = z + h F((z + z⁺)/2), of order 2: one stage with c = ½, b = 1, a = ½ (Hairer, Lubich,
-/// Wanner, *Geometric Numerical Integration*, section II.1).
+/// z⁺ = z + h F((z + z⁺)/2): the implicit midpoint rule, of order 2. Its one stage has c = ½,
+/// b = 1, a = ½ (Hairer, Lubich, Wanner, *Geometric Numerical Integration*, section II.1).
 pub fn implicit_midpoint() -> PartitionedTableau {
     Tableau {
         nodes: vec![0.5],

@@ -7,8 +7,8 @@ use leafwise_core::{ChartMaps, Ends, RealizationEvaluator, RealizationMaps, Step
 /// (x, p) ↦ (−∂K/∂p, ∂K/∂x) for K = H∘α̂_ε∘χ, from ∇K = (Dα̂ Dχ)ᵀ ∇H; `space` is the number of
 /// coordinates of a point of S.
 ///
-/// Its Jacobian, where `has_jacobian`, is J D²K with D²K = (Dα̂)ᵀ D²H Dα̂ + D²(λ·α̂), λ = ∇H: for points
-/// that are pairs (x, p) and parts that offer both second derivatives.
+/// Its Jacobian, where `has_jacobian`, is J D²K with D²K = (Dα̂)ᵀ D²H Dα̂ + D²(λ·α̂), λ = ∇H. Such a Jacobian needs
+/// points that are pairs (x, p) and parts that offer both second derivatives.
 pub fn collective_numbers(
     gradient: SmoothMap,
     maps: RealizationMaps,

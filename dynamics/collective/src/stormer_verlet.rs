@@ -2,8 +2,10 @@
 
 use leafwise_core::runge_kutta::{PartitionedTableau, Tableau};
 
-/// Störmer–Verlet as the partitioned pair Lobatto IIIA–IIIB of two stages, of order 2 (Hairer,
-/// Lubich, Wanner, *Geometric Numerical Integration*, table II.2.1), for d positions:
+/// Störmer–Verlet, of order 2, as the partitioned pair Lobatto IIIA–IIIB of two stages (Hairer,
+/// Lubich, Wanner, *Geometric Numerical Integration*, table II.2.1).
+///
+/// For d positions:
 ///
 /// p₁ᵢ₂ = p + (h/2) K_x(x, p₁ᵢ₂), x⁺ = x − (h/2)(K_p(x, p₁ᵢ₂) + K_p(x⁺, p₁ᵢ₂)),
 /// p⁺ = p₁ᵢ₂ + (h/2) K_x(x⁺, p₁ᵢ₂).

@@ -101,11 +101,11 @@ pub const SOFRONIOU_SPALETTA_10: [f64; 18] = [
     0.049_317_735_759_594_535,
 ];
 
-/// S. Blanes, P. C. Moan, Journal of Computational and Applied Mathematics 142, 313–330 (2002), table 2, S₆:
-/// splittings in two pieces over a_i and b_i, of which α_1 = a_1, α_2 = b_1 − α_1, α_3 = a_2 − α_2, … make compositions
-/// of the same order over any number of pieces (R. I. McLachlan, SIAM Journal on Scientific Computing 16,
-/// 151–168 (1995)). The printed 15 digits were continued by Newton's method on the order conditions to the nearest
-/// solution, 8e-17 away.
+/// Compositions from the splittings S₆ in two pieces over a_i and b_i: S. Blanes, P. C. Moan, Journal of Computational
+/// and Applied Mathematics 142, 313–330 (2002), table 2. With α_1 = a_1, α_2 = b_1 − α_1, α_3 = a_2 − α_2, … they have
+/// the same order over any number of pieces. The source of this is R. I. McLachlan, SIAM Journal on Scientific
+/// Computing 16, 151–168 (1995). The printed 15 digits were continued by Newton's method on the order conditions to
+/// the nearest solution, 8e-17 away.
 pub const BLANES_MOAN_4: [f64; 6] = [
     0.079_203_696_431_195_67,
     0.130_311_410_182_166_38,
@@ -129,9 +129,10 @@ pub const BLANES_MOAN_6: [f64; 10] = [
     -0.362_762_779_254_345_97,
 ];
 
-/// S. Blanes, P. C. Moan (2002), table 3, SRKN₆ᵇ, over the flows of V and T in turn, V first, as α_1 = b_1, α_2 = a_1 − α_1, …:
-/// of order 4 where {V, {V, {V, T}}} = 0. The printed 15 digits were continued by Newton's method on the order conditions
-/// in words over V and T modulo that bracket, to the nearest solution, 3e-16 away.
+/// Compositions from the splitting SRKN₆ᵇ, over the flows of V and T in turn, V first: S. Blanes, P. C. Moan (2002),
+/// table 3. The coefficients are α_1 = b_1, α_2 = a_1 − α_1, …; the order is 4 where {V, {V, {V, T}}} = 0. The printed
+/// 15 digits were continued by Newton's method on the order conditions in words over V and T modulo that bracket. The
+/// nearest solution is 3e-16 away.
 pub const NYSTROM_4: [f64; 6] = [
     0.082_984_406_417_405_16,
     0.162_314_550_766_866_16,
@@ -174,9 +175,9 @@ pub const NYSTROM_6_LONG: [f64; 14] = [
     0.103_652_534_528_446_97,
 ];
 
-/// α_1 = c_1, α_2 = d_1 − c_1, α_3 = c_2 − α_2, α_4 = d_2 − α_3 of Gauss's nodes c_1, c_1 + c_2, … and weights d_1, d_2, … on
-/// [0, 1]: R. I. McLachlan, BIT 35, 258–268 (1995); J. Laskar, P. Robutel, Celestial Mechanics and Dynamical Astronomy
-/// 80, 39–62 (2001), SABA₄.
+/// α_1 = c_1, α_2 = d_1 − c_1, α_3 = c_2 − α_2, α_4 = d_2 − α_3 from Gauss's quadrature on [0, 1]. Its nodes are c_1,
+/// c_1 + c_2, … and its weights d_1, d_2, …. Sources are R. I. McLachlan, BIT 35, 258–268 (1995); J. Laskar, P.
+/// Robutel, Celestial Mechanics and Dynamical Astronomy 80, 39–62 (2001), SABA₄.
 pub const PERTURBED_8_2: [f64; 4] = [
     0.069_431_844_202_973_71,
     0.104_495_578_365_753_21,
@@ -184,9 +185,10 @@ pub const PERTURBED_8_2: [f64; 4] = [
     0.169_990_521_792_428_13,
 ];
 
-/// S. Blanes, F. Casas, A. Farrés, J. Laskar, J. Makazaga, A. Murua, Applied Numerical Mathematics 68, 58–72 (2013), ABA(10,4)
-/// with the flow of A first, as α_1 = a_1, α_2 = b_1 − α_1, …. The printed digits were continued by Newton's method on the
-/// order conditions in words over A and B, with one B up to grade 10 and two or more up to grade 4, 4e-17 away.
+/// S. Blanes, F. Casas, A. Farrés, J. Laskar, J. Makazaga, A. Murua, Applied Numerical Mathematics 68, 58–72 (2013),
+/// ABA(10,4) with the flow of A first, as α_1 = a_1, α_2 = b_1 − α_1, …. The printed digits were continued by Newton's
+/// method on the order conditions in words over A and B. These take one B up to grade 10 and two or more up to grade
+/// 4; the solution is 4e-17 away.
 pub const PERTURBED_10_4: [f64; 7] = [
     0.047_067_100_645_972_505,
     0.071_814_816_722_224_52,

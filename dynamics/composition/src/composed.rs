@@ -8,8 +8,8 @@ use leafwise_expression::Kernel;
 
 use crate::scheme::Scheme;
 
-/// Ψ_h = Φ_{γ_s h} ∘ … ∘ Φ_{γ_1 h}, or χ*_{α_{2s} h} ∘ χ_{α_{2s−1} h} ∘ … ∘ χ*_{α_2 h} ∘ χ_{α_1 h} (Hairer, Lubich, Wanner,
-/// *Geometric Numerical Integration*, sections II.4 and V.3).
+/// Ψ_h = Φ_{γ_s h} ∘ … ∘ Φ_{γ_1 h}, or χ*_{α_{2s} h} ∘ χ_{α_{2s−1} h} ∘ … ∘ χ*_{α_2 h} ∘ χ_{α_1 h}. The source is
+/// Hairer, Lubich, Wanner, *Geometric Numerical Integration*, sections II.4 and V.3.
 #[derive(Clone)]
 pub struct Composed {
     base: Arc<dyn StepMap>,
@@ -20,9 +20,9 @@ impl Composed {
     /// The composition of `base`.
     ///
     /// # Errors
-    /// [`BuildError::NotComposable`] when `base` does not declare itself self-adjoint,
-    /// [`BuildError::NoFactors`] when the scheme takes its factors and it offers none,
-    /// [`BuildError::Pieces`] when these are not those that the scheme was solved for.
+    /// Fails with [`BuildError::NotComposable`] when `base` does not declare itself self-adjoint. Fails with
+    /// [`BuildError::NoFactors`] when the scheme takes factors and `base` offers none. Fails with
+    /// [`BuildError::Pieces`] when the pieces of `base` are not those that the scheme was solved for.
     pub fn new(base: Arc<dyn StepMap>, scheme: Scheme) -> Result<Self, BuildError> {
         if scheme.takes_factors() && base.factors().is_none() {
             return Err(BuildError::NoFactors {
@@ -53,7 +53,8 @@ impl Composed {
         self.scheme
     }
 
-    /// What is applied one after the other, each over its part of the step.
+    /// Stages of a step in order: maps, each with its part of the step. They are Φ with the γ_i, or χ and χ* in turn
+    /// with the α_i.
     fn stages(&self) -> Vec<(Arc<dyn StepMap>, f64)> {
         let factors = self.base.factors().filter(|_| self.scheme.takes_factors());
         let coefficients = self.scheme.coefficients().into_iter().enumerate();

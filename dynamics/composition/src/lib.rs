@@ -1,11 +1,11 @@
 //! Symmetric compositions of self-adjoint step maps, and of a map and its adjoint.
 //!
-//! Ψ_h = Φ_{γ_s h} ∘ … ∘ Φ_{γ_1 h} with γ_i = γ_{s+1−i} and Σγ_i = 1 is self-adjoint when Φ is, is
-//! a Poisson map when Φ is, and has the order that the γ_i were solved for (Hairer, Lubich, Wanner,
-//! *Geometric Numerical Integration*, section V.3).
+//! The composition Ψ_h = Φ_{γ_s h} ∘ … ∘ Φ_{γ_1 h} with γ_i = γ_{s+1−i} and Σγ_i = 1 is self-adjoint when Φ is. It is
+//! a Poisson map when Φ is, and has the order that the γ_i were solved for (Hairer, Lubich, Wanner, *Geometric
+//! Numerical Integration*, section V.3).
 //!
-//! χ*_{α_{2s} h} ∘ χ_{α_{2s−1} h} ∘ … ∘ χ_{α_1 h} with α_i = α_{2s+1−i} is so whatever χ is: more freedom for smaller
-//! errors where a step comes apart as χ*_{h/2} ∘ χ_{h/2}.
+//! With α_i = α_{2s+1−i} the composition χ*_{α_{2s} h} ∘ χ_{α_{2s−1} h} ∘ … ∘ χ_{α_1 h} is self-adjoint whatever χ is.
+//! This leaves more freedom for smaller errors where a step comes apart as χ*_{h/2} ∘ χ_{h/2}.
 //!
 //! - [`coefficients`]: the γ_i or α_i of each scheme, with their sources.
 //! - [`scheme`]: a scheme: its order, its coefficients, what it declares.

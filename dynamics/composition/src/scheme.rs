@@ -9,15 +9,15 @@ pub enum Coefficients {
     /// Φ_{γ_s h} ∘ … ∘ Φ_{γ_1 h} over any self-adjoint map, γ_i = γ_{s+1−i} and Σγ_i = 1:
     /// γ_1, …, γ_{(s+1)/2}, the centre last.
     Stages(&'static [f64]),
-    /// χ*_{α_{2s} h} ∘ χ_{α_{2s−1} h} ∘ … ∘ χ*_{α_2 h} ∘ χ_{α_1 h} over a map of order 1 and its adjoint,
-    /// α_i = α_{2s+1−i} and Σα_i = 1: α_1, …, α_s.
+    /// χ*_{α_{2s} h} ∘ χ_{α_{2s−1} h} ∘ … ∘ χ*_{α_2 h} ∘ χ_{α_1 h} over a map of order 1 and its adjoint. The numbers
+    /// are α_1, …, α_s, where α_i = α_{2s+1−i} and Σα_i = 1.
     Factors(&'static [f64]),
 }
 
 /// A symmetric composition of an even order P.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scheme {
-    /// What its part declares.
+    /// Name, claims, domain and literature of the scheme's part.
     pub info: &'static PartInfo,
     /// P, over a base of order 2.
     pub order: usize,
@@ -65,11 +65,10 @@ impl Scheme {
 
     /// A lower bound of the order over a base of order `base`.
     ///
-    /// A self-adjoint base is exp(hY_1 + h^{p+1}Y_{p+1} + …) with odd grades alone. The order conditions of
-    /// grade up to P hold whatever the Y_k are, so the order is at least P; where p is larger, the
-    /// base is exp(hY_1) up to h^p, and Σγ_i = 1 keeps that: max(P, p). Those over χ and χ* hold whatever χ is,
-    /// and say nothing of what p > P would bring. A base of order 0 is not consistent, and no composition
-    /// of it is.
+    /// A self-adjoint base is exp(hY_1 + h^{p+1}Y_{p+1} + …) with odd grades alone. The order conditions of grade up
+    /// to P hold whatever the Y_k are, so the order is at least P. Where p is larger, the base is exp(hY_1) up to h^p,
+    /// and Σγ_i = 1 keeps that. The bound is max(P, p). Order conditions over χ and χ* hold whatever χ is, and say
+    /// nothing of what p > P would bring. A base of order 0 is not consistent, and no composition of it is.
     pub fn order_over(&self, base: usize) -> usize {
         match (base, self.half) {
             (0, _) => 0,

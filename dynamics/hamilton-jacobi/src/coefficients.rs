@@ -149,11 +149,11 @@ fn energy<A: DifferentialAlgebra>(
     Ok((vec![s], vec![gradient]))
 }
 
-/// What h² dS_{l+2} is of dS_l at most, at steps that a series serves: about θ²/24 where a step turns by θ.
+/// Largest ratio of h² dS_{l+2} to dS_l at steps that a series serves: about θ²/24 where a step turns by θ.
 const NEXT_ORDER: f64 = 1.0 / 16.0;
 
-/// Whether the expanded dS_l have the values of those of the code at points about the system's state, and
-/// round as well: one that cancels, such as that of a power of q − 1000, is right and of no use.
+/// Whether the expanded dS_l have the values of those of the code at points about the system's state, and round as
+/// well. An expansion that cancels, such as that of a power of q − 1000, is right and of no use.
 ///
 /// # Errors
 /// [`BuildError::Algebra`] where an adjoined function has no code.
@@ -174,8 +174,8 @@ pub fn agrees(
     Ok(system.agreement_of_parts(&graph, &made, &expected, share) == Agreement::Same)
 }
 
-/// Every S_l up to `last`, the even ones too: the identity S_{2j} = 0 (Proposition 1) holds for
-/// any chart with inv(x, p) = (x, −p) and tests the whole chain.
+/// Every S_l up to `last`, the even ones too. The identity S_{2j} = 0 (Proposition 1) holds for any chart with
+/// inv(x, p) = (x, −p) and tests the whole chain.
 ///
 /// # Errors
 /// Those of [`generating_function`].

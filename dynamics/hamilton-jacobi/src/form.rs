@@ -1,8 +1,9 @@
 //! Ŝ in the form that makes the shorter kernel: expanded, or as code.
 //!
-//! Expanded sums cancel, most of all over linear tensors (rigid body, m = 8: 98 operations for dŜ,
-//! 1869 as code); products of many generators multiply (point vortices, m = 4: 45 026 expanded, 445
-//! as code). Where expanded sums cancel in numbers, or differ from the formulas, it is code.
+//! Expanded sums cancel, most of all over linear tensors: dŜ of the rigid body at m = 8 has 98
+//! operations, and 1869 as code. Products of many generators multiply: dŜ of point vortices at
+//! m = 4 has 45 026 operations expanded, and 445 as code. Where expanded sums cancel in numbers, or
+//! differ from the formulas, it is code.
 
 use leafwise_core::dynamics::{Generating, GeneratingFunction};
 use leafwise_core::realization::SourceSeries;

@@ -19,11 +19,11 @@ pub struct GraphOfEnergy {
 }
 
 impl GraphOfEnergy {
-    /// The bisection over a realization; `dynamics` is what messages call the approximation.
+    /// The bisection over a realization. Messages call the approximation `dynamics`.
     ///
     /// # Errors
-    /// [`BuildError::Incompatible`] when the realization has no chart about its section, or one in
-    /// which β̂(x, p) is not α̂(x, −p).
+    /// Fails with [`BuildError::Incompatible`] when the realization has no chart about its section.
+    /// Fails with it, too, when β̂(x, p) is not α̂(x, −p) in that chart.
     pub fn new(
         system: &PoissonSystem,
         realization: &Arc<dyn RealizationData>,

@@ -1,9 +1,9 @@
 //! Graphs of one-forms that need not be closed: maps along symplectic leaves.
 //!
-//! For realization data (S, ω, α, β, σ) with a chart about σ, the points α(y, ξ) and β(y, ξ) lie on one symplectic leaf whatever
-//! the covector ξ is. Hence every one-form ξ(y) that is small gives a map β(y, ξ(y)) ↦ α(y, ξ(y)) along leaves, which keeps all
-//! Casimirs; it is Poisson where ξ is closed (paper, section 2). With ξ = h (dH + η) and β(x, p) = α(x, −p) the map is its own adjoint
-//! and of order 2 for ẋ = −Π(dH + η), the motion under forces η.
+//! For realization data (S, ω, α, β, σ) with a chart about σ, the points α(y, ξ) and β(y, ξ) lie on one symplectic
+//! leaf whatever the covector ξ is. Hence every small one-form ξ(y) gives a map β(y, ξ(y)) ↦ α(y, ξ(y)) along leaves,
+//! which keeps all Casimirs. The map is Poisson where ξ is closed (paper, section 2). With ξ = h (dH + η) and
+//! β(x, p) = α(x, −p) it is its own adjoint. Its order is then 2 for ẋ = −Π(dH + η), the motion under forces η.
 
 use std::sync::Arc;
 

@@ -41,8 +41,9 @@ const SHRINK: f64 = 1.0 / 3.0;
 const GROW: f64 = 6.0;
 const SAFETY: f64 = 0.9;
 
-/// The first substep is a hundredth of the shortest time in which a coordinate changes by its own size, but no less than
-/// this part of the step: a coordinate may be small by chance.
+/// First substep: a hundredth of the time in which a coordinate changes by its own size, as geometric mean over
+/// coordinates. A coordinate counts for no less than `LEAST_FIRST` of the step, for it may be small by chance, and for
+/// no more than all of it.
 const FIRST: f64 = 0.01;
 const LEAST_FIRST: f64 = 1e-4;
 
@@ -67,7 +68,8 @@ struct AdaptivePair {
     parameters: Vec<f64>,
     /// Bounds on the rounding errors of the field at the state, once substeps are refused again and again.
     bounds: Option<Vec<f64>>,
-    /// What is not looked at, from then on to the end of a step that did not need it.
+    /// Errors of coordinates below which nothing is looked at. They are formed after stubborn refusals, and stand
+    /// until the end of a step that did not need them.
     floors: Floors,
     /// Whether a coordinate's error in the last substep was allowed for its floor alone.
     needs_floors: bool,
@@ -210,8 +212,9 @@ impl AdaptivePair {
         tau.abs() * first / libm::sqrt((first + 0.01 * second) * count)
     }
 
-    /// Forms the bounds on the field's rounding errors at the state and at stages of a substep of size `tau`, which the
-    /// errors of slopes have moved: each coordinate in turn, the one that reads another after it.
+    /// Forms bounds on the field's rounding errors at the state and at the stages of a substep of size `tau`. The
+    /// stages are moved by the errors of slopes: bounds grow, sweep by sweep, from each coordinate to those that read
+    /// it.
     fn bound(&mut self, tau: f64) {
         let most = match self.allowed.has_floors() {
             true => self.state.len(),

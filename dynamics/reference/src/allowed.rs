@@ -1,4 +1,4 @@
-//! What the error of a coordinate may be in a substep.
+//! Errors that coordinates may have in a substep, from a tolerance.
 
 use leafwise_core::PoissonSystem;
 use leafwise_core::solver::kept_signs;
@@ -10,11 +10,14 @@ const MOST_OF_THEIR_OWN: usize = 64;
 
 /// δ times the size of each coordinate, but no less than 32 digits below what it comes to.
 ///
-/// A coordinate at rest that begins to move as a high power of the time is as large as what a method leaves out of it:
-/// no tolerance relative to itself can be met. Once it is not met, what the coordinate comes to is told by the field
-/// ([`Floors`]). Where there are no bounds on the field's rounding errors, of systems of numbers, and in systems of more
-/// than 64 coordinates it is the largest coordinate at once, in whatever units. A coordinate x_i whose sign the tensor keeps
-/// ([`kept_signs`]) is 0 always or never, and its own size is all that counts: species that nearly die out come back.
+/// A coordinate at rest that begins to move as a high power of the time is as large as what a method leaves out of it.
+/// No tolerance relative to itself can be met there. Once the tolerance is not met, the field tells how large the
+/// coordinate becomes ([`Floors`]).
+///
+/// The largest coordinate takes the place of that size in two kinds of systems, at once and in whatever units. These
+/// are systems of numbers, which have no bounds on the field's rounding errors, and systems of more than 64
+/// coordinates. A coordinate x_i whose sign the tensor keeps ([`kept_signs`]) is 0 always or never. Its own size is
+/// all that counts: species that nearly die out come back.
 #[derive(Clone, Debug)]
 pub(crate) struct Allowed {
     /// δ.

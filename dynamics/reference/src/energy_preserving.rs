@@ -43,9 +43,9 @@ static INFO: PartInfo = PartInfo {
 /// Nodes of the averages: exact to degree 31.
 const QUADRATURE: usize = 16;
 
-/// U(τ) = x + t Σ_j K_j ∫₀^τ ℓ_j with K_i = −Π(U(c_i)) ∫₀¹ ℓ_i(τ)/b_i ∇H(U(τ)) dτ and
-/// x⁺ = U(1), for Gauss nodes c_i: the energy changes by
-/// t Σ b_i W_i·K_i = −t Σ b_i W_iᵀ Π(U(c_i)) W_i = 0.
+/// U(τ) = x + t Σ_j K_j ∫₀^τ ℓ_j and x⁺ = U(1), for Gauss nodes c_i: the stages of an
+/// energy-preserving step. With W_i = ∫₀¹ ℓ_i(τ)/b_i ∇H(U(τ)) dτ the slopes are
+/// K_i = −Π(U(c_i)) W_i. The energy changes by t Σ b_i W_i·K_i = −t Σ b_i W_iᵀ Π(U(c_i)) W_i = 0.
 struct AveragedStages {
     /// (u, w) ↦ −Π(u) w and x ↦ ∇H(x).
     tensor: SmoothMapEvaluator,

@@ -2,7 +2,7 @@
 
 use leafwise_core::system::FieldRounding;
 
-/// What is below this part of a coordinate's size is not looked at: 2⁻¹⁰⁴.
+/// 2⁻¹⁰⁴: errors below this part of a coordinate's size are not looked at.
 pub(crate) const LEAST_PART: f64 = f64::EPSILON * f64::EPSILON;
 
 /// The part of a time by which a state is moved along its slope, to see what is driven by a coordinate that passes 0.
@@ -14,10 +14,10 @@ const MOST_TIMES: usize = 16;
 
 /// The sizes that coordinates come to within a time τ, those at rest too.
 ///
-/// u_i is |x_i| or τ|ẋ_i|, whichever is larger, or what others bring it to: u_i ← max(u_i, τ b_i), where ε b_i bounds the
-/// rounding error of ẋ_i at coordinates that are known up to ε u_j, until no size is doubled. That is about τᵐ of a coordinate
-/// that begins as tᵐ, whatever the units of coordinates, time and energy. Where sizes grow on and on, τ is longer than the
-/// motion's own times, and is shortened.
+/// Each size u_i begins as |x_i| or τ|ẋ_i|, whichever is larger. Others may bring it to more: u_i ← max(u_i, τ b_i)
+/// until no size is doubled. Here ε b_i bounds the rounding error of ẋ_i at coordinates that are known up to ε u_j.
+/// The result is about τᵐ for a coordinate that begins as tᵐ, whatever the units of coordinates, time and energy.
+/// Where sizes grow on and on, τ is longer than the motion's own times, and is shortened.
 #[derive(Clone, Debug)]
 pub(crate) struct Floors {
     /// τ, 0 while there are no floors; what is kept of them with a state.
@@ -41,7 +41,7 @@ impl Floors {
         }
     }
 
-    /// What is not looked at of x_i.
+    /// Error of x_i below which nothing is looked at: 2⁻¹⁰⁴ of its size.
     #[inline(always)]
     pub(crate) fn least(&self, i: usize) -> f64 {
         LEAST_PART * self.sizes[i]

@@ -1,4 +1,4 @@
-//! What the implicit Runge–Kutta methods share.
+//! Implicit Runge–Kutta methods: the evaluator that they share, and the Gauss methods as step maps.
 
 use std::sync::Arc;
 
@@ -52,13 +52,13 @@ impl Trajectories for ImplicitRungeKutta {
     }
 }
 
-/// The Gauss method with this tableau: symplectic, so a Poisson map where the tensor is constant
-/// (Hairer, Lubich, Wanner, *Geometric Numerical Integration*, theorem VI.4.3) or depends only on coordinates that
-/// rest.
+/// The Gauss method with this tableau: symplectic, so a Poisson map where the tensor is constant (Hairer, Lubich,
+/// Wanner, *Geometric Numerical Integration*, theorem VI.4.3). The map is Poisson, too, where the tensor depends only
+/// on coordinates that rest.
 ///
-/// If Π has no entry in the row of x_k, x_k is a Casimir, and every stage has the x_k of the state. Where Π
-/// depends on such coordinates alone it is constant on each of their level sets: the step is there that of a
-/// constant tensor, and DΦ Π DΦᵀ takes derivatives along the level set alone, for Π has no others.
+/// If Π has no entry in the row of x_k, x_k is a Casimir, and every stage has the x_k of the state. Where Π depends on
+/// such coordinates alone it is constant on each of their level sets. The step there is that of a constant tensor.
+/// Derivatives in DΦ Π DΦᵀ are taken along the level set alone, for Π has no others.
 pub(crate) fn gauss_map(
     system: &PoissonSystem,
     tableau: Tableau,

@@ -4,7 +4,7 @@ use leafwise_core::solver::{Lanes, Trajectories, keeping_signs};
 use leafwise_core::{MapProperties, StepMap, Stepper};
 use nalgebra::DMatrix;
 
-/// What makes a method's evaluator, for parameters, a time step and so many trajectories.
+/// Makes a method's evaluator from parameters, a time step and a number of trajectories.
 type Make = dyn Fn(&[f64], f64, usize) -> Box<dyn Trajectories> + Send + Sync;
 
 /// A method as a [`StepMap`].

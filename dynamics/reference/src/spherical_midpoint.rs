@@ -317,8 +317,9 @@ fn build(
     }))
 }
 
-/// The rule on a long lattice. With the middle y = Γ of a step, |y| = |x|, and X(y) normal to y in each triple,
-/// x = c y − t X(y)/2 and x+ = c y + t X(y)/2 with c = √(1 − s), s = |t X(y)|²/(4 |y|²): both ends by y alone.
+/// The rule on a long lattice. For the middle y = Γ of a step, |y| = |x|, and X(y) is normal to y in each triple. The
+/// ends are x = c y − t X(y)/2 and x+ = c y + t X(y)/2 with c = √(1 − s), s = |t X(y)|²/(4 |y|²). Both ends follow
+/// from y alone.
 ///
 /// # Errors
 /// As [`build`], of a lattice of any length.

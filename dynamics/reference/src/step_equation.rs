@@ -24,8 +24,8 @@ pub(crate) trait StepEquation {
     ) -> Result<(), StepError>;
     /// The change of the state in a row, for the last u.
     fn change(&self, row: usize) -> f64;
-    /// What a row of a correction is measured against, for the last u: the state, its change, and what the round-off of the
-    /// others puts into it.
+    /// Scales against which a row of a correction is measured, for the last u: the state, its change, and what the
+    /// round-off of the others puts into it.
     fn measure(&self, row: usize) -> (f64, f64, f64);
     /// How much an unknown counts in the state.
     fn unit(&self) -> f64;
@@ -193,7 +193,7 @@ impl StepSolve {
         self.iteration.restart();
     }
 
-    /// What the next solve depends on.
+    /// Memory that the next solve depends on: one number of the iteration, then the unknowns.
     pub(crate) fn memory(&self) -> Vec<f64> {
         [&[self.iteration.memory()], self.unknowns.as_slice()].concat()
     }

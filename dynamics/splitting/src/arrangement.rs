@@ -20,7 +20,8 @@ pub(crate) const ORDER: &str = "pieces";
 /// The order left to the splitting.
 pub(crate) const AUTO: &str = "auto";
 
-/// The pieces in the order that a scene names, by their numbers from 1 on: `2 1 3`; `None` where it is left open.
+/// Order of the pieces that a scene names by their numbers from 1 on, such as `2 1 3`. Returns numbers from 0 on, or
+/// `None` where the order is left open.
 ///
 /// # Errors
 /// [`BuildError::Parameter`] where the numbers are not 1 to `count`, each once.
@@ -108,8 +109,8 @@ pub(crate) fn asked_order(
     })
 }
 
-/// Which of two pieces is V, where the exact algebra proves that {V, {V, {V, T}}} is a Casimir: the one with the shorter
-/// {V, {V, T}} is tried first, since the brackets of the other may be long.
+/// Number of the piece, of two, that is V, where the exact algebra proves that {V, {V, {V, T}}} is a Casimir. The one
+/// with the shorter {V, {V, T}} is tried first, since the brackets of the other may be long.
 fn kick(
     system: &SystemFormulas,
     ring: &mut Ring,

@@ -14,8 +14,8 @@ use crate::piece::{LieSeries, Piece};
 use crate::rates::multiples;
 use crate::schedule::Flow;
 
-/// x(t) − x for the flow of a piece from the state `x` over the time `time`, coordinate by
-/// coordinate; each of the size of the motion, formed without cancellation.
+/// x(t) − x for the flow of a piece from the state `x` over the time `time`, coordinate by coordinate. Each has the
+/// size of the motion and is formed without cancellation.
 ///
 /// # Errors
 /// [`AlgebraError`] where an adjoined function has no code.
@@ -195,8 +195,8 @@ fn exponential_rate(motion: &Motion) -> Option<&Polynomial> {
     }
 }
 
-/// The product of flows of `pieces`, each over its part of the time: its increment Φ(x) − x, the sum of
-/// the flows'.
+/// Increment Φ(x) − x of the product of flows of `pieces`, each over its part of the time. It is the sum of the flows'
+/// increments.
 ///
 /// # Errors
 /// Those of [`flow_increment`].
@@ -225,11 +225,13 @@ pub fn product_increment(
     Ok(sums.iter().map(|sum| graph.combine(sum)).collect())
 }
 
-/// The product of flows over −t from `x`, where these are the same from both ends, with the pull-back of the covector `w` through
-/// its inverse, the product over t: x' − x, w' and the gradient by so many parameters.
+/// Step back: the product of flows over −t from `x`, where these are the same from both ends. With it goes the
+/// pull-back of the covector `w` through the inverse, the product over t. Returns x' − x, w' and the gradient by so
+/// many parameters.
 ///
-/// Each flow over −part, from z to z', is followed by the pull-back through the flow over part at z', w ← w + ∂_z' (w·δ(z')):
-/// what a flow does not move is the same at z and z', and functions of it are computed once.
+/// Each flow over −part, from z to z', is followed by the pull-back through the flow over part at z',
+/// w ← w + ∂_z' (w·δ(z')). Coordinates that a flow does not move are the same at z and z'. Functions of these are
+/// computed once.
 ///
 /// # Errors
 /// As [`flow_increment`]; those of derivatives.

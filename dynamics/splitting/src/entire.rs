@@ -1,15 +1,15 @@
 //! The entire functions that close a Lie series.
 //!
-//! Where D²f = φ·Df with Dφ = 0 the flow is f + t·Df·φ₁(tφ); where D³f = −λ·Df with Dλ = 0 it is
-//! f + t·Df·c₁(t²λ) + t²·D²f·c₂(t²λ), with
+//! Where D²f = φ·Df with Dφ = 0 the flow is f + t·Df·φ₁(tφ). Where D³f = −λ·Df with Dλ = 0 it is
+//! f + t·Df·c₁(t²λ) + t²·D²f·c₂(t²λ). The functions are
 //!
 //! φ_k(z) = Σ_j zʲ/(j + k)!, φ₁(z) = (eᶻ − 1)/z,
-//! c_k(s) = Σ_j (−s)ʲ/(2j + k)!, c₁(s) = sin(√s)/√s, c₂(s) = (1 − cos √s)/s,
+//! c_k(s) = Σ_j (−s)ʲ/(2j + k)!, c₁(s) = sin(√s)/√s, c₂(s) = (1 − cos √s)/s.
 //!
-//! the latter Stumpff's (K. Stumpff, *Himmelsmechanik I* (1959), section 41). Neither needs a
-//! division by φ or √λ, or their sign: rotations, hyperbolic motions and the limits between them are
-//! one formula. Where the divisions can be carried out exactly, [`Motion`](crate::flow::Motion) has
-//! forms that round better.
+//! The latter are Stumpff's (K. Stumpff, *Himmelsmechanik I* (1959), section 41). Neither kind
+//! needs a division by φ or √λ, or their sign. Rotations, hyperbolic motions and the limits between
+//! them are one formula. Where the divisions can be carried out exactly,
+//! [`Motion`](crate::flow::Motion) has forms that round better.
 
 use leafwise_expression::AnalyticFunction;
 

@@ -1,10 +1,9 @@
 //! Poisson integrators by splitting: H = Σ H_i with exact flows of the pieces.
 //!
-//! Each H_i generates a flow that is known in closed form; it is a Poisson map and keeps every
-//! Casimir, and so does their product (McLachlan, Quispel, *Splitting methods*, Acta Numerica 11,
-//! 341–434 (2002); Hairer, Lubich, Wanner, *Geometric Numerical Integration*, section VII.4.2).
-//! Strang's product φ¹_{h/2} ∘ … ∘ φʳ_h ∘ … ∘ φ¹_{h/2} has order 2 and is self-adjoint, so that every
-//! symmetric composition applies over it.
+//! Each H_i generates a flow that is known in closed form. It is a Poisson map and keeps every Casimir, and so does
+//! the product of these flows. Sources are McLachlan, Quispel, *Splitting methods*, Acta Numerica 11, 341–434 (2002);
+//! Hairer, Lubich, Wanner, *Geometric Numerical Integration*, section VII.4.2. Strang's product φ¹_{h/2} ∘ … ∘ φʳ_h ∘
+//! … ∘ φ¹_{h/2} has order 2 and is self-adjoint. So every symmetric composition applies over it.
 //!
 //! - [`field`]: vector fields in exact algebra.
 //! - [`flow`]: the motion of one coordinate under a piece, found by its Lie series in exact algebra.

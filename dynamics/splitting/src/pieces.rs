@@ -13,17 +13,18 @@ use crate::tensor::Tensor;
 
 /// H = Σ H_i (up to Casimirs) with an exact flow of each H_i.
 ///
-/// The summands of H as its author wrote them, and the monomials of those that have no exact flow as
-/// a whole, are added one after the other to the first piece that still has an exact flow with them:
-/// the kinetic and the potential part of a Hamiltonian come out, and the even and odd sites of a
-/// lattice. Where H − λC, C a Casimir and λ such that a monomial of H is gone, takes fewer pieces, it
-/// is split in the place of H, whose flow it has: the rigid body turns about two axes, not three. Of
-/// several with as few pieces the one with the smallest coefficients is taken, at the parameters'
-/// values: the pieces' commutators make the error. [`Bodies::Whole`] makes pieces of the free rigid bodies in H first.
+/// The summands of H as its author wrote them are added one after the other to the first piece that still has an exact
+/// flow with them. Summands that have no exact flow as a whole are added by their monomials. The kinetic and the
+/// potential part of a Hamiltonian come out, and the even and odd sites of a lattice.
+///
+/// A difference H − λC, C a Casimir and λ such that a monomial of H is gone, may take fewer pieces. Then it is split
+/// in the place of H, whose flow it has: the rigid body turns about two axes, not three. Of several splittings with as
+/// few pieces the one with the smallest coefficients is taken, at the parameters' values. The pieces' commutators make
+/// the error. With [`Bodies::Whole`] the free rigid bodies in H become pieces first.
 ///
 /// # Errors
-/// [`BuildError::DoesNotFit`] with the monomial that has no exact flow, [`BuildError::Algebra`] where
-/// a formula is outside the algebra.
+/// Fails with [`BuildError::DoesNotFit`] with the monomial that has no exact flow. Fails with [`BuildError::Algebra`]
+/// where a formula is outside the algebra.
 pub fn find_pieces(
     system: &SystemFormulas,
     ring: &mut Ring,

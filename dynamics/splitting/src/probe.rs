@@ -34,9 +34,9 @@ impl Probe {
         }
     }
 
-    /// Whether the numbers show that x_i(t) is no closed form: with dₖ = Dᵏx_i,
-    /// d₉ ≠ 0 where the series of a motion polynomial in time has ended, and d₁d₄ ≠ d₂d₃, which are
-    /// equal where d₂ = φd₁, Dφ = 0 and where d₃ = −λd₁, Dλ = 0.
+    /// Whether the numbers rule out a closed form of x_i(t), from dₖ = Dᵏx_i. They do where d₉ ≠ 0 and d₁d₄ ≠ d₂d₃.
+    /// The series of a motion polynomial in time has ended before d₉. Both products are equal where d₂ = φd₁, Dφ = 0
+    /// and where d₃ = −λd₁, Dλ = 0.
     pub fn rules_out(&self, ring: &Ring, field: &Field, index: usize) -> bool {
         let Ok(c) = self.series(ring, field, index) else {
             return false;

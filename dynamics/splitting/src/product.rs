@@ -5,8 +5,8 @@ use std::sync::Arc;
 use leafwise_core::solver::{MapProperties, StepMap, Stepper, Structure};
 use leafwise_core::{BuildError, ByTangents, Differential, Shadow, SystemFormulas};
 
-/// … ∘ χ*_{α_2 h} ∘ χ_{α_1 h}, χ = φʳ ∘ … ∘ φ¹ and χ* = φ¹ ∘ … ∘ φʳ of a splitting: exactly Poisson. χ and χ* alone
-/// are of order 1, each the other's adjoint.
+/// … ∘ χ*_{α_2 h} ∘ χ_{α_1 h} of a splitting, exactly Poisson, with χ = φʳ ∘ … ∘ φ¹ and χ* = φ¹ ∘ … ∘ φʳ. Alone, χ and
+/// χ* are of order 1, each the other's adjoint.
 pub(crate) struct Product<S> {
     splitting: S,
     /// α_1, α_2, ….
@@ -116,7 +116,7 @@ pub(crate) fn is_symmetric(parts: &[f64]) -> bool {
     parts.len().is_multiple_of(2) && parts.iter().eq(parts.iter().rev())
 }
 
-/// What a product of so many factors counts as.
+/// Number of evaluations that a product of so many factors χ and χ* counts as: half of them, rounded up.
 pub(crate) fn evaluations(parts: &[f64]) -> u64 {
     parts.len().div_ceil(2) as u64
 }

@@ -11,8 +11,8 @@ pub(crate) struct Multiple {
     pub(crate) factor: i64,
 }
 
-/// Each of the `rates` as a multiple of one of them, twice it where there is such a one: what
-/// e^{2z} − 1 = u(2 + u) with u = eᶻ − 1 and the mirrored e⁻ᶻ − 1 follow from.
+/// Each of the `rates` as a multiple of one of them, twice it where there is such a one. From these
+/// follow e^{2z} − 1 = u(2 + u) with u = eᶻ − 1 and the mirrored e⁻ᶻ − 1.
 pub(crate) fn multiples(rates: &[&Polynomial]) -> Vec<Multiple> {
     let multiple = |rate: &&Polynomial| {
         let of_each = rates.iter().enumerate().filter_map(|(of, other)| {

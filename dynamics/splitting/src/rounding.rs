@@ -126,9 +126,8 @@ fn found_series(
     })
 }
 
-/// The pieces with flows that round like the formulas at points about the system's state: where the
-/// algebra's expansions cancel, such as those of a power of q − 10, a motion that is polynomial in time is
-/// computed from the formulas instead.
+/// The pieces with flows that round like the formulas at points about the system's state. The algebra's expansions may
+/// cancel, such as those of a power of q − 10. A motion polynomial in time is then computed from the formulas.
 ///
 /// # Errors
 /// [`BuildError::DoesNotFit`] where another motion cancels, or the pieces do not sum up to the field.

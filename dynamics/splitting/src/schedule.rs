@@ -5,16 +5,16 @@
 pub struct Flow {
     /// Its number.
     pub piece: usize,
-    /// What it takes of t.
+    /// Part of the step's time t that the flow takes.
     pub part: f64,
 }
 
 /// Strang's product as χ*_{t/2} ∘ χ_{t/2}.
 pub const STRANG: [f64; 2] = [0.5, 0.5];
 
-/// The flows of χ_{α_1 t}, χ*_{α_2 t}, χ_{α_3 t}, … one after the other, where χ = φʳ ∘ … ∘ φ¹ takes the pieces
-/// in their `order` and its adjoint χ* = φ¹ ∘ … ∘ φʳ backwards; flows of one piece that meet are one,
-/// parts that are 0 are none.
+/// The flows of χ_{α_1 t}, χ*_{α_2 t}, χ_{α_3 t}, … one after the other. Here χ = φʳ ∘ … ∘ φ¹ takes the pieces in
+/// their `order`, and its adjoint χ* = φ¹ ∘ … ∘ φʳ backwards. Flows of one piece that meet are one, parts that are 0
+/// are none.
 pub fn passes(order: &[usize], parts: &[f64]) -> Vec<Flow> {
     let mut flows: Vec<Flow> = Vec::new();
     for (at, part) in parts.iter().enumerate().filter(|(_, part)| **part != 0.0) {

@@ -53,15 +53,15 @@ static INFO: PartInfo = PartInfo {
     ..PartInfo::of(PartKind::Stepper)
 };
 
-/// φ¹_{t/2} ∘ … ∘ φʳ_t ∘ … ∘ φ¹_{t/2}, t = εh, over exact flows of the pieces of H: explicit, of order
-/// 2, self-adjoint, a Poisson map that keeps every Casimir (G. Strang, SIAM Journal on Numerical
-/// Analysis 5, 506–517 (1968)).
+/// φ¹_{t/2} ∘ … ∘ φʳ_t ∘ … ∘ φ¹_{t/2}, t = εh, over exact flows of the pieces of H. This product is explicit, of order
+/// 2, self-adjoint, and a Poisson map that keeps every Casimir (G. Strang, SIAM Journal on Numerical Analysis 5,
+/// 506–517 (1968)).
 #[derive(Clone, Debug)]
 pub struct Splitting {
     shared: Arc<Shared>,
 }
 
-/// What was made for products so far, each with its parts of the time.
+/// Cache of code for products of χ and χ*, each with the product's parts of the time.
 type ByParts<T> = Mutex<Vec<(Vec<f64>, T)>>;
 
 #[derive(Debug)]
@@ -97,8 +97,8 @@ impl Splitting {
     /// Splits the system's Hamiltonian and compiles the step.
     ///
     /// # Errors
-    /// [`BuildError::DoesNotFit`] with the term of H that has no exact flow, or where flows cancel,
-    /// [`BuildError::Algebra`] where a formula is outside the algebra.
+    /// Fails with [`BuildError::DoesNotFit`] with the term of H that has no exact flow, or where flows cancel. Fails
+    /// with [`BuildError::Algebra`] where a formula is outside the algebra.
     pub fn new(system: &PoissonSystem) -> Result<Self, BuildError> {
         Self::with_parameters(system, &PartParameters::new())
     }
@@ -192,8 +192,8 @@ impl Splitting {
         product
     }
 
-    /// A step over −t of the symmetric product of χ and χ* over `parts`, with the pull-back through its inverse, as one kernel of x
-    /// and w; `None` where a derivative has no code.
+    /// Step over −t of the symmetric product of χ and χ* over `parts`, with the pull-back through its inverse. Returns
+    /// one kernel of x and w, or `None` where a derivative has no code.
     fn return_of(&self, parts: &[f64]) -> Option<Arc<Kernel>> {
         let Shared {
             system,

@@ -9,8 +9,8 @@ use super::ring::LARGEST_EXPONENT;
 use super::{Coefficient, CoefficientRing, Monomial, Polynomial, Symbol, Terms};
 use crate::rational::Rational;
 
-/// q with q·g = f, `None` where there is none with no new pole: in a symbol without negative powers
-/// in f and g, be it of the state or a parameter, q has none either.
+/// q with q·g = f, or `None` where there is none with no new pole. In a symbol without negative powers in f and g, be
+/// it of the state or a parameter, q has none either.
 pub fn quotient(f: &Polynomial, g: &Polynomial) -> Option<Polynomial> {
     let q = divide(f, g, &|a: &Coefficient, b: &Coefficient| {
         divide(a, b, &|a: &Rational, b: &Rational| Some(a * &b.recip()))

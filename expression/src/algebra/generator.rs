@@ -1,11 +1,11 @@
-//! What is adjoined to the polynomials: functions of the state, and constants of the parameters.
+//! Generators adjoined to the polynomials: functions of the state, and constants of the parameters.
 
 use super::polynomial::{Coefficient, Polynomial};
 use crate::expression::Function;
 use crate::rational::Rational;
 
-/// A function of the state adjoined to the ring. Its derivative is again in the ring; its
-/// relation, where it has one, fixes a normal form.
+/// A function of the state adjoined to the ring. Its derivative is again in the ring. A relation,
+/// where it has one, fixes a normal form.
 ///
 /// | generator | relation used as a rewriting rule | exponents |
 /// |---|---|---|

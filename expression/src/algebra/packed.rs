@@ -1,8 +1,8 @@
 //! Sums of products of long polynomials, all their terms in one table.
 //!
-//! A term (n/D)·m has a monomial m of the state and the parameters and a numerator n over a common
-//! denominator D. With exponents eₛ in lₛ … lₛ + rₛ − 1 the number k(m) = Σ (eₛ − lₛ) wₛ of weights
-//! wₛ = Π_{t before s} rₜ names the monomial, and k(m m′) = k(m) + k(m′) up to the constant Σ lₛ wₛ.
+//! A term (n/D)·m has a monomial m of the state and the parameters and a numerator n over a common denominator D.
+//! Exponents eₛ are in lₛ … lₛ + rₛ − 1, with weights wₛ = Π_{t before s} rₜ. The number k(m) = Σ (eₛ − lₛ) wₛ names
+//! the monomial. Numbers add: k(m m′) = k(m) + k(m′) up to the constant Σ lₛ wₛ.
 
 use rustc_hash::FxHashMap;
 
@@ -240,8 +240,8 @@ fn monomial(digits: &Digits, number: u64) -> Monomial {
     )
 }
 
-/// A number that grows with the monomial: in the order of lists of factors an exponent 0 comes after
-/// all others where a factor follows, and before them where none does.
+/// A number that grows with the monomial. In the order of lists of factors an exponent 0 comes after all others where
+/// a factor follows, and before them where none does.
 fn place(digits: &Digits, number: u64) -> u128 {
     let (mut sum, mut weight, mut is_followed) = (0_u128, 1_u128, false);
     for (_, exponent, digit) in powers(digits, number).rev() {

@@ -5,7 +5,7 @@ use rustc_hash::FxHashMap;
 use super::monomial::{Monomial, Symbol};
 use crate::rational::Rational;
 
-/// What a polynomial's coefficients must offer: an exact commutative ring over ℚ.
+/// Coefficients of a polynomial: an exact commutative ring over ℚ.
 pub trait CoefficientRing: Clone + PartialEq + std::fmt::Debug {
     /// The rational number `value`.
     fn from_rational(value: &Rational) -> Self;

@@ -1,9 +1,9 @@
 //! eˣ − 1 and e⁻ˣ − 1 at once.
 //!
 //! r = x for |x| < 0.55; elsewhere x = k ln 2 + r with |r| ≤ ½ ln 2. The powers of r², taken once, make the parts of
-//! e^{±r} that are even and odd in r; of their sum and difference r itself, the largest part, is added last. Both are
-//! within 1 ulp for |x| ≤ ½ ln 2 and within 2 ulps elsewhere, where r and r² (even ± r odd), or 2ᵏ(eʳ − 1) and 2ᵏ − 1,
-//! cancel by at most a third.
+//! e^{±r} that are even and odd in r. In their sum and difference r itself, the largest part, is added last. Both
+//! values are within 1 ulp for |x| ≤ ½ ln 2 and within 2 ulps elsewhere. There r and r² (even ± r odd), or 2ᵏ(eʳ − 1)
+//! and 2ᵏ − 1, cancel by at most a third.
 
 use super::lanes::{ElementaryPair, value_of_pair};
 use super::reduction::{exponent, nearest, septic};
@@ -34,7 +34,7 @@ const EVEN: [f64; 7] = [
     1.0 / 87_178_291_200.0,
 ];
 
-/// What e^{±r} − 1 are made of for |r| < 0.55: ±r + r² (even ± r odd).
+/// ±r + r² (even ± r odd): the parts of e^{±r} − 1 for |r| < 0.55. They are r², even + r odd and even − r odd.
 struct Parts<R> {
     square: R,
     up: R,

@@ -3,9 +3,9 @@
 //!
 //! The algorithms, constants and orders of operations are those of fdlibm, which `libm` follows;
 //! its branches are selections here, so that all lanes go the same way. Arguments for which that
-//! does not serve (NaN, huge ones, results that are not normal numbers, ties of a reduction) get
-//! `libm`'s own value, lane by lane. What a lane gets depends neither on its neighbours nor on the
-//! machine. [`exp_m1_mirrored`] and [`sin_and_versine`] are algorithms of our own with fused products, to the same bits
+//! does not serve (NaN, huge ones, results that are not normal numbers, ties of a reduction) get `libm`'s own value,
+//! lane by lane. The value of a lane depends neither on its neighbours nor on the machine. The pairs
+//! [`exp_m1_mirrored`] and [`sin_and_versine`] are algorithms of our own with fused products. They give the same bits
 //! in lanes and alone, by an instruction or by whole numbers.
 //!
 //! fdlibm is Copyright (C) 1993 by Sun Microsystems, Inc. All rights reserved. Developed at SunPro,

@@ -13,7 +13,7 @@ pub(crate) struct NearZero {
     pub(crate) operations: Vec<(Traceable, [Number; 3])>,
     /// f(x) and g(x).
     pub(crate) values: [Number; 2],
-    /// What is to be below the bound: |x|.
+    /// Size |x|, which must be below the bound.
     pub(crate) size: Number,
     pub(crate) bound: f64,
 }

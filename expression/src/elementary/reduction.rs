@@ -2,8 +2,8 @@
 
 use crate::vector::Register;
 
-/// 1.5·2⁵²: a double of this size has the unit 1, so that adding it rounds to the nearest integer,
-/// which then stands in the low bits as a two's complement number.
+/// 1.5·2⁵²: a double of this size has the unit 1, so that adding it rounds to the nearest integer.
+/// That integer then stands in the low bits as a two's complement number.
 pub(super) const SHIFTER: f64 = 6_755_399_441_055_744.0;
 
 /// The nearest integer to t, |t| < 2⁵¹, ties to even.
@@ -12,8 +12,8 @@ pub(super) fn nearest<R: Register>(t: R) -> R {
     (t + R::splat(SHIFTER)) - R::splat(SHIFTER)
 }
 
-/// The bits of an integer n, |n| < 2⁵¹, of which the low 51 are those of its two's complement, in
-/// the place of the exponent: added to those of y they make 2ⁿy, where that is a normal number.
+/// Bits of an integer n, |n| < 2⁵¹, in the place of the exponent. The low 51 bits are those of its
+/// two's complement. Added to the bits of y they make 2ⁿy, where that is a normal number.
 #[inline(always)]
 pub(super) fn exponent<R: Register>(n: R) -> R {
     (n + R::splat(SHIFTER)).up::<52>()

@@ -1,6 +1,7 @@
 //! sin, cos and tan by fdlibm's `e_rem_pio2.c`, `k_sin.c`, `k_cos.c` and `k_tan.c`.
 //!
-//! x = n π/2 + r with |r| ≤ π/4, r = high + low; odd and even polynomials of r.
+//! Arguments are reduced to x = n π/2 + r with |r| ≤ π/4, r = high + low. Odd and even polynomials
+//! of r follow.
 
 use super::lanes::{Elementary, ElementaryPair};
 use super::reduction::{SHIFTER, horner};
@@ -15,10 +16,11 @@ pub(super) struct Reduced<R: Register> {
     pub(super) agrees: R::Mask,
 }
 
-/// One subtraction of n times the first 33 bits of π/2 and one of the rest, good to 85 bits.
+/// Reduces x by n times the first 33 bits of π/2 and by the rest, one subtraction each, good to 85
+/// bits.
 ///
-/// `libm` goes on where r is so small that this is not enough, and near odd multiples of π/4 it
-/// chooses n by the high word of x: neither is ordinary here.
+/// Two cases are not ordinary here. Where r is so small that this is not enough, `libm` goes on.
+/// Near odd multiples of π/4 it chooses n by the high word of x.
 #[inline(always)]
 pub(super) fn reduce<R: Register>(x: R) -> Reduced<R> {
     const TWO_OVER_PI: u64 = 0x3fe4_5f30_6dc9_c883;

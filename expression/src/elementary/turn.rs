@@ -1,9 +1,11 @@
 //! sin x and 1 − cos x at once: what a rotation adds to a vector.
 //!
-//! x = n π/2 + r with |r| ≤ π/4, and the polynomials of fdlibm's `k_sin.c` and `k_cos.c`, whose terms are
-//! added in an order that lets them be computed side by side. 1 − cos x is formed without
-//! cancellation. Both are within 2 ulps: ½r² is rounded to half an ulp of its own, which is a whole one of
-//! ½r² − r⁴/24 + … in the binade below, and the difference to another half.
+//! Arguments are reduced to x = n π/2 + r with |r| ≤ π/4. The polynomials are those of fdlibm's `k_sin.c` and
+//! `k_cos.c`, whose terms are added in an order that lets them be computed side by side. No cancellation
+//! occurs in 1 − cos x.
+//!
+//! Both values are within 2 ulps. Rounding of ½r² costs half an ulp of its own, which is a whole one of ½r² − r⁴/24 +
+//! … in the binade below. Rounding of the difference costs another half.
 
 use super::lanes::{ElementaryPair, value_of_pair};
 use super::reduction::sextic;
@@ -33,7 +35,7 @@ const COSINE: [f64; 6] = [
     f64::from_bits(0xbda8_fae9_be88_38d4),
 ];
 
-/// What sin r and 1 − cos r are made of for |r| ≤ π/4: r³ and r⁴ with their factors, and ½r².
+/// Terms of sin r and 1 − cos r for |r| ≤ π/4: r³ and r⁴ with their factors, and ½r².
 struct Parts<R> {
     cube: R,
     sine: R,

@@ -8,8 +8,8 @@ use crate::rational::Rational;
 const MOST: usize = 16;
 
 impl Graph {
-    /// a·b with the terms of b in which a factor of a stands below, or that have one of their own below in a, reduced; the
-    /// other terms as one product. `None` where nothing cancels.
+    /// a·b with those terms of b reduced in which a factor of a stands below, or that have a factor of their own below
+    /// in a. The other terms stay one product. Returns `None` where nothing cancels.
     pub(super) fn reduced_product(&mut self, a: &Term, b: &Term) -> Option<Term> {
         let above = self.factors(a.node)?;
         let may_cancel = |factor: &Node| {

@@ -7,10 +7,10 @@ use crate::arithmetic::{AlgebraError, Arithmetic};
 use crate::expression::Function;
 
 impl Graph {
-    /// The state-dependent factors of denominators, and of arguments of ln, in these terms that are not of one
-    /// sign by their form: a pole of the terms or their derivatives lies where one of them changes its
-    /// sign. The denominator of tan is cos. Factors such as q₁² + q₂² vanish without a change of sign, and
-    /// behind x in √x, x^(1/3) or ln x no value is: they are left out.
+    /// State-dependent factors of denominators, and of arguments of ln, in these terms that are not of one sign by
+    /// their form. A pole of the terms or their derivatives lies where one of them changes its sign. The denominator
+    /// of tan is cos. Factors such as q₁² + q₂² are left out, for they vanish without a change of sign. So is x in √x,
+    /// x^(1/3) or ln x, for behind its zero there is no value.
     ///
     /// # Errors
     /// [`AlgebraError`] where the code grows beyond the graph's limit.
@@ -59,8 +59,8 @@ impl Graph {
         self.unless_refused(denominators)
     }
 
-    /// A denominator times its own denominators: 1 + a/x changes its sign at x = −a and at x = 0, x + a only
-    /// where 1/(1 + a/x) has a pole.
+    /// A denominator times its own denominators. For 1 + a/x, which changes its sign at x = −a and at x = 0, that is
+    /// x + a. This changes its sign only where 1/(1 + a/x) has a pole.
     fn without_own_poles(&mut self, denominator: Node) -> Option<Term> {
         let mut own = BTreeSet::new();
         let (mut parts, mut met) = (vec![denominator], BTreeSet::from([denominator]));

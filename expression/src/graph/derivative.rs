@@ -9,8 +9,8 @@ use crate::reach::{Reach, SumReach};
 /// Sums of more terms than this are indexed.
 const LONG: usize = 16;
 
-/// A linear combination forms at most so many nodes a term, and as many of its own: a sum of coefficients, their factor and a product
-/// with it; so many does a product.
+/// Most nodes that a linear combination forms for a term, and as many of its own. They are a sum of coefficients,
+/// their factor and a product with it. A product forms as many.
 const OF_TERM: usize = 3;
 
 /// A derivative by one input forms at most two products and their sum beside what it does for each operand.

@@ -10,11 +10,11 @@ use crate::rational::Rational;
 /// A monomial in numbered symbols with a coefficient that is already code.
 pub type FactoredTerm = (Monomial, Term);
 
-/// Writes Σ cᵢ mᵢ for each of `polynomials` into `graph` in a multivariate Horner form: the common
+/// Writes Σ cᵢ mᵢ for each of `polynomials` into `graph` in a multivariate Horner form. The common
 /// monomial is taken out, then the symbol power that most terms share, and so on. Powers and
 /// partial results are shared across all of them.
 ///
-/// `symbols` gives the code of each symbol.
+/// The map `symbols` gives the code of each symbol.
 ///
 /// # Errors
 /// [`AlgebraError`] for a negative power of a symbol whose code is 0.

@@ -5,9 +5,8 @@ use crate::expression::Expression;
 use crate::rational::Rational;
 
 impl Graph {
-    /// A formula of the same value, shared nodes written out wherever they are used; `None` where it
-    /// has more than `most` parts, or parts that no formula names: step sizes and functions of other
-    /// crates.
+    /// A formula of the same value, shared nodes written out wherever they are used. Returns `None` where it has more
+    /// than `most` parts, or parts that no formula names: step sizes and functions of other crates.
     pub fn formula(&self, term: &Term, most: usize) -> Option<Expression> {
         let mut left = most;
         self.term_formula(&term.scale, term.node, &mut left)

@@ -8,8 +8,8 @@ use crate::expression::Function;
 use crate::rational::Rational;
 
 impl Graph {
-    /// ∂(term)/∂(input) for the inputs 0 … d−1, d = `inputs`, in reverse mode: at most a few
-    /// operations for each of the term's, whatever d is.
+    /// ∂(term)/∂(input) for the inputs 0 … d−1, d = `inputs`, in reverse mode. The cost is at most a few operations
+    /// for each of the term's, whatever d is.
     ///
     /// # Errors
     /// [`AlgebraError`] when the derivative of a function does not exist.

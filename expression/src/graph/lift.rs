@@ -9,8 +9,8 @@ use crate::arithmetic::{AlgebraError, Arithmetic};
 use crate::rational::Rational;
 
 /// Σⱼ cⱼ fⱼ for each output, cⱼ a factor of the coefficient tier (a power of the step size, say)
-/// and fⱼ in the ring: like monomials are merged into one coefficient, then factored and shared
-/// across all outputs. `variables` is the code of the state.
+/// and fⱼ in the ring. Like monomials are merged into one coefficient, then factored and shared
+/// across all outputs. The code of the state is `variables`.
 ///
 /// # Errors
 /// [`AlgebraError`] when an adjoined function has no code, such as 1/0.

@@ -39,7 +39,7 @@ pub enum Tier {
     Step,
 }
 
-/// What a node computes.
+/// Operation that a node computes, with its operands.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Operation {
     /// 1.
@@ -87,9 +87,8 @@ impl Term {
     }
 }
 
-/// Straight-line code under construction: every operation is interned, so equal subexpressions are
-/// one node; rational factors are pulled out of products and sums, so that proportional
-/// subexpressions are one node too.
+/// Straight-line code under construction. Every operation is interned, so equal subexpressions are one node. Rational
+/// factors are pulled out of products and sums, so that proportional subexpressions are one node too.
 #[derive(Clone, Debug)]
 pub struct Graph {
     operations: Vec<Operation>,

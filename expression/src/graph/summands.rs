@@ -6,8 +6,8 @@ use super::node::{Graph, Node, Operation, Term};
 use crate::rational::Rational;
 
 impl Graph {
-    /// a − b as a list of summands, b taken out of the sums that it stands in: of x + u and x the list adds
-    /// up to u, without the rounding of x + u.
+    /// a − b as a list of summands, b taken out of the sums that it stands in. Of x + u and x the list adds up to u,
+    /// without the rounding of x + u.
     pub fn summands_beside(&self, a: &Term, b: &Term) -> Vec<(Rational, Term)> {
         let mut open = vec![(a.scale.clone(), a.node)];
         let mut found = vec![(-Rational::one(), b.clone())];

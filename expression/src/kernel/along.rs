@@ -9,7 +9,8 @@ use super::execution::Compiled;
 use super::workspace::Workspace;
 
 impl Kernel {
-    /// The same kernel with inputs and outputs in an array, so far from a place that moves along it.
+    /// The same kernel with inputs and outputs in an array. Each has its distance from a place that moves along the
+    /// array.
     ///
     /// # Panics
     /// When there is not one distance an input and one an output.
@@ -24,13 +25,14 @@ impl Kernel {
         self
     }
 
-    /// Runs the step kernel at places of an array one after the other, from the first of them on: reads the inputs at their
-    /// distances from the place, then writes the outputs at theirs. Returns at how many places it did, a multiple of the lanes of
-    /// a register: 0 unless the workspace runs machine code, whose coefficients are the same in all lanes.
+    /// Runs the step kernel at places of an array one after the other, from the first of them on. At each it reads the
+    /// inputs at their distances from the place, then writes the outputs at theirs. Returns at how many places it did,
+    /// a multiple of the lanes of a register. That is 0 unless the workspace runs machine code, whose coefficients are
+    /// the same in all lanes.
     ///
     /// # Panics
-    /// When an input or output would not be in the array, or would stand, at one of the places, where an output stands
-    /// at another one.
+    /// When an input or output would not be in the array. Also when one would stand, at one of the places, where an
+    /// output stands at another one.
     pub fn evaluate_along(
         &self,
         workspace: &mut Workspace,

@@ -239,7 +239,7 @@ pub struct OperationCount {
 }
 
 impl OperationCount {
-    /// What an elementary function costs in arithmetic operations, roughly: those of `libm` take 5
+    /// Cost of an elementary function in arithmetic operations, roughly: those of `libm` take 5
     /// (square root) to 15 (exponential) times as long as a product.
     pub const FUNCTION: usize = 10;
 

@@ -176,7 +176,7 @@ fn input_slots(inputs: &[usize]) -> FxHashMap<u32, u32> {
     slots.map(|(k, &index)| (index as u32, k as u32)).collect()
 }
 
-/// What depends on parameters, ε and h alone.
+/// Coefficient kernel: the nodes that depend on parameters, ε and h alone, and their code.
 #[derive(Clone)]
 struct Coefficients {
     parameters: usize,
@@ -411,9 +411,8 @@ impl<'a> Emitter<'a> {
         }
     }
 
-    /// Where `node` is this member of a pair of functions, the node of the other one, still to be
-    /// emitted: two functions of one argument follow each other, so that they can be computed
-    /// together.
+    /// Node of the other function of a pair of which `node` is this member, where the other is still to be emitted.
+    /// Two functions of one argument follow each other, so that they can be computed together.
     fn beside(&self, node: Node, member: Member) -> Option<Node> {
         let (pair, own) = pair_of(self.graph.operation(node))?;
         let argument = self.graph.operands(node)[0];
@@ -437,8 +436,8 @@ impl<'a> Emitter<'a> {
         is_wanted.then_some(found)
     }
 
-    /// Takes apart the sums that only this one reads, where that costs no multiplication: every
-    /// constant is then rounded once, as an exact product of the rational factors on its way.
+    /// Takes apart the sums that only this one reads, where that costs no multiplication. Every constant is then
+    /// rounded once, as an exact product of the rational factors on its way.
     fn spell_out(&self, terms: &[(Rational, Node)]) -> Vec<(Rational, Node)> {
         let mut spelled = Vec::with_capacity(terms.len());
         for (scale, node) in terms {

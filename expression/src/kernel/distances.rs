@@ -43,8 +43,8 @@ impl Distances {
         (apart > 0 && !distances.replace_outputs(code)).then_some(distances)
     }
 
-    /// Whether all that stands at these distances from the places, of which there is one at least, is in an array of that
-    /// length, outputs where nothing else does but for inputs of the same place.
+    /// Whether all that stands at these distances from the places is in an array of that length, with one place at
+    /// least. Outputs must stand where nothing else does but for inputs of the same place.
     pub(super) fn fit(&self, places: &Range<usize>, length: usize) -> bool {
         let Range { start, end } = *places;
         let [lowest, highest] = self.ends;

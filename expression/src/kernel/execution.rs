@@ -24,7 +24,7 @@ pub enum Execution {
 static DEFAULT: AtomicU8 = AtomicU8::new(Execution::Adaptive as u8);
 
 impl Execution {
-    /// What [`Kernel::workspace`](super::Kernel::workspace) takes, in the whole process.
+    /// Execution that [`Kernel::workspace`](super::Kernel::workspace) takes, in the whole process.
     pub fn default_of_process() -> Self {
         match DEFAULT.load(Ordering::Relaxed) {
             0 => Self::Interpreted,
@@ -33,7 +33,8 @@ impl Execution {
         }
     }
 
-    /// What does the work on this machine, for reports.
+    /// Name of the execution on this machine, for reports: interpreter, machine code, or one and
+    /// then the other.
     pub fn describe(self) -> &'static str {
         match self {
             _ if !MachineCode::is_available() => "interpreter",
@@ -52,7 +53,7 @@ impl Execution {
 /// A workspace reports its evaluations at most this many at a time.
 pub(super) const REPORT: u8 = 64;
 
-/// What one kernel has in machine code, for each number of lanes.
+/// Machine code of one kernel, for each number of lanes.
 #[derive(Debug, Default)]
 pub(super) struct Compiled {
     entries: Mutex<Vec<Entry>>,
@@ -128,7 +129,7 @@ impl Compiled {
         entry.machine.clone().flatten()
     }
 
-    /// What was compiled.
+    /// Sizes and compilation times of the machine code, for each number of lanes that has some.
     pub(super) fn describe(&self) -> Vec<MachineCodeSize> {
         let entries = self.entries.lock().unwrap_or_else(PoisonError::into_inner);
         entries

@@ -8,7 +8,7 @@ use super::draft::Draft;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Value(u32);
 
-/// A kernel that evaluates others, every operation rounded as it is alone: no sum is rearranged between them, and each
+/// A kernel that evaluates others, every operation rounded as it is alone. No sum is rearranged between them, and each
 /// number has the bits that it has where the kernels run one by one.
 ///
 /// ```

@@ -53,7 +53,7 @@ impl Reports {
     }
 }
 
-/// What evaluations along an array need.
+/// Machine code for evaluations along an array, and whether coefficients are the same in all lanes.
 #[derive(Clone, Debug)]
 struct AlongArray {
     machine: Option<Machine>,
@@ -175,7 +175,8 @@ impl Kernel {
         changes
     }
 
-    /// Takes the coefficients of others in their order: of kernels that this one evaluates, or of one that shares them.
+    /// Takes the coefficients of others in their order. They are kernels that this one evaluates, or one that shares
+    /// its coefficients.
     ///
     /// # Panics
     /// When these are not as many, or of another number of lanes.
@@ -219,11 +220,11 @@ impl Kernel {
         }
     }
 
-    /// Runs the step kernel on rows of W numbers, one an input; returns its outputs, a row of W numbers each, without
-    /// a copy.
+    /// Runs the step kernel on rows of W numbers, one an input. Returns its outputs without a copy, a row of W numbers
+    /// each.
     ///
     /// # Panics
-    /// When the workspace does not have W lanes, or there are not as many rows as inputs.
+    /// Unless the workspace has W lanes and there are as many rows as inputs.
     #[inline(always)]
     pub fn evaluate_rows<'own, const W: usize>(
         &self,
@@ -331,7 +332,7 @@ impl Kernel {
         sizes.iter().any(|size| size.lanes == lanes)
     }
 
-    /// What of the step kernel was compiled to machine code until now, for each number of lanes.
+    /// Sizes and compilation times of the step kernel's machine code so far, for each number of lanes.
     pub fn machine_code(&self) -> Vec<MachineCodeSize> {
         self.compiled.describe()
     }

@@ -36,12 +36,12 @@ pub enum DecimalError {
 }
 
 impl Rational {
-    /// The exact value of a decimal: an optional sign, digits with at most one point, and an
-    /// optional exponent of ten.
+    /// Exact value of a decimal: optional sign, digits with at most one point, optional exponent
+    /// of ten.
     ///
     /// # Errors
-    /// [`DecimalError`] when the text has another form, an exponent outside ±400 or more than
-    /// 2000 digits.
+    /// Fails with [`DecimalError`] when the text has another form. Fails with it, too, for an
+    /// exponent outside ±400 or more than 2000 digits.
     pub fn parse_decimal(text: &str) -> Result<Self, DecimalError> {
         let shown = || text.chars().take(40).collect::<String>();
         let malformed = || DecimalError::Malformed { text: shown() };

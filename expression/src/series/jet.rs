@@ -6,8 +6,9 @@ use crate::expression::Function;
 use crate::graph::{Graph, StepSize, Term};
 use crate::rational::Rational;
 
-/// x_1, …, x_p with x(t) = Σ x_k (t/h)ᵏ the solution of ẋ = f(x) through the first inputs x_0 of `graph`, where
-/// `field` is f there, as code: x_{k+1} = h f_k/(k + 1) (Jorba, Zou, Experimental Mathematics 14 (2005), section 2).
+/// x_1, …, x_p of the solution x(t) = Σ x_k (t/h)ᵏ of ẋ = f(x) through the first inputs x_0 of `graph`, as code. The
+/// recursion is x_{k+1} = h f_k/(k + 1), where `field` is f at x_0 (Jorba, Zou, Experimental Mathematics 14 (2005),
+/// section 2).
 ///
 /// The unit of time h is the kernel's step size: coefficients of a motion that takes 10⁻¹⁷ units of time stay within
 /// doubles. A power of 2 changes no digit.

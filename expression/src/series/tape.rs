@@ -182,12 +182,12 @@ impl<E: Clone + std::fmt::Debug> TaylorState<E> {
         }
     }
 
-    /// Computes the coefficients of the next order k (0 at the first call) of all nodes, with
-    /// `variable(arithmetic, i)` the k-th coefficient of the variable xᵢ.
+    /// Computes the coefficients of the next order k (0 at the first call) of all nodes. The k-th coefficient of the
+    /// variable xᵢ is `variable(arithmetic, i)`.
     ///
     /// # Errors
-    /// [`AlgebraError`] when a function or quotient has no value at the curve's start, or past a limit
-    /// of the arithmetic.
+    /// Fails with [`AlgebraError`] when a function or quotient has no value at the curve's start. Fails with it, too,
+    /// past a limit of the arithmetic.
     pub fn extend<A: Arithmetic<Element = E>>(
         &mut self,
         tape: &Tape,

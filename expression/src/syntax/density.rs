@@ -11,7 +11,7 @@ use crate::rational::Rational;
 /// f = constant + Σ_i site(i), at one site.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Density {
-    /// What does not depend on the state.
+    /// Part of f that does not depend on the state.
     pub constant: Expression,
     /// The terms of the sums at the site asked for; those that reach outside an open boundary are
     /// left out.
@@ -19,8 +19,8 @@ pub struct Density {
 }
 
 impl Formula {
-    /// The site's share of a formula that is a combination of sums over sites,
-    /// Σ_k c_k sum(i, body_k) + c with coefficients that do not depend on the state.
+    /// The site's share of a formula Σ_k c_k sum(i, body_k) + c. Such a formula is a combination of sums over sites,
+    /// with coefficients that do not depend on the state.
     ///
     /// # Errors
     /// [`SyntaxErrorKind::NotASumOverSites`] for any other form, and those of

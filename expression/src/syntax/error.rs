@@ -1,4 +1,4 @@
-//! What can be wrong with a formula.
+//! Errors of a formula: kind, place and a valid spelling nearby.
 
 use std::fmt;
 use std::ops::Range;
@@ -13,9 +13,9 @@ pub struct SyntaxError {
     /// The byte range of the formula's text that the error is about; empty at the text's end when
     /// something is missing there.
     pub span: Range<usize>,
-    /// What is wrong.
+    /// Kind of the error.
     pub kind: SyntaxErrorKind,
-    /// What could stand in place of the text at `span`.
+    /// Text that could stand in place of that at `span`.
     pub suggestion: Option<String>,
 }
 
@@ -69,15 +69,15 @@ pub enum SyntaxErrorKind {
     /// The text ends too early.
     #[error("the formula ends where {expected} is expected")]
     UnexpectedEnd {
-        /// What should follow.
+        /// Name of the part that should follow.
         expected: &'static str,
     },
     /// Something else stands where one thing is expected.
     #[error("expected {expected}, found `{found}`")]
     Expected {
-        /// What should stand there.
+        /// Name of the part that should stand there.
         expected: &'static str,
-        /// What stands there.
+        /// Text that stands there.
         found: String,
     },
     /// A decimal outside what [`Rational::parse_decimal`](crate::rational::Rational::parse_decimal)

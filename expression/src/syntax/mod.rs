@@ -14,9 +14,9 @@
 //! site    := sum or difference of integers and at most one of: an index name, N
 //! ```
 //!
-//! A name is a word, or two with a point between: `s.x[i]` is the component x of a vector of the family s.
-//! `^` is right associative and binds tighter than the sign: `-x^2` is `-(x^2)`. The names `pi`,
-//! `N` (the length of the longest family), `sum` and those of the functions are reserved.
+//! A name is a word, or two with a point between. Thus `s.x[i]` is the component x of a vector of the family s. The
+//! power sign `^` is right associative and binds tighter than the sign: `-x^2` is `-(x^2)`. The names `pi`, `N` (the
+//! length of the longest family), `sum` and those of the functions are reserved.
 
 mod density;
 mod display;

@@ -12,7 +12,8 @@ use super::tree::{Anchor, Kind, Node};
 pub type Offsets = RangeInclusive<i64>;
 
 impl Formula {
-    /// The offsets of each of the sums over sites that the formula is a combination of, as [`Formula::density`] takes it apart.
+    /// The offsets of each of the sums over sites in a formula that is a combination of these. It is taken apart as by
+    /// [`Formula::density`].
     ///
     /// # Errors
     /// [`SyntaxErrorKind::NotASumOverSites`] for a formula that is no such combination, and those of
@@ -32,11 +33,12 @@ impl Formula {
         Ok(found)
     }
 
-    /// The offsets from a free index, as of an entry of a bracket; `None` where the formula names no member of a family.
+    /// The offsets from a free index, as of an entry of a bracket. Returns `None` where the formula names no member of
+    /// a family.
     ///
     /// # Errors
-    /// [`SyntaxErrorKind::SumInATemplate`] for a sum, [`SyntaxErrorKind::SiteInATemplate`] for a member by its number:
-    /// these couple sites however far they are from each other.
+    /// [`SyntaxErrorKind::SumInATemplate`] for a sum, [`SyntaxErrorKind::SiteInATemplate`] for a member by its number.
+    /// These couple sites however far they are from each other.
     pub fn offsets_from(&self, index: &str) -> Result<Option<Offsets>, SyntaxError> {
         self.offsets_in(index, self.root())
     }

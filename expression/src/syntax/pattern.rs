@@ -78,11 +78,11 @@ impl VariablePattern {
         self.reference.site.map(|site| site.span)
     }
 
-    /// The index in the state of the variable; `None` outside an open boundary.
+    /// Index of the variable in the state; `None` outside an open boundary.
     ///
     /// # Errors
-    /// [`SyntaxError`] when the name is unknown or is a parameter, the index or its absence does
-    /// not fit the name, or a fixed site does not exist.
+    /// [`SyntaxError`] when the name is unknown or is a parameter or definition. Also when the
+    /// index or its absence does not fit the name, or a fixed site does not exist.
     pub fn resolve(
         &self,
         scope: &Scope,

@@ -19,14 +19,14 @@ impl Formula {
     /// The expression that the formula is at one site.
     ///
     /// `index` is the name and the value of the free index. At an open boundary each additive term of a summand of
-    /// `sum(i, …)` that reaches outside by way of `i` is dropped. Terms are those of (a + b)c and (a + b)/c too, where c
-    /// stays inside; a power, a function, and a product of which two factors reach outside, are one term. A formula that
-    /// reaches outside by way of the free index is absent: `Ok(None)`. Quotients and signs of numbers are carried out.
+    /// `sum(i, …)` that reaches outside by way of `i` is dropped. Terms are those of (a + b)c and (a + b)/c too, where
+    /// c stays inside. One term each are a power, a function, and a product of which two factors reach outside. A
+    /// formula that reaches outside by way of the free index is absent: `Ok(None)`. Quotients and signs of numbers are
+    /// carried out.
     ///
     /// # Errors
-    /// [`SyntaxError`] when a name is unknown or misused, a fixed site does not exist, an index
-    /// is used as a number, a constant exponent exceeds [`POWER_LIMIT`], or the sums have more
-    /// than [`TERM_LIMIT`] terms.
+    /// [`SyntaxError`] when a name is unknown or misused, or a fixed site does not exist. Also when an index is used
+    /// as a number, a constant exponent exceeds [`POWER_LIMIT`], or the sums have more than [`TERM_LIMIT`] terms.
     pub fn resolve(
         &self,
         scope: &Scope,

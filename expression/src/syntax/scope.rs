@@ -16,7 +16,7 @@ pub(super) fn is_reserved(name: &str) -> bool {
     matches!(name, PI | LENGTH | SUM) || Function::from_name(name).is_some()
 }
 
-/// What a reference beyond the ends of a family means.
+/// Meaning of a reference beyond the ends of a family.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum Boundary {
     /// Sites count modulo the family's length.
@@ -130,8 +130,8 @@ impl Scope {
     /// Checks that `name` may be given to a variable, a family, a parameter, a definition or an index.
     ///
     /// # Errors
-    /// `InvalidName` when it is not one name, `ReservedName` when it is `pi`, `N`, `sum` or the
-    /// name of a function. The span covers `name`.
+    /// `InvalidName` when it is not one name. Fails with `ReservedName` when it is `pi`, `N`, `sum` or the name of a
+    /// function. The span covers `name`.
     pub fn check_name(name: &str) -> Result<(), SyntaxError> {
         let span = Span {
             start: 0,
@@ -178,7 +178,7 @@ impl Scope {
         self.longest
     }
 
-    /// What the name at `span` of `text` stands for.
+    /// Entry of the scope under the name at `span` of `text`.
     pub(super) fn entry(&self, text: &str, span: Span) -> Result<Entry, SyntaxError> {
         let name = span.of(text);
         self.entries.get(name).copied().ok_or_else(|| {
@@ -206,7 +206,7 @@ pub(super) fn find<'a>(bound: Option<&'a Bound<'a>>, name: &str) -> Option<&'a B
     std::iter::successors(bound, |inner| inner.outer).find(|index| index.name == name)
 }
 
-/// What a reference leads to.
+/// Target of a reference.
 pub(super) enum Place {
     /// The state variable of this index.
     Variable(usize),
@@ -219,7 +219,7 @@ pub(super) enum Place {
 }
 
 impl Scope {
-    /// What `reference`, whose name is not an index, leads to.
+    /// Target of `reference`, whose name is not an index.
     pub(super) fn place(
         &self,
         text: &str,

@@ -23,7 +23,7 @@ impl Span {
     }
 }
 
-/// What an index is counted from.
+/// Origin from which an index is counted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Anchor {
     /// The first member: `x[3]`.

@@ -16,8 +16,8 @@ impl Formula {
     /// domain the value is NaN or infinite.
     ///
     /// # Errors
-    /// [`SyntaxError`] when a name is unknown or is a state variable, when `parameters` lacks a
-    /// value, or when the sums have more than [`TERM_LIMIT`](super::TERM_LIMIT) terms.
+    /// [`SyntaxError`] when a name is unknown or is a state variable, or when `parameters` lacks a
+    /// value. Also when the sums have more than [`TERM_LIMIT`](super::TERM_LIMIT) terms.
     pub fn value(
         &self,
         scope: &Scope,

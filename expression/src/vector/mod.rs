@@ -1,9 +1,9 @@
 //! Code compiled once for each instruction set, the widest chosen at run time.
 //!
-//! Plain loops over lanes (`Work`) are compiled for the baseline, for AVX2 and for AVX-512 from
-//! one source; what a compiler does not turn into vector instructions by itself is written over a
-//! [`Register`]. A product and a sum are fused where the source says so and nowhere else, so the bits are
-//! the same everywhere; only the number of lanes that ride together differs.
+//! Plain loops over lanes (`Work`) are compiled for the baseline, for AVX2 and for AVX-512 from one source. Code that
+//! a compiler does not turn into vector instructions by itself is written over a [`Register`]. A product and a sum are
+//! fused where the source says so and nowhere else. So the bits are the same everywhere; only the number of lanes that
+//! ride together differs.
 
 #![allow(
     unsafe_code,
@@ -127,7 +127,7 @@ pub(crate) struct InstructionSet(Kind);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
-    /// What every machine of the target has.
+    /// Instructions that every machine of the target has.
     Baseline,
     /// 256-bit registers and fused products.
     #[cfg(target_arch = "x86_64")]

@@ -48,7 +48,7 @@ impl Tape {
         self.operations.into_inner()
     }
 
-    /// What the formula's argument was asked for: to have a number below a bound.
+    /// Condition on the formula's argument: a number, and the bound that it must be below.
     pub(crate) fn limit(&self) -> Option<(Number, f64)> {
         self.limit.get()
     }

@@ -1,12 +1,14 @@
-//! Is a random scene's result right, refused, warned of, or silently wrong?
+//! Verdict on the result of a random scene: right, refused, warned of, or silently wrong.
 //!
-//! A result is *confirmed* when an independent solution agrees with it, or when its error against that
-//! solution is part of the motion only and falls as the step is halved up to six times (of an adaptive
-//! stepper: the tolerance). Where it is not, the program must have refused, failed or warned; where the motion
-//! is too stiff for that solution, or it does not keep the energy, the halved steps confirm it. A small error from a
-//! place that the motion passes within less than a 64th of a step is *unresolved*: no halved step sees it; so
-//! is a gross one where such a place, a wall, is reached a little earlier or later. Whoever promises a Poisson map keeps the Casimirs and, where
-//! the tensor does, the signs.
+//! A result is *confirmed* when an independent solution agrees with it. It is so too when its error against that
+//! solution is part of the motion only and falls as the step is halved up to six times. For an adaptive stepper the
+//! tolerance is lowered instead. Where a result is not confirmed, the program must have refused, failed or warned.
+//! Where the motion is too stiff for that solution, or that solution does not keep the energy, the halved steps confirm
+//! the result.
+//!
+//! A small error from a place that the motion passes within less than a 64th of a step is *unresolved*: no halved step
+//! sees it. A gross error is unresolved where such a place, a wall, is reached a little earlier or later. Whoever
+//! promises a Poisson map keeps the Casimirs and, where the tensor does, the signs.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -19,7 +21,7 @@ use crate::dual::Dual;
 use crate::reference::{Solution, solution};
 use crate::scene::{RandomScene, STEPS};
 
-/// What became of a scene; each with its kind.
+/// Outcome of a random scene, judged; each with its kind.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Verdict {
     /// Refused before the first step.
@@ -45,7 +47,8 @@ const TOLERANCES: f64 = 1e3;
 /// An error above this part of the motion is gross: the step says nothing of the flow.
 const GROSS: f64 = 0.5;
 
-/// What an error falls by at least over two halvings: of order 1, the lowest there is, by 4.
+/// Largest ratio of an error to the one two halvings before, for an error that falls: order 1, the lowest there is,
+/// gives 1/4.
 const FALLS: f64 = 0.4;
 
 /// How often steps are halved.
@@ -58,7 +61,7 @@ const UNRESOLVED: f64 = 1e-3;
 /// little earlier or later.
 const EARLIER: f64 = 0.05;
 
-/// What a promised Casimir, or the energy of an independent solution, may drift by, relative to its terms.
+/// Largest drift of a promised Casimir, or of the energy of an independent solution, relative to its terms.
 const DRIFT: f64 = 1e-9;
 
 /// Judges a scene; a panic is suspicious.
@@ -100,7 +103,8 @@ fn judged(scene: &RandomScene, registry: &Registry) -> Verdict {
     }
 }
 
-/// What the program itself says of a result that is in doubt.
+/// Runs a scene whose result is in doubt, and gives the verdict by the program's own report: refused, failed, warned
+/// of, or suspicious with the `doubt`.
 fn reported(
     document: &SceneDocument,
     composed: &ComposedRun,
@@ -285,7 +289,7 @@ fn keeps_energy(scene: &RandomScene, states: &[Vec<f64>]) -> bool {
     drifts.all(|drift| drift <= DRIFT * size)
 }
 
-/// What a projection onto the energy of `scene` moves a coordinate by where the energy has its round-off, relative to
+/// Change of a coordinate by a projection onto the energy of `scene` where the energy has its round-off, relative to
 /// the coordinate: δH over Σ |x_i ∂H/∂x_i|. It is large where a constant outweighs what moves.
 fn projected(scene: &RandomScene, x: &[f64]) -> f64 {
     if !scene.text.contains("name = \"projection\"") {
@@ -303,8 +307,8 @@ fn terms(dual: &Dual, x: &[f64]) -> f64 {
     terms.sum::<f64>() + dual.value().abs()
 }
 
-/// Whether the last of errors of steps halved again and again is small, or has fallen over two halvings and
-/// below the first, which may happen to be small, or over four.
+/// Whether the errors of steps halved again and again fall. The last one is small, or has fallen over four halvings; or
+/// it has fallen over two and below the first, which may happen to be small.
 fn falls(errors: &[f64]) -> bool {
     if let Some([before, .., last]) = errors.last_chunk::<5>()
         && *last <= FALLS * FALLS * before

@@ -1,6 +1,6 @@
 //! Checks of the program on inputs made from bytes: the same for fuzzers and for property tests.
 //!
-//! Each of these modules has a `check(bytes)` that returns what went wrong, with the input:
+//! Each of these modules has a `check(bytes)` that returns the failure, with the input:
 //!
 //! - [`formulas`]: values and gradients against dual numbers;
 //! - [`kernels`]: interpreter, machine code and lanes, to the bit;
@@ -16,7 +16,8 @@
 //! - [`tree`]: formulas; [`dual`]: their values and gradients with error bounds;
 //! - [`tensor`], [`method`], [`scene`]: brackets, methods and whole scenes.
 //!
-//! [`judge`] tells of a random scene whether its result is right, by the independent solution of [`mod@reference`].
+//! The function [`judge`](judge::judge) tells whether the result of a random scene is right, by the independent
+//! solution of [`mod@reference`].
 
 use std::sync::Mutex;
 

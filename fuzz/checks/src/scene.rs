@@ -24,7 +24,8 @@ pub struct RandomScene {
     pub time_step: f64,
     /// The tolerance of its stepper, 0 where it has none.
     pub tolerance: f64,
-    /// What the coordinates of the text are in units of those here, as its time is in units of `second`: powers of two.
+    /// Units of the coordinates: those of the text are these times the coordinates here, as its time is `second` times
+    /// the time here. Powers of two.
     pub units: Vec<f64>,
     /// The unit of the text's time.
     pub second: f64,

@@ -35,7 +35,7 @@ impl<'a> Source<'a> {
         self.bytes.is_empty()
     }
 
-    /// What is not read yet.
+    /// The bytes that are not read yet.
     pub fn rest(self) -> &'a [u8] {
         self.bytes
     }

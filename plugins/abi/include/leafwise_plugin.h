@@ -151,9 +151,9 @@ typedef struct LwCreate LwCreate;
 // other value means `LW_ERROR`.
 typedef int32_t LwStatus;
 
-// Where a failing call says why. The caller owns it and its text buffer, sets `struct_size`,
-// `capacity` and `message`, an empty text, `point` = -1 and `ratio` = 0; the callee writes to it
-// only when it returns a status other than `LW_OK`, and keeps no pointer to it.
+// Place where a failing call says why. The caller owns it and its text buffer, and sets
+// `struct_size`, `capacity`, `message` to an empty text, `point` = -1 and `ratio` = 0. The callee
+// writes to it only when it returns a status other than `LW_OK`, and keeps no pointer to it.
 //
 // Never NULL in calls of the host to a plugin; a plugin that calls the host may pass NULL.
 typedef struct LwError {
@@ -211,8 +211,8 @@ typedef struct LwOutput {
 // One batched evaluation of a map at `count` points. The caller owns the struct and every buffer.
 //
 // Each function says which inputs it takes, their dimensions and that of its output. A function
-// with several results writes them contiguously; matrices are row-major, so that entry
-// (r, c) of an R × C matrix at offset o is coordinate o + r C + c.
+// with several results writes them contiguously. Matrices are row-major: entry (r, c) of an R × C
+// matrix at offset o is coordinate o + r C + c.
 typedef struct LwMapCall {
     // Bytes of this struct known to the caller.
     uint32_t struct_size;
@@ -259,7 +259,7 @@ typedef struct LwSetting {
     const char *text;
 } LwSetting;
 
-// What a part promises for given parameters.
+// Order, structure and flags that a part promises for given parameters.
 typedef struct LwProperties {
     // Bytes of this struct known to the host.
     uint32_t struct_size;
@@ -277,8 +277,8 @@ typedef struct LwLifecycle {
     // Required. A part without state may leave NULL there.
     //
     // The host makes one instance for each thread that needs one and for each set of parameter
-    // values. `LW_UNSUPPORTED`: the part does not serve this system, dimension or parameter.
-    // *Threads*: any, also while other instances are made or called.
+    // values. A return of `LW_UNSUPPORTED` says that the part does not serve this system,
+    // dimension or parameter. *Threads*: any, also while other instances are made or called.
     LwStatus (*create)(const struct LwCreate *args, void **instance, struct LwError *err);
     // Ends an instance: frees all that `create` and the calls made. Required. Called once, never
     // after `LW_FATAL`. *Threads*: any, after the last call on the instance has returned.
@@ -330,12 +330,13 @@ typedef struct LwSystem {
     LwMapFn hessian;
 } LwSystem;
 
-// The host's Poisson system with its parameters fixed, for a part to call. The host owns it; it is
+// The host's Poisson system with its parameters fixed, for a part to call. The host owns it. It is
 // valid from `create` until the instance's `destroy` returns.
 //
-// *Threads*: call it only during a call of the host on the instance it was given to (`create` and
-// `destroy` included), and on the same thread. A part that is `LW_FLAG_SHAREABLE` may do so from
-// several such calls at once. A status other than `LW_OK` is to be returned to the host.
+// *Threads*: call it only during a call of the host on the instance it was given to. That includes
+// `create` and `destroy`. Call it on the same thread as that call. A part that is
+// `LW_FLAG_SHAREABLE` may do so from several such calls at once. A status other than `LW_OK` is to
+// be returned to the host.
 typedef struct LwHostSystem {
     // Bytes of this struct known to the host.
     uint32_t struct_size;
@@ -350,7 +351,7 @@ typedef struct LwHostSystem {
 
 // Functions of realization data (S, ω, α̂_ε, β̂_ε, σ) of (M, επ): `LW_KIND_REALIZATION`.
 //
-// α̂ is a Poisson map and β̂ anti-Poisson, exactly or to the declared order n in ε, and
+// The map α̂ is a Poisson map and β̂ anti-Poisson, exactly or to the declared order n in ε, and
 // α̂∘σ = β̂∘σ = id. Points z of S are flat vectors of d_S coordinates. In a cotangent chart
 // (`LW_FLAG_COTANGENT_CHART`) z = (x, p) with d_S = 2 d, {x_i, p_j} = δ_ij and σ(x) = (x, 0).
 //
@@ -373,10 +374,10 @@ typedef struct LwRealization {
     // σ(x); `point` = x in M (d); output d_S. NULL means (x, 0), which needs
     // `LW_FLAG_COTANGENT_CHART`.
     LwMapFn sigma;
-    // The two ends without cancellation: a base point near both (x, in a chart), β̂ − base, and
-    // α̂ − β̂, the latter two formed directly and not as differences of the ends; output 3 d. Optional:
-    // without it the host takes β̂, 0 and the difference α̂ − β̂, at the cost of a few units of
-    // round-off a step.
+    // The two ends without cancellation: a base point near both (x, in a chart), β̂ − base, and α̂
+    // − β̂; output 3 d. The latter two are formed directly and not as differences of the ends.
+    // Optional: without it the host takes β̂, 0 and the difference α̂ − β̂, at the cost of a few
+    // units of round-off a step.
     LwMapFn ends;
     // Dα̂(z); output d × d_S. Optional: collective integrators and Newton's method need it.
     LwMapFn alpha_jacobian;
@@ -389,8 +390,8 @@ typedef struct LwRealization {
     // Optional: without it a point is inside unless a map says `LW_DISCARD`.
     LwMapFn domain;
     // The symplectic chart χ(x, p) of S about σ, χ(x, 0) = σ(x), for S whose points are not pairs
-    // (x, p); `point` = x and `v` = p in ℝᵈ each; output d_S. Optional: generating functions need
-    // it, or `LW_FLAG_COTANGENT_CHART`.
+    // (x, p). Inputs `point` = x and `v` = p in ℝᵈ each; output d_S. Optional: generating
+    // functions need it, or `LW_FLAG_COTANGENT_CHART`.
     LwMapFn chart;
     // Dχ(x, p); inputs as `chart`; output d_S × 2 d, the columns of x first. Optional, beside
     // `chart`.
@@ -416,8 +417,9 @@ typedef struct LwHostRealization {
     const struct LwRealization *functions;
 } LwHostRealization;
 
-// What an instance is made of. The host owns it; it and its strings are valid during the call only,
-// but `system` and `realization` point to what stays valid until the instance's `destroy` returns.
+// Arguments of `create` and `properties`: dimension, parameters, and the system and realization to
+// serve. The host owns the struct. It and its strings are valid during the call only, but `system`
+// and `realization` point to objects that stay valid until the instance's `destroy` returns.
 typedef struct LwCreate {
     // Bytes of this struct known to the host.
     uint32_t struct_size;
@@ -444,10 +446,10 @@ typedef struct LwCreate {
 // y ↦ L_{ε,h}(y) of S that approximates φ_h^{α_ε^*H}(σ(M)) to order m in h; the host solves
 // β̂(L(y)) = x_k and returns α̂(L(y)).
 //
-// Exactly one of `one_form`, `embedding` and `flow` is present. Maps read `epsilon`, `h` and `point`
-// = y in M (d coordinates), `flow` z in S. `LwCreate` holds both the system and the realization,
-// which is that of the whole method. Threads: every function as `LwMapFn` says, no two calls on one
-// instance at once unless `LW_FLAG_SHAREABLE`.
+// Exactly one of `one_form`, `embedding` and `flow` is present. Maps read `epsilon`, `h` and
+// `point` = y in M (d coordinates), `flow` z in S. The struct `LwCreate` holds both the system and
+// the realization, which is that of the whole method. Threads: every function as `LwMapFn` says,
+// no two calls on one instance at once unless `LW_FLAG_SHAREABLE`.
 typedef struct LwDynamics {
     // Bytes of this struct known to its author.
     uint32_t struct_size;
@@ -497,18 +499,19 @@ typedef struct LwStepMap {
 // One formula of a part, in the syntax of a scene. Frozen for ABI 1.
 //
 // With formulas all works for a part that works for a built-in one: exact derivatives, series,
-// Hamilton–Jacobi of any order. A key is a name, or a name, a dot and the rest:
+// Hamilton–Jacobi of any order. A key is a name, or a name, a dot and the rest. The keys of each
+// kind:
 //
-// - *System*: the keys of a scene's `[system]` table. `variables`: names separated by commas;
-//   `families.NAME`: a length; `bracket.x1,x2`: the formula of {x1, x2}; `bracket.lie-algebra`: a
-//   name; `hamiltonian`; `casimirs.NAME`; `convention`: `{H,x}` (the default) or `{x,H}`;
-//   `boundary`: `periodic` or `open`. Formulas use the variables and the part's numeric parameters;
-//   `LwPart.parameters` holds their defaults.
+// - *System*: the keys of a scene's `[system]` table. They are `variables`: names separated by
+//   commas; `families.NAME`: a length; `bracket.x1,x2`: the formula of {x1, x2};
+//   `bracket.lie-algebra`: a name; `hamiltonian`; `casimirs.NAME`. And `convention`: `{H,x}` (the
+//   default) or `{x,H}`; `boundary`: `periodic` or `open`. Formulas use the variables and the
+//   part's numeric parameters. Their defaults stand in `LwPart.parameters`.
 // - *Realization* in a cotangent chart: `alpha.1` … `alpha.d`, formulas of x1 … xd, p1 … pd and
-//   `epsilon`; `beta.1` … `beta.d`, absent where β̂(x, p) = α̂(x, −p); `domain`, absent where it
-//   holds everywhere: less than 1 inside.
-// - *Dynamic approximation*: `S.1`, `S.3`, …: the coefficients S_l(x) of the generating function
-//   Ŝ_{ε,h} = Σ_l ε^{l−1} hˡ S_l, l odd, formulas of x1 … xd.
+//   `epsilon`. Further `beta.1` … `beta.d`, absent where β̂(x, p) = α̂(x, −p). Then `domain`,
+//   absent where it holds everywhere: less than 1 inside.
+// - *Dynamic approximation*: `S.1`, `S.3`, …, formulas of x1 … xd. These are the coefficients
+//   S_l(x), l odd, of the generating function. Its formula is Ŝ_{ε,h} = Σ_l ε^{l−1} hˡ S_l.
 // - *Step map*: `increment.1` … `increment.d`: Φ(x) − x, formulas of x1 … xd, `epsilon` and `h`.
 //
 // Realizations, dynamic approximations and step maps name the variables x1, x2, … whatever the
@@ -524,7 +527,7 @@ typedef struct LwExpression {
 typedef struct LwParameter {
     // Its name in a scene: a letter, then letters, digits, `_`.
     const char *name;
-    // What it means and what is allowed, in one line.
+    // Its meaning and its allowed values, in one line.
     const char *summary;
     // Its default as a JSON literal, which is also its type: `4` is a whole number, `4.0` or `1e-3`
     // a number, `"none"` a word. Decimal literals stay exact in formulas.
@@ -542,9 +545,9 @@ typedef struct LwPart {
     uint32_t kind;
     // Its name in a scene, `vendor/name`: lower-case letters, digits, `-`, and one `/`. Required.
     const char *id;
-    // What it is, in one line. Required.
+    // A description of the part, in one line. Required.
     const char *summary;
-    // What it promises, in words: order, exactness, symmetry. Optional.
+    // Its promises, in words: order, exactness, symmetry. Optional.
     const char *declares;
     // Where it is defined, in words: states, tensors, step sizes. Optional.
     const char *domain;
@@ -576,8 +579,8 @@ typedef struct LwPart {
     uint32_t reserved;
 } LwPart;
 
-// What the entry function returns: constant data that lives until the process ends. Its first 24
-// bytes, up to `part_count`, are the same in every version.
+// The plugin's list of parts, returned by the entry function: constant data that lives until the
+// process ends. Its first 24 bytes, up to `part_count`, are the same in every version.
 typedef struct LwEntry {
     // `LW_MAGIC`, the letters LEAFWISE.
     uint8_t magic[8];
@@ -600,7 +603,7 @@ typedef struct LwEntry {
     const char *version;
     // Its licence, as an SPDX expression. Optional.
     const char *license;
-    // What it was built with, for reports. Optional.
+    // The compiler or toolchain that built it, for reports. Optional.
     const char *toolchain;
 } LwEntry;
 

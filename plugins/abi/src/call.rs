@@ -45,8 +45,8 @@ pub struct LwOutput {
 /// One batched evaluation of a map at `count` points. The caller owns the struct and every buffer.
 ///
 /// Each function says which inputs it takes, their dimensions and that of its output. A function
-/// with several results writes them contiguously; matrices are row-major, so that entry
-/// (r, c) of an R × C matrix at offset o is coordinate o + r C + c.
+/// with several results writes them contiguously. Matrices are row-major: entry (r, c) of an R × C
+/// matrix at offset o is coordinate o + r C + c.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct LwMapCall {

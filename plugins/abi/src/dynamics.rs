@@ -7,10 +7,10 @@ use crate::instance::LwLifecycle;
 /// y ↦ L_{ε,h}(y) of S that approximates φ_h^{α_ε^*H}(σ(M)) to order m in h; the host solves
 /// β̂(L(y)) = x_k and returns α̂(L(y)).
 ///
-/// Exactly one of `one_form`, `embedding` and `flow` is present. Maps read `epsilon`, `h` and `point`
-/// = y in M (d coordinates), `flow` z in S. `LwCreate` holds both the system and the realization,
-/// which is that of the whole method. Threads: every function as `LwMapFn` says, no two calls on one
-/// instance at once unless `LW_FLAG_SHAREABLE`.
+/// Exactly one of `one_form`, `embedding` and `flow` is present. Maps read `epsilon`, `h` and
+/// `point` = y in M (d coordinates), `flow` z in S. The struct `LwCreate` holds both the system and
+/// the realization, which is that of the whole method. Threads: every function as `LwMapFn` says,
+/// no two calls on one instance at once unless `LW_FLAG_SHAREABLE`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct LwDynamics {

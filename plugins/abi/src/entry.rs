@@ -17,8 +17,8 @@ pub const LW_ENTRY_SYMBOL: &CStr = c"leafwise_plugin_entry_v1";
 /// The name of any major version's entry function, without the major version.
 pub const LW_ENTRY_SYMBOL_STEM: &str = "leafwise_plugin_entry_v";
 
-/// What the entry function returns: constant data that lives until the process ends. Its first 24
-/// bytes, up to `part_count`, are the same in every version.
+/// The plugin's list of parts, returned by the entry function: constant data that lives until the
+/// process ends. Its first 24 bytes, up to `part_count`, are the same in every version.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct LwEntry {
@@ -43,7 +43,7 @@ pub struct LwEntry {
     pub version: *const c_char,
     /// Its licence, as an SPDX expression. Optional.
     pub license: *const c_char,
-    /// What it was built with, for reports. Optional.
+    /// The compiler or toolchain that built it, for reports. Optional.
     pub toolchain: *const c_char,
 }
 

@@ -31,8 +31,9 @@ pub struct LwSetting {
     pub text: *const c_char,
 }
 
-/// What an instance is made of. The host owns it; it and its strings are valid during the call only,
-/// but `system` and `realization` point to what stays valid until the instance's `destroy` returns.
+/// Arguments of `create` and `properties`: dimension, parameters, and the system and realization to
+/// serve. The host owns the struct. It and its strings are valid during the call only, but `system`
+/// and `realization` point to objects that stay valid until the instance's `destroy` returns.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct LwCreate {
@@ -57,7 +58,7 @@ pub struct LwCreate {
     pub realization: *const LwHostRealization,
 }
 
-/// What a part promises for given parameters.
+/// Order, structure and flags that a part promises for given parameters.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct LwProperties {
@@ -79,8 +80,8 @@ pub struct LwLifecycle {
     /// Required. A part without state may leave NULL there.
     ///
     /// The host makes one instance for each thread that needs one and for each set of parameter
-    /// values. `LW_UNSUPPORTED`: the part does not serve this system, dimension or parameter.
-    /// *Threads*: any, also while other instances are made or called.
+    /// values. A return of `LW_UNSUPPORTED` says that the part does not serve this system,
+    /// dimension or parameter. *Threads*: any, also while other instances are made or called.
     pub create: Option<
         unsafe extern "C" fn(
             args: *const LwCreate,
@@ -103,12 +104,13 @@ pub struct LwLifecycle {
     >,
 }
 
-/// The host's Poisson system with its parameters fixed, for a part to call. The host owns it; it is
+/// The host's Poisson system with its parameters fixed, for a part to call. The host owns it. It is
 /// valid from `create` until the instance's `destroy` returns.
 ///
-/// *Threads*: call it only during a call of the host on the instance it was given to (`create` and
-/// `destroy` included), and on the same thread. A part that is `LW_FLAG_SHAREABLE` may do so from
-/// several such calls at once. A status other than `LW_OK` is to be returned to the host.
+/// *Threads*: call it only during a call of the host on the instance it was given to. That includes
+/// `create` and `destroy`. Call it on the same thread as that call. A part that is
+/// `LW_FLAG_SHAREABLE` may do so from several such calls at once. A status other than `LW_OK` is to
+/// be returned to the host.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct LwHostSystem {
@@ -189,7 +191,7 @@ pub struct LwSystem {
 
 /// Functions of realization data (S, ω, α̂_ε, β̂_ε, σ) of (M, επ): `LW_KIND_REALIZATION`.
 ///
-/// α̂ is a Poisson map and β̂ anti-Poisson, exactly or to the declared order n in ε, and
+/// The map α̂ is a Poisson map and β̂ anti-Poisson, exactly or to the declared order n in ε, and
 /// α̂∘σ = β̂∘σ = id. Points z of S are flat vectors of d_S coordinates. In a cotangent chart
 /// (`LW_FLAG_COTANGENT_CHART`) z = (x, p) with d_S = 2 d, {x_i, p_j} = δ_ij and σ(x) = (x, 0).
 ///
@@ -214,10 +216,10 @@ pub struct LwRealization {
     /// σ(x); `point` = x in M (d); output d_S. NULL means (x, 0), which needs
     /// `LW_FLAG_COTANGENT_CHART`.
     pub sigma: LwMapFn,
-    /// The two ends without cancellation: a base point near both (x, in a chart), β̂ − base, and
-    /// α̂ − β̂, the latter two formed directly and not as differences of the ends; output 3 d. Optional:
-    /// without it the host takes β̂, 0 and the difference α̂ − β̂, at the cost of a few units of
-    /// round-off a step.
+    /// The two ends without cancellation: a base point near both (x, in a chart), β̂ − base, and α̂
+    /// − β̂; output 3 d. The latter two are formed directly and not as differences of the ends.
+    /// Optional: without it the host takes β̂, 0 and the difference α̂ − β̂, at the cost of a few
+    /// units of round-off a step.
     pub ends: LwMapFn,
     /// Dα̂(z); output d × d_S. Optional: collective integrators and Newton's method need it.
     pub alpha_jacobian: LwMapFn,
@@ -230,8 +232,8 @@ pub struct LwRealization {
     /// Optional: without it a point is inside unless a map says `LW_DISCARD`.
     pub domain: LwMapFn,
     /// The symplectic chart χ(x, p) of S about σ, χ(x, 0) = σ(x), for S whose points are not pairs
-    /// (x, p); `point` = x and `v` = p in ℝᵈ each; output d_S. Optional: generating functions need
-    /// it, or `LW_FLAG_COTANGENT_CHART`.
+    /// (x, p). Inputs `point` = x and `v` = p in ℝᵈ each; output d_S. Optional: generating
+    /// functions need it, or `LW_FLAG_COTANGENT_CHART`.
     pub chart: LwMapFn,
     /// Dχ(x, p); inputs as `chart`; output d_S × 2 d, the columns of x first. Optional, beside
     /// `chart`.

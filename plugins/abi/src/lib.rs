@@ -2,35 +2,35 @@
 //!
 //! A plugin is a shared library with one exported function, `leafwise_plugin_entry_v1`, which
 //! returns an [`LwEntry`]: a list of [`LwPart`]s. A part is a system ([`LwSystem`]), a realization
-//! ([`LwRealization`]), a dynamic approximation ([`LwDynamics`]) or a step map ([`LwStepMap`]); it
-//! comes as numbers (a table of batched functions), as expressions ([`LwExpression`]) or as both.
-//! The same layout in C is `include/leafwise_plugin.h`, generated from this crate.
+//! ([`LwRealization`]), a dynamic approximation ([`LwDynamics`]) or a step map ([`LwStepMap`]). Its
+//! values come as numbers (a table of batched functions), as expressions ([`LwExpression`]) or as
+//! both. The same layout in C is `include/leafwise_plugin.h`, generated from this crate.
 //!
 //! # Rules
 //!
 //! - **Growth.** A minor version only appends fields. A struct that starts with `struct_size` says
-//!   how many of its bytes its writer knows; the reader copies the smaller of that and its own size
-//!   into zeroed memory, so that a field the writer does not know is NULL or 0. Structs without
-//!   `struct_size`, and [`LwLifecycle`], which stands inside others, are frozen for ABI 1.
-//!   [`LwEntry::abi_minor`] is the lowest minor version the plugin needs of its host.
-//! - **NULL.** Every function field may be NULL; "required" means that the host refuses the part
-//!   otherwise. Reserved fields are 0. Unknown flag bits are ignored, an unknown status is
-//!   [`LW_ERROR`].
+//!   how many of its bytes its writer knows. The reader copies the smaller of that and its own size
+//!   into zeroed memory: a field the writer does not know is NULL or 0. Structs without
+//!   `struct_size`, and [`LwLifecycle`], which stands inside others, are frozen for ABI 1. The
+//!   field [`LwEntry::abi_minor`] is the lowest minor version the plugin needs of its host.
+//! - **NULL.** Function fields may be NULL. The host refuses a part without one that is "required".
+//!   Reserved fields are 0. Unknown flag bits are ignored, an unknown status is [`LW_ERROR`].
 //! - **Strings** are UTF-8 with a NUL at the end. Those reachable from [`LwEntry`] live until the
 //!   process ends.
 //! - **Memory.** Nothing is allocated on one side and freed on the other. The caller owns every
-//!   buffer of a call, and the callee keeps no pointer into it; inputs and output do not overlap.
-//! - **Purity.** A map's result depends on the instance and on the point alone: not on earlier
-//!   calls, nor on which other points share the batch. The same point gives the same bits.
+//!   buffer of a call. The callee keeps no pointer into it. Inputs and output do not overlap.
+//! - **Purity.** A map's result depends on the instance and on the point alone. It does not depend
+//!   on earlier calls, nor on which other points share the batch. The same point gives the same
+//!   bits.
 //! - **Threads.** No two calls on one instance overlap in time, unless the part is declared
-//!   [`LW_FLAG_SHAREABLE`]; consecutive calls may come from different threads; different instances
-//!   are made, called and destroyed in parallel. What a call needs therefore lies in its instance or on
-//!   the stack, not in static memory (C's `static`, Fortran's SAVE and COMMON). A plugin starts no
-//!   threads of its own by default.
+//!   [`LW_FLAG_SHAREABLE`]. Consecutive calls may come from different threads. Different instances
+//!   are made, called and destroyed in parallel. What a call needs therefore lies in its instance
+//!   or on the stack, not in static memory (C's `static`, Fortran's SAVE and COMMON). A plugin
+//!   starts no threads of its own by default.
 //! - **Process.** A plugin leaves floating-point control registers, locale, signal handlers and
-//!   panic hook as they were, does not call `exit`, and lets no exception or panic out. It is never
-//!   unloaded.
-//! - **Units.** Numbers are doubles in the units of the scene. Π_ij = {x_i, x_j} and
+//!   panic hook as they were. It does not call `exit`, and lets no exception or panic out. It is
+//!   never unloaded.
+//! - **Units.** Numbers are doubles in the units of the scene. The signs are Π_ij = {x_i, x_j} and
 //!   ẋ = {H, x} = −Π ∇H, whatever convention a part's expressions use.
 #![no_std]
 

@@ -1,4 +1,4 @@
-//! What a part declares, readable before any instance exists.
+//! Declaration of a part, readable before any instance exists.
 
 use core::ffi::{c_char, c_void};
 
@@ -44,7 +44,7 @@ pub const LW_STRUCTURE_EXACT: i32 = -1;
 pub struct LwParameter {
     /// Its name in a scene: a letter, then letters, digits, `_`.
     pub name: *const c_char,
-    /// What it means and what is allowed, in one line.
+    /// Its meaning and its allowed values, in one line.
     pub summary: *const c_char,
     /// Its default as a JSON literal, which is also its type: `4` is a whole number, `4.0` or `1e-3`
     /// a number, `"none"` a word. Decimal literals stay exact in formulas.
@@ -64,9 +64,9 @@ pub struct LwPart {
     pub kind: u32,
     /// Its name in a scene, `vendor/name`: lower-case letters, digits, `-`, and one `/`. Required.
     pub id: *const c_char,
-    /// What it is, in one line. Required.
+    /// A description of the part, in one line. Required.
     pub summary: *const c_char,
-    /// What it promises, in words: order, exactness, symmetry. Optional.
+    /// Its promises, in words: order, exactness, symmetry. Optional.
     pub declares: *const c_char,
     /// Where it is defined, in words: states, tensors, step sizes. Optional.
     pub domain: *const c_char,

@@ -27,9 +27,9 @@ pub const LW_FATAL: i32 = -2;
 /// instance: asking again gives the same answer.
 pub const LW_UNSUPPORTED: i32 = -3;
 
-/// Where a failing call says why. The caller owns it and its text buffer, sets `struct_size`,
-/// `capacity` and `message`, an empty text, `point` = -1 and `ratio` = 0; the callee writes to it
-/// only when it returns a status other than `LW_OK`, and keeps no pointer to it.
+/// Place where a failing call says why. The caller owns it and its text buffer, and sets
+/// `struct_size`, `capacity`, `message` to an empty text, `point` = -1 and `ratio` = 0. The callee
+/// writes to it only when it returns a status other than `LW_OK`, and keeps no pointer to it.
 ///
 /// Never NULL in calls of the host to a plugin; a plugin that calls the host may pass NULL.
 #[repr(C)]

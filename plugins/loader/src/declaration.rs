@@ -1,4 +1,4 @@
-//! What a plugin declares, copied out of the library and checked.
+//! Declaration of a plugin, copied out of the library and checked.
 
 pub use leafwise_core::part::Dimensions;
 
@@ -11,7 +11,7 @@ use leafwise_plugin_abi::{
     LwLifecycle, LwRealization, LwStepMap, LwSystem,
 };
 
-/// What a library offers.
+/// Declaration of a plugin: its name, version, licence and parts.
 #[derive(Clone, Debug)]
 pub struct PluginDeclaration {
     /// The plugin's own name, the vendor of its parts' ids.
@@ -20,7 +20,7 @@ pub struct PluginDeclaration {
     pub version: String,
     /// Its licence, where it states one.
     pub license: Option<String>,
-    /// What it was built with, where it says so.
+    /// The compiler or toolchain that built it, where it says so.
     pub toolchain: Option<String>,
     /// The interface it needs, as `major.minor`.
     pub abi: String,
@@ -28,7 +28,7 @@ pub struct PluginDeclaration {
     pub parts: Vec<PartDeclaration>,
 }
 
-/// What a part says of itself before any instance exists.
+/// Declaration of a part, read before any instance exists.
 #[derive(Clone, Debug)]
 pub struct PartDeclaration {
     /// Id, kind, texts and parameters.
@@ -39,7 +39,7 @@ pub struct PartDeclaration {
     pub structure: i32,
     /// The dimensions it serves.
     pub dimensions: Dimensions,
-    /// What it promises.
+    /// Its promises.
     pub flags: Flags,
     /// Its formulas as pairs of key and text; none where it is numbers alone.
     pub formulas: Vec<(String, String)>,
@@ -89,7 +89,7 @@ impl PartDeclaration {
         }
     }
 
-    /// What it says of itself, for as long as the program runs.
+    /// Its description as registered, leaked so that it lives as long as the program runs.
     pub(crate) fn info(&self) -> &'static PartInfo {
         const WORDS: &[&str] = &ValuePath::WORDS;
         let words = match self.paths() {
@@ -158,7 +158,7 @@ impl Flags {
     }
 }
 
-/// What is wrong with the promises of a part of this kind, if anything.
+/// Contradiction in the promises of a part of this kind, in words; `None` where there is none.
 pub(crate) fn broken_promise(
     kind: PartKind,
     order: i32,

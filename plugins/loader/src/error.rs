@@ -97,9 +97,9 @@ pub enum Refusal {
     /// A shared library for another kind of machine.
     #[error("a library for {found}, and this program is one for {host}; build it for this machine")]
     Machine {
-        /// What the file is for.
+        /// The machine that the file is for.
         found: String,
-        /// What the program is for.
+        /// The machine that the program is for.
         host: String,
     },
     /// Another file than the one that was meant.
@@ -118,7 +118,7 @@ pub enum Refusal {
     SideFile {
         /// The side file.
         file: PathBuf,
-        /// What is wrong.
+        /// The problem: why the side file cannot be used.
         message: String,
     },
     /// The probe's process could not be started.
@@ -199,13 +199,13 @@ pub enum Refusal {
     /// A pointer that cannot point to what it should.
     #[error("{what} is not aligned")]
     Misaligned {
-        /// What the pointer should point to.
+        /// The struct or list that the pointer should point to.
         what: String,
     },
     /// The entry does not begin with the magic bytes.
     #[error("bad magic {found:02x?}, expected the letters LEAFWISE")]
     BadMagic {
-        /// What it begins with.
+        /// The first eight bytes of the entry.
         found: [u8; 8],
     },
     /// Another version of the interface.
@@ -242,7 +242,7 @@ pub enum Refusal {
     List {
         /// The list.
         what: String,
-        /// What is wrong.
+        /// The problem with the list: it is NULL, too long, or has a NULL entry.
         problem: String,
     },
     /// A string that is missing, endless or not UTF-8.
@@ -258,7 +258,7 @@ pub enum Refusal {
     Id {
         /// The id.
         id: String,
-        /// What is wrong.
+        /// The problem with the id.
         problem: String,
     },
     /// A function that its kind of part cannot do without.
@@ -274,7 +274,7 @@ pub enum Refusal {
     Declaration {
         /// The part.
         part: String,
-        /// What is wrong.
+        /// The contradiction, in words.
         problem: String,
     },
     /// A formula that cannot be used.
@@ -284,7 +284,7 @@ pub enum Refusal {
         part: String,
         /// The formula's key.
         key: String,
-        /// What is wrong, and where.
+        /// The problem with the formula, and its place.
         problem: String,
     },
     /// Two parts of the plugin with one id.

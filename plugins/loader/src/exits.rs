@@ -19,8 +19,8 @@ pub(crate) fn in_call<T>(part: &'static &'static str, call: impl FnOnce() -> T) 
     result
 }
 
-/// From now on a call that ends the process (`exit`, Fortran's `STOP`) ends it with code 1 and a word:
-/// the code that a library chooses says nothing of what the program was asked for.
+/// Guards the process against libraries that end it. From now on a call that ends it (`exit`, Fortran's `STOP`) ends it
+/// with code 1 and a message. The code that a library chooses says nothing of the program's own task.
 pub(crate) fn guard() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| platform::at_exit(refuse));

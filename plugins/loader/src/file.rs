@@ -33,8 +33,8 @@ pub(crate) fn unreadable(error: io::Error) -> Refusal {
     }
 }
 
-/// Checks that nobody but root and this user may change what an absolute path leads to: not the file,
-/// nor a folder or a link on the way, nor those that a link leads through.
+/// Checks that nobody but root and this user may change the target of an absolute path. It checks the file, every
+/// folder and link on the way, and those that a link leads through.
 pub(crate) fn check_way(path: &Path) -> Result<(), Refusal> {
     /// As many links as the system follows.
     const MOST_LINKS: usize = 40;

@@ -52,14 +52,13 @@ impl SearchPath {
         &self.folders
     }
 
-    /// The file that `asked` stands for. What has a separator is a path, relative to `base` (the folder
-    /// of the scene); a bare name is searched for and never taken from there: `acme` is `libacme.so` or
-    /// `acme.so` in the first folder that has one of them. The result is absolute and free of symbolic
-    /// links; nobody else may change where the path leads.
+    /// The file that `asked` stands for. A name with a separator is a path, relative to `base` (the folder of the
+    /// scene). A bare name is searched for and never taken from there: `acme` is `libacme.so` or `acme.so` in the first
+    /// folder that has one of them. The result is absolute and free of symbolic links; nobody else may change where the
+    /// path leads.
     ///
     /// # Errors
-    /// [`Refusal::NoSuchFile`], [`Refusal::NotFound`], [`Refusal::WritableByOthers`],
-    /// [`Refusal::OwnedByOther`].
+    /// [`Refusal::NoSuchFile`], [`Refusal::NotFound`], [`Refusal::WritableByOthers`], [`Refusal::OwnedByOther`].
     pub fn find(&self, asked: &Path, base: &Path) -> Result<PathBuf, PluginError> {
         let is_bare = asked.components().count() == 1 && !asked.is_absolute();
         let path = base.join(asked);
@@ -132,7 +131,7 @@ fn is_library(path: &Path) -> bool {
         .is_some_and(|extension| extension == env::consts::DLL_EXTENSION)
 }
 
-/// What the file of a plugin may be called.
+/// File names that a plugin of this name may have, in the order searched.
 fn file_names(name: &Path) -> Vec<PathBuf> {
     if is_library(name) {
         return vec![name.to_owned()];

@@ -79,7 +79,7 @@ impl ControlWord {
     }
 }
 
-/// What changed how a thread computes, noticed too late to fail a call.
+/// Change to how a thread computes, noticed too late to fail a call.
 static CHANGE: Mutex<Option<String>> = Mutex::new(None);
 
 /// Keeps the first change for [`change_of_arithmetic`].
@@ -88,8 +88,8 @@ pub(crate) fn note_change(what: String) {
     change.get_or_insert(what);
 }
 
-/// What a library changed of how this process computes, where no call could be failed for it any more:
-/// numbers since may be rounded in another way. Asked for once.
+/// Change by a library to how this process computes, where no call could be failed for it any more. Numbers since may
+/// be rounded in another way. Taken out, so that a second call gives `None`.
 pub fn change_of_arithmetic() -> Option<String> {
     CHANGE.lock().unwrap_or_else(PoisonError::into_inner).take()
 }

@@ -6,16 +6,16 @@
 //! The order, each step before the next:
 //!
 //! 1. [`find`]: an explicit path, or a name in the folders of the search path;
-//! 2. [`side_file`], `file`, `object`: what can be told without running anything;
+//! 2. [`side_file`], `file`, `object`: checks of the file that run nothing of it;
 //! 3. [`probe`]: opened and tried in a child process, where it may crash or hang;
 //! 4. `library`, `floating_point`: opened for good;
 //! 5. `handshake`: everything it declares copied and checked, as a [`PluginDeclaration`];
 //! 6. `smoke`: every function called at a few points;
 //! 7. [`loader`]: registered, all parts or none.
 //!
-//! What is registered is `foreign` (a library's functions as parts) or `formulas` (its expressions as
-//! parts, for which everything works that works for a built-in one); `host` hands the host's own
-//! systems and realizations to plugins. [`error`] says why a plugin is refused.
+//! Parts are registered from `foreign` (a library's functions as parts) or from `formulas` (its expressions as parts).
+//! For the latter everything works that works for a built-in part. The module `host` hands the host's own systems and
+//! realizations to plugins. Refusals of a plugin are values of [`error`].
 
 pub mod declaration;
 pub mod error;
@@ -44,8 +44,8 @@ pub use loader::{LoadedPlugin, Loader, PluginRequest};
 pub use probe::{ProbeCommand, run_probe};
 pub use smoke::{SmokeFailure, Tried};
 
-/// Keeps standard output for this program: a handle of what it is, while whatever libraries print there
-/// goes to standard error from now on.
+/// Keeps standard output for this program: returns a handle of it. From now on all that libraries print there goes to
+/// standard error.
 ///
 /// # Errors
 /// The system's, where descriptors cannot be copied; nothing is changed then.

@@ -43,9 +43,9 @@ pub struct LoadedPlugin {
     pub path: PathBuf,
     /// Its SHA-256, in hexadecimal.
     pub sha256: String,
-    /// What it declares.
+    /// The plugin's declaration.
     pub declaration: PluginDeclaration,
-    /// What came of the trial of each part, in their order.
+    /// The outcome of the trial of each part, in their order.
     pub tried: Vec<Tried>,
 }
 

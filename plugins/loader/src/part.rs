@@ -39,7 +39,8 @@ impl<F, N> Either<F, N> {
         })
     }
 
-    /// What the chosen one makes.
+    /// The result of formulas or of functions, whichever the part has or its parameter `path`
+    /// names.
     fn chosen<T>(
         &self,
         parameters: &PartParameters,

@@ -1,4 +1,4 @@
-//! What a file beside a library says of it, to be read without running its code.
+//! Side files: descriptions of a library beside it, to be read without running its code.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -31,7 +31,7 @@ pub struct SidePart {
     pub id: String,
     /// `system`, `realization`, `dynamics` or `step-map`.
     pub kind: String,
-    /// What it is, in one line.
+    /// A description of the part, in one line.
     pub summary: Option<String>,
 }
 

@@ -1,4 +1,4 @@
-//! What an instance is made of.
+//! Arguments from which a part makes an instance: dimension, parameters, partners.
 
 use std::ffi::CStr;
 
@@ -9,7 +9,8 @@ use leafwise_plugin_abi::{
 use crate::fail::Fail;
 use crate::host::{HostRealization, HostSystem};
 
-/// What the host gives to [`Part::create`](crate::Part::create): dimension, parameters, partners.
+/// Arguments of [`Part::create`](crate::Part::create), given by the host: dimension, parameters,
+/// partners.
 #[derive(Clone, Copy)]
 pub struct Create<'a> {
     raw: &'a LwCreate,

@@ -37,8 +37,8 @@ pub const fn formulas_part(info: Info, kind: u32) -> LwPart {
 /// ```
 ///
 /// The words before the types: `system`, `realization` (chart or general), `one_form`, `embedding`,
-/// `flow`, `step_map`; before a constant [`Info`] of a part of formulas alone: `system_formulas`,
-/// `realization_formulas`, `dynamics_formulas`, `step_map_formulas`.
+/// `flow`, `step_map`. Before a constant [`Info`] of a part of formulas alone the words are:
+/// `system_formulas`, `realization_formulas`, `dynamics_formulas`, `step_map_formulas`.
 #[macro_export]
 macro_rules! export_plugin {
     (id: $id:literal, license: $license:literal,

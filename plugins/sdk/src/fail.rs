@@ -12,7 +12,7 @@ pub enum Fail {
     Outside {
         /// How far the point reaches over how far the domain does, greater than 1; 0 where unknown.
         ratio: f64,
-        /// What was left.
+        /// Why the point is outside: the domain that it left, as text for the host.
         reason: String,
     },
     /// Anything else that concerns this call only.
@@ -35,7 +35,8 @@ impl Fail {
         Self::Error(reason.into())
     }
 
-    /// What the part does not serve.
+    /// The failure [`Unsupported`](Self::Unsupported), with the system, dimension, parameter or
+    /// partner that the part does not serve as its reason.
     pub fn unsupported(reason: impl Into<String>) -> Self {
         Self::Unsupported(reason.into())
     }

@@ -1,4 +1,4 @@
-//! What a part declares, as constant data.
+//! Declaration of a part, as constant data.
 
 use std::ffi::CStr;
 
@@ -57,7 +57,7 @@ pub enum Structure {
     Exact,
 }
 
-/// What a part declares about itself: built as a constant, field by field.
+/// Declaration of a part about itself: built as a constant, field by field.
 #[derive(Clone, Copy, Debug)]
 pub struct Info {
     part: LwPart,

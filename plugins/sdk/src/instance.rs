@@ -17,7 +17,7 @@ use crate::info::Info;
 /// The host makes one instance for each thread and each set of parameters; calls on one instance
 /// never overlap.
 pub trait Part: Sized + Send + 'static {
-    /// What it declares.
+    /// The part's declaration.
     const INFO: Info;
     /// An instance for the host's dimension, parameters and partners.
     ///
@@ -26,7 +26,7 @@ pub trait Part: Sized + Send + 'static {
     fn create(args: &Create<'_>) -> Result<Self, Fail>;
 }
 
-/// What `create` leaves behind the host's pointer.
+/// A part with its room for copies, which `create` leaves behind the host's pointer.
 pub(crate) struct Instance<T> {
     pub(crate) part: T,
     pub(crate) scratch: Scratch,

@@ -1,5 +1,5 @@
-//! Write Leafwise plugins in Rust: implement a trait for each part, name the parts in
-//! [`export_plugin!`], build a `cdylib`.
+//! Leafwise plugins in Rust: implement a trait for each part, name the parts in [`export_plugin!`],
+//! build a `cdylib`.
 //!
 //! ```
 //! use leafwise_plugin_sdk::{Create, Fail, Info, Part, System, export_plugin};
@@ -35,9 +35,9 @@
 //! # fn main() {}
 //! ```
 //!
-//! A part is a [`System`], a [`Realization`] (in a cotangent chart: [`ChartRealization`]), a dynamic
-//! approximation ([`OneForm`], [`Embedding`] or [`Flow`]) or a [`StepMap`], all of them [`Part`]s.
-//! With [`Info::formulas`] a part offers formulas as well, or, in the macro as
+//! Every part is a [`Part`]. By kind it is a [`System`], a [`Realization`] (in a cotangent chart:
+//! [`ChartRealization`]), a dynamic approximation ([`OneForm`], [`Embedding`] or [`Flow`]) or a
+//! [`StepMap`]. With [`Info::formulas`] a part offers formulas as well, or, in the macro as
 //! `system_formulas INFO` and so on, nothing else: then everything works for it that works for a
 //! built-in part.
 //!

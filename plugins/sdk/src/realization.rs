@@ -46,8 +46,8 @@ pub trait Realization: Part {
     /// # Errors
     /// [`Fail::Outside`] where x is outside M.
     fn sigma(&mut self, x: &[f64], out: &mut [f64]) -> Result<(), Fail>;
-    /// A base point near both ends, β̂ − base, α̂ − β̂: 3 d numbers, the last two formed directly and
-    /// not as differences of the ends.
+    /// A base point near both ends, β̂ − base, α̂ − β̂: 3 d numbers. The last two are formed
+    /// directly and not as differences of the ends.
     ///
     /// # Errors
     /// [`Fail::Outside`] outside the domain.

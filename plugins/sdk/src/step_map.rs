@@ -12,9 +12,9 @@ use crate::map::{Steps, map, maps, optional};
 pub trait StepMap: Part {
     /// Whether [`tangent`](Self::tangent) is offered: the tensor defect needs it.
     const TANGENT: bool = false;
-    /// Φ(x + low) − (x + low), d numbers, formed without adding x back. `low`, d numbers or empty, is
-    /// what the host's compensated state holds beyond a double, less than an ulp of x: a map may
-    /// ignore it.
+    /// Φ(x + low) − (x + low), d numbers, formed without adding x back. The vector `low`, d numbers
+    /// or empty, holds the part of the host's compensated state beyond a double, less than an ulp
+    /// of x. A map may ignore it.
     ///
     /// # Errors
     /// [`Fail::Outside`] where the map is not defined or a solve does not converge.

@@ -15,7 +15,7 @@ const CODES: &str = "Exit codes: 0 done, 1 the run failed, 2 usage, 3 invalid sc
 #[derive(Debug, Parser)]
 #[command(name = "leafwise", version, after_help = CODES)]
 pub struct Arguments {
-    /// What to do.
+    /// Command to execute.
     #[command(subcommand)]
     pub command: Command,
     /// How kernels run; the results have the same bits either way
@@ -108,7 +108,7 @@ pub enum Command {
     Plugin(PluginCommand),
 }
 
-/// What to do with plugins.
+/// Subcommands of `plugin`.
 #[derive(Debug, Subcommand)]
 pub enum PluginCommand {
     /// List the libraries of the search path, without loading any
@@ -210,7 +210,7 @@ impl OutputArguments {
 /// Arguments of `run`.
 #[derive(Args, Clone, Debug)]
 pub struct RunArguments {
-    /// What to run.
+    /// Scene to run, with its overrides.
     #[command(flatten)]
     pub scene: SceneArguments,
     /// Print what was built: shape, series, operation counts
@@ -231,7 +231,7 @@ pub struct RunArguments {
 /// Arguments of `ensemble`.
 #[derive(Args, Clone, Debug)]
 pub struct EnsembleArguments {
-    /// What to run: a scene with a table `[ensemble]`.
+    /// Scene to run, with its overrides: a scene with a table `[ensemble]`.
     #[command(flatten)]
     pub scene: SceneArguments,
     /// Run this member alone, as an ordinary run into a directory of its own
@@ -261,7 +261,7 @@ pub struct EnsembleArguments {
 /// Arguments of `sweep`.
 #[derive(Args, Clone, Debug)]
 pub struct SweepArguments {
-    /// What to run: a scene with a table `[sweep]`.
+    /// Scene to run, with its overrides: a scene with a table `[sweep]`.
     #[command(flatten)]
     pub scene: SceneArguments,
     /// Run a part of the settings for `merge`: I/N, the I-th of N shards, or slurm or slurm/N, that of the array's task
@@ -299,7 +299,7 @@ pub struct MergeArguments {
 /// Arguments of `check`.
 #[derive(Args, Clone, Debug)]
 pub struct CheckArguments {
-    /// What to check.
+    /// Scene to check, with its overrides.
     #[command(flatten)]
     pub scene: SceneArguments,
     /// Print one JSON object on standard output
@@ -330,7 +330,7 @@ pub struct VerifyArguments {
 /// Arguments of `compare`.
 #[derive(Args, Clone, Debug)]
 pub struct CompareArguments {
-    /// What to compare methods on.
+    /// Scene to compare methods on, with its overrides.
     #[command(flatten)]
     pub scene: SceneArguments,
     /// Methods beside the standard ones: `realization:order+dynamics:order`, a stepper, or
@@ -353,8 +353,8 @@ pub struct CompareArguments {
         conflicts_with = "only"
     )]
     pub orders: Vec<usize>,
-    /// The numbers of steps to the end time, as 100,200,400 or 100..6400 [default: from a sixteenth
-    /// of the scene's number on, by factors of the square root of 2, until round-off or the budget]
+    /// Numbers of steps to the end time, as 100,200,400 or 100..6400 [default: from a sixteenth of the scene's number
+    /// on, by factors of √2, until round-off or the budget]
     #[arg(long, value_name = "LIST", allow_negative_numbers = true)]
     pub steps: Option<String>,
     /// The end time [default: the scene's]
@@ -391,7 +391,7 @@ pub struct CompareArguments {
 /// Arguments of `tune`.
 #[derive(Args, Clone, Debug)]
 pub struct TuneArguments {
-    /// What to find a method for.
+    /// Scene to find a method for, with its overrides.
     #[command(flatten)]
     pub scene: SceneArguments,
     /// The largest error of the state over every step: its Euclidean distance from the true one
@@ -489,7 +489,7 @@ fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
-/// What `list` can list.
+/// Kinds of entries that `list` can list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Kind {
     /// The problem library
@@ -529,7 +529,7 @@ pub struct DescribeArguments {
 /// Arguments of `evaluate`.
 #[derive(Args, Clone, Debug)]
 pub struct EvaluateArguments {
-    /// What to evaluate.
+    /// Scene to evaluate, with its overrides.
     #[command(flatten)]
     pub scene: SceneArguments,
     /// The state, as comma-separated decimals [default: the scene's initial state]

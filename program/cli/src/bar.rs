@@ -27,10 +27,10 @@ fn target(shown: Shown) -> ProgressDrawTarget {
     }
 }
 
-/// What is told while a scene is built.
+/// Message shown while a scene is built.
 const BUILDING: &str = "building: from formulas to code";
 
-/// What `build` makes; a line with the time it takes is shown meanwhile.
+/// Calls `build` and returns its result. A line with the time it takes is shown meanwhile.
 pub fn while_building<T>(shown: Shown, build: impl FnOnce() -> T) -> T {
     let line = Steps::new(
         BUILDING,
@@ -84,7 +84,7 @@ pub struct Steps {
     pulse: Pulse,
     /// Whether it is known how much there is to do.
     is_measured: bool,
-    /// What there is so much of.
+    /// Noun behind a count without a total, with its leading space, as in ` runs`; empty where there is none.
     unit: &'static str,
 }
 

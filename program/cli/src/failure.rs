@@ -42,9 +42,9 @@ pub enum Failure {
     /// Something wrong on the command line, with what to do instead.
     #[error("{message}")]
     Usage {
-        /// What is wrong.
+        /// Message on what is wrong.
         message: String,
-        /// What to do.
+        /// Advice on what to do instead.
         help: Option<String>,
     },
     /// A file that cannot be read or written.

@@ -3,7 +3,7 @@
 //! - [`arguments`]: the command line.
 //! - [`console`]: where text goes.
 //! - [`failure`]: errors and their exit codes.
-//! - [`interrupt`]: what Ctrl-C does.
+//! - [`interrupt`]: the flag that Ctrl-C raises.
 //! - [`scene`]: reading a scene with its overrides.
 //! - [`commands`]: one module for each command.
 //! - [`plugins`]: the plugins that a command line and a scene ask for.

@@ -37,7 +37,7 @@ pub fn own_program() -> (PathBuf, Vec<OsString>) {
     PROGRAM.get().cloned().unwrap_or_else(own)
 }
 
-/// What a command works with: the built-in parts, and those of the plugins asked for.
+/// Parts that a command works with: the built-in ones, and those of the plugins asked for.
 pub struct Parts {
     /// The parts by name.
     pub registry: Registry,

@@ -103,7 +103,8 @@ fn rough(seconds: f64) -> String {
     }
 }
 
-/// What `work` makes; a line tells every now and then that it goes on, where lines are shown and the system grants a thread for them.
+/// Calls `work` and returns its result. A line tells every now and then that it goes on, where lines are shown and the
+/// system grants a thread for them.
 pub fn while_working<T>(shown: Shown, what: &'static str, work: impl FnOnce() -> T) -> T {
     if shown != Shown::Lines {
         return work();

@@ -64,7 +64,7 @@ pub fn read(arguments: &SceneArguments) -> Result<SceneText, Failure> {
     })
 }
 
-/// What to name in place of a folder: the scenes that it holds.
+/// Advice on what to name in place of a folder: a scene that it holds.
 fn scenes_within(folder: &Path) -> String {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let mut scenes: Vec<_> = entries

@@ -27,7 +27,8 @@ pub(super) enum Axis {
 pub(super) struct Ticks {
     /// Values with their labels.
     pub labels: Vec<(f64, String)>,
-    /// What all labels leave out: a factor, as "×10⁻⁹", a summand, as "19.05 +", both, or nothing.
+    /// Factor that all labels leave out, as "×10⁻⁹", or summand, as "19.05 +"; both, or empty where they leave out
+    /// nothing.
     pub factor: String,
 }
 

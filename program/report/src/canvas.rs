@@ -32,7 +32,7 @@ pub(super) const LEAF: Ink = RGBColor(0xC9, 0xD3, 0xDF);
 pub(super) const SURFACE: Ink = RGBColor(0xF2, 0xF5, 0xF9);
 /// The page, to set markers off from lines.
 pub(super) const PAPER: Ink = RGBColor(0xFE, 0xFE, 0xFE);
-/// What lies behind the first series or around it.
+/// Pale blue of curves and areas that lie behind the first series or around it.
 pub(super) const FAINT: Ink = RGBColor(0xA9, 0xC6, 0xE0);
 /// Values that are not finite.
 pub(super) const ALARM: Ink = RGBColor(0xC6, 0x28, 0x28);

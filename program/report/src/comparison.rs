@@ -20,7 +20,7 @@ pub struct ComparisonData {
     pub version: String,
     /// The command that repeats the comparison.
     pub command: String,
-    /// What was compared, and against what.
+    /// Facts of the comparison, as labels and texts: among them the methods compared and the reference.
     pub facts: Vec<(String, String)>,
     /// The families of methods, in the order of their colours.
     pub families: Vec<String>,
@@ -37,7 +37,7 @@ pub struct ComparisonData {
     pub rows: Vec<Vec<String>>,
     /// How to read the table.
     pub reading: String,
-    /// What could not be measured, with reasons.
+    /// Failures: the methods or points that could not be measured, with reasons.
     pub failures: Vec<(String, String)>,
 }
 
@@ -62,7 +62,7 @@ pub fn render_comparison(data: &ComparisonData) -> Result<String, ReportError> {
     render("comparison.html", &page)
 }
 
-/// What `comparison.html` is filled with.
+/// Values for the template `comparison.html`.
 #[derive(Serialize)]
 struct Page<'a> {
     data: &'a ComparisonData,

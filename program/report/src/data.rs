@@ -1,4 +1,4 @@
-//! What a report is made from.
+//! Contents of a report: recorded data.
 
 use serde::Serialize;
 
@@ -17,7 +17,7 @@ pub struct ReportData {
     pub scene_text: String,
     /// How the run ended.
     pub outcome: Outcome,
-    /// What to change in the scene: what was measured, and the line to write instead.
+    /// Changes to the scene that are advised, as pairs: the finding, measured, and the line to write instead.
     pub advice: Vec<(String, String)>,
     /// Label and text for each line about the method: realization, dynamics, orders, step.
     pub method: Vec<(String, String)>,
@@ -54,7 +54,7 @@ pub struct ReportData {
 pub enum Outcome {
     /// All steps were made.
     Done {
-        /// What was done, as "1000 steps to t = 200".
+        /// Summary of the whole run, as "1000 steps to t = 200".
         message: String,
     },
     /// The run was stopped and can be resumed.
@@ -64,7 +64,7 @@ pub enum Outcome {
     },
     /// The run failed; what was recorded before is shown.
     Failed {
-        /// What happened.
+        /// Cause of the failure, in words.
         message: String,
         /// The step that failed.
         step: u64,
@@ -72,7 +72,7 @@ pub enum Outcome {
         time: f64,
         /// The state before that step, by coordinate.
         state: Vec<(String, f64)>,
-        /// What to try.
+        /// Advice: a remedy to try.
         hint: String,
     },
 }
@@ -123,7 +123,7 @@ pub struct InvariantSeries {
 pub struct SectionPoints {
     /// The section and the direction, as "q1 = 0, upwards".
     pub title: String,
-    /// What is drawn over each other.
+    /// Names of the two columns that are drawn over each other: across, then up.
     pub names: [String; 2],
     /// A point for each crossing.
     pub points: Vec<[f64; 2]>,

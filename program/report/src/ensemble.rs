@@ -12,7 +12,7 @@ use super::number::number;
 use super::section::section_figure;
 use super::template::render;
 
-/// What the page of an ensemble is made from.
+/// Contents of an ensemble's page.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct EnsembleData {
     /// The heading.
@@ -27,7 +27,7 @@ pub struct EnsembleData {
     pub scene_text: String,
     /// How it ended.
     pub outcome: Outcome,
-    /// What to change in the scene: what was measured, and the line to write instead.
+    /// Changes to the scene that are advised, as pairs: the finding, measured, and the line to write instead.
     pub advice: Vec<(String, String)>,
     /// Label and value for each line of the summary.
     pub facts: Vec<(String, String)>,
@@ -119,7 +119,7 @@ pub fn render_ensemble(data: &EnsembleData) -> Result<String, ReportError> {
     render("ensemble.html", &page)
 }
 
-/// What `ensemble.html` is filled with.
+/// Values for the template `ensemble.html`.
 #[derive(Serialize)]
 struct Page<'a> {
     data: &'a EnsembleData,

@@ -19,7 +19,7 @@ pub enum ReportError {
     Page {
         /// The template.
         page: &'static str,
-        /// What does not fit.
+        /// Mismatch of the template and its values, in the words of the template engine.
         message: String,
     },
 }

@@ -10,7 +10,7 @@ const MOST_NUMBERS: usize = 48_000;
 /// The most columns, the time among them.
 const MOST_COLUMNS: usize = 48;
 
-/// What the script is given.
+/// Data for the page's script: the recorded states.
 #[derive(Serialize)]
 pub(super) struct Explored {
     /// The columns' names, a line each; the time is the first.

@@ -11,8 +11,8 @@ pub(super) struct Figure {
     pub svg: String,
     /// Series names, in the order of the series colours; empty when one series needs no name.
     pub legend: Vec<String>,
-    /// What is shown and how to read it.
+    /// Caption: the quantities shown and how to read the picture.
     pub caption: String,
-    /// What the picture could not show: values moved or left out.
+    /// Notes on values that the picture could not show: those moved or left out.
     pub notes: Vec<String>,
 }

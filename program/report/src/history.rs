@@ -81,7 +81,7 @@ pub(super) fn solver_figure(solver: &TimeSeries) -> Result<Figure, ReportError> 
     })
 }
 
-/// What stands for many values under one pixel.
+/// Marks that stand for many values under one pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Dense {
     /// Their range.

@@ -1,14 +1,14 @@
 //! Recorded data as one self-contained HTML page.
 //!
-//! - `data`: what a report is made from;
+//! - `data`: contents of a report;
 //! - `template`: pages from `templates/`, with every value escaped;
-//! - `run`, `figure`: the page of a run, and a picture with what stands around it;
+//! - `run`, `figure`: the page of a run, and a picture with its title, legend, caption and notes;
 //! - `explored`: the recorded states within the page, which its script turns and zooms;
 //! - `comparison`, `work_precision`: methods compared, as a page of its own;
 //! - `ensemble`: many members, as a page of its own;
 //! - `sweep`: one run for each of many settings, as a page of its own;
-//! - `reproduction`, `panel`: what a paper prints beside what was measured, as a page of its own;
-//! - `survey`: what parts declare beside what was measured, as a page of its own;
+//! - `reproduction`, `panel`: a paper's printed values beside measured ones, as a page of its own;
+//! - `survey`: declarations of parts beside measurements, as a page of its own;
 //! - `drift`, `history`, `orbit`, `space`, `lattice`: the figures;
 //! - `heat`: values as colours;
 //! - `axis`, `decimate`, `canvas`, `stroke`: axes, long series reduced to pixels, drawing, points of orbits;

@@ -8,7 +8,7 @@ use super::figure::Figure;
 /// An axis of a panel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PanelAxis {
-    /// What it shows.
+    /// Quantity that the axis shows, as the axis's label.
     pub title: String,
     /// Whether equal ratios have equal distances; values that are not positive are then left out.
     pub is_logarithmic: bool,
@@ -42,7 +42,7 @@ pub struct PanelSeries {
 pub struct Panel {
     /// The heading.
     pub title: String,
-    /// What is shown and how to read it.
+    /// Caption: the quantities shown and how to read the picture.
     pub caption: String,
     /// The horizontal axis.
     pub x: PanelAxis,

@@ -12,13 +12,13 @@ use super::template::render;
 pub struct ReproductionData {
     /// The heading.
     pub title: String,
-    /// What is reproduced.
+    /// Source whose figures are reproduced, as a citation.
     pub source: String,
     /// The program and its version.
     pub version: String,
     /// The command that repeats it.
     pub command: String,
-    /// What to know before reading.
+    /// Introduction: paragraphs to read before the figures.
     pub introduction: Vec<String>,
     /// The figures.
     pub figures: Vec<ReproducedFigure>,
@@ -31,12 +31,12 @@ pub struct ReproducedFigure {
     pub label: String,
     /// The heading.
     pub title: String,
-    /// What is set, and where the source leaves it open.
+    /// Settings of the figure, and the places where the source leaves them open.
     pub setting: String,
     /// The pictures.
     #[serde(skip)]
     pub panels: Vec<Panel>,
-    /// What was printed, and what was measured.
+    /// Statements of the source: printed values beside measured ones.
     pub comparisons: Vec<Compared>,
     /// The command that repeats it, where a scene does.
     pub scene: Option<String>,
@@ -45,7 +45,7 @@ pub struct ReproducedFigure {
 /// A statement of the source beside the measurement.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Compared {
-    /// What it is about.
+    /// Quantity that the statement is about.
     pub quantity: String,
     /// As printed.
     pub printed: String,
@@ -55,7 +55,7 @@ pub struct Compared {
     pub verdict: String,
     /// Whether the word is good news.
     pub is_good: bool,
-    /// What theory says, and why the two differ where they do.
+    /// Explanation: the result of the theory, and the reason where printed and measured values differ.
     pub explanation: String,
 }
 
@@ -73,7 +73,7 @@ pub fn render_reproduction(data: &ReproductionData) -> Result<String, ReportErro
     render("reproduction.html", &page)
 }
 
-/// What `reproduction.html` is filled with.
+/// Values for the template `reproduction.html`.
 #[derive(Serialize)]
 struct Page<'a> {
     data: &'a ReproductionData,

@@ -16,12 +16,12 @@ use super::template::render;
 /// Recorded formulas that are drawn.
 const MOST_OBSERVABLES: usize = 8;
 
-/// The report as one HTML page: nothing fetched, light and dark. Its script turns the orbit and shows values; without it the same
-/// pictures stand still.
+/// The report as one HTML page: nothing fetched, light and dark. Its script turns the orbit and shows values. Without
+/// it the same pictures stand still.
 ///
 /// # Errors
-/// Only if the drawing library refuses a figure; values that are not finite, empty series and
-/// series of unequal lengths are drawn as far as they go.
+/// Only if the drawing library refuses a figure. Values that are not finite, empty series and series of unequal lengths
+/// are no errors: they are drawn as far as they go.
 pub fn render_report(data: &ReportData) -> Result<String, ReportError> {
     let page = Page {
         data,
@@ -32,7 +32,7 @@ pub fn render_report(data: &ReportData) -> Result<String, ReportError> {
     render("run.html", &page)
 }
 
-/// What `run.html` is filled with.
+/// Values for the template `run.html`.
 #[derive(Serialize)]
 struct Page<'a> {
     data: &'a ReportData,

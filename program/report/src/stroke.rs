@@ -39,8 +39,8 @@ impl Stroke {
     };
 }
 
-/// A line through the points, or dots where neighbours lie too far apart or points too dense
-/// for a line to mean anything; `stroke` chooses by the index of the point.
+/// Draws a line through the points. Where neighbours lie too far apart, or points too dense, for a line to mean
+/// anything, it draws dots. Ink and width are those that `stroke` gives for the point's index.
 pub(super) fn draw_orbit(
     canvas: &mut Canvas,
     points: &[(f64, f64)],

@@ -6,7 +6,7 @@ use super::error::ReportError;
 use super::figure::Figure;
 use super::template::render;
 
-/// What the page of a survey is made from.
+/// Contents of a survey's page.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SurveyData {
     /// The heading.
@@ -17,7 +17,7 @@ pub struct SurveyData {
     pub headings: Vec<String>,
     /// The problems.
     pub problems: Vec<SurveyedProblem>,
-    /// What does not fit.
+    /// Parts that do not fit, problem by problem.
     pub refused: Vec<RefusedParts>,
 }
 
@@ -53,7 +53,7 @@ pub struct SurveyedMap {
     pub is_met: bool,
 }
 
-/// What does not fit a problem.
+/// Parts that do not fit a problem, with the causes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RefusedParts {
     /// The problem.
@@ -76,7 +76,7 @@ pub fn render_survey(data: &SurveyData) -> Result<String, ReportError> {
     render("survey.html", &page)
 }
 
-/// What `survey.html` is filled with.
+/// Values for the template `survey.html`.
 #[derive(Serialize)]
 struct Page<'a> {
     data: &'a SurveyData,
@@ -145,7 +145,7 @@ fn color(order: usize) -> String {
     known.map_or_else(|| "plain".to_owned(), |at| format!("s{at}"))
 }
 
-/// What `errors.svg` is filled with.
+/// Values for the template `errors.svg`.
 #[derive(Serialize)]
 struct Picture<'a> {
     size: (u32, u32),

@@ -11,7 +11,7 @@ use super::heat::{BAR, color, draw_scale, level};
 use super::panel::{Panel, PanelAxis, PanelSeries, Stroke, panel_figure};
 use super::template::render;
 
-/// What the page of a sweep is made from.
+/// Contents of a sweep's page.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct SweepData {
     /// The heading.
@@ -35,7 +35,7 @@ pub struct SweepData {
     /// The keys whose values differ.
     #[serde(skip)]
     pub directions: Vec<SweptDirection>,
-    /// What was measured, a value for each setting.
+    /// Measured quantities, with a value for each setting.
     #[serde(skip)]
     pub columns: Vec<SweptColumn>,
     /// Settings that failed, and why.
@@ -55,18 +55,18 @@ pub struct SweptDirection {
     pub places: Vec<usize>,
 }
 
-/// What was measured of all settings.
+/// Quantity measured of all settings.
 #[derive(Clone, Debug, Default)]
 pub struct SweptColumn {
     /// Its heading.
     pub name: String,
     /// A value for each setting.
     pub values: Vec<f64>,
-    /// What it is.
+    /// Kind of the quantity: drift, observable or cost.
     pub kind: SweptKind,
 }
 
-/// What a column holds.
+/// Kinds of quantity that a column holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SweptKind {
     /// The largest deviation of an invariant, of which the order of magnitude tells.
@@ -172,7 +172,7 @@ pub fn render_sweep(data: &SweepData) -> Result<String, ReportError> {
     render("sweep.html", &Page { data, figures })
 }
 
-/// What `sweep.html` is filled with.
+/// Values for the template `sweep.html`.
 #[derive(Serialize)]
 struct Page<'a> {
     data: &'a SweepData,

@@ -36,7 +36,7 @@ pub struct CurvePoint {
 pub struct Plot {
     /// The heading.
     pub title: String,
-    /// What is shown and how to read it.
+    /// Caption: the quantities shown and how to read the picture.
     pub caption: String,
     /// The horizontal axis.
     pub cost: String,
@@ -193,7 +193,7 @@ fn zero_level<'a>(points: impl Iterator<Item = &'a CurvePoint>) -> f64 {
     libm::pow(10.0, libm::floor(libm::log10(smallest)))
 }
 
-/// What lies below the reference's own error.
+/// Shades the errors below the reference's own error, under a dashed line with a label.
 fn draw_floor(canvas: &mut Canvas, frame: &Frame, floor: Option<f64>) {
     let [left, _, right, bottom] = frame.edges;
     let Some(floor) = floor.filter(|floor| frame.y.fraction(*floor) > 0.0) else {

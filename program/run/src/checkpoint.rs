@@ -18,7 +18,7 @@ use super::watch::Watch;
 /// The file's name in the run directory.
 pub(crate) const FILE: &str = "checkpoint.bin";
 
-/// What the file holds, and how.
+/// Format of the checkpoint of a run: the name of its content, and its number.
 const FORMAT: Format = Format {
     name: b"leafwis",
     number: b'C',

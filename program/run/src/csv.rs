@@ -107,7 +107,7 @@ pub(crate) fn numbers(row: &str) -> impl Iterator<Item = f64> {
     row.split(',').map(|cell| cell.parse().unwrap_or(f64::NAN))
 }
 
-/// The cells of each row of a table, as [`Table`] writes it; empty lines are left out.
+/// Cells of each row of a table, as [`Table`] writes it. Empty lines are left out.
 ///
 /// # Errors
 /// A quote that is not closed, and the line in which it stands.

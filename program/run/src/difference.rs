@@ -1,4 +1,4 @@
-//! What changed between two scenes: keys, with the value before and after.
+//! Differences between two scenes: the keys that changed, with the value before and after.
 
 use std::collections::BTreeMap;
 

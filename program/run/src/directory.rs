@@ -21,7 +21,7 @@ pub(crate) const SCENE: &str = "scene.toml";
 pub(crate) const WINDOWS: &str = "windows.csv";
 /// The page to open.
 pub(crate) const REPORT: &str = "report.html";
-/// What the members of an ensemble are reduced to, and the first of those that failed.
+/// Tables of an ensemble: statistics of its members, and the first of those that failed.
 pub(crate) const STATISTICS: &str = "statistics.csv";
 pub(crate) const FAILURES: &str = "failures.csv";
 /// How many of them the scene's condition has ended, against time.
@@ -57,7 +57,7 @@ pub(crate) struct RunRequest<'a> {
     pub scene: &'a str,
     /// The libraries it uses.
     pub plugins: &'a [PluginRecord],
-    /// What it read of files.
+    /// Record of the files that it read.
     pub files: Option<&'a FilesRecord>,
     /// Which members of an ensemble.
     pub shard: Option<ShardRecord>,
@@ -228,8 +228,8 @@ fn held(path: &Path, stored: &Manifest, run: &RunRequest<'_>) -> Result<Held, Ru
     })
 }
 
-/// What differs between the scene that a directory holds and another; nothing where the run was
-/// killed before it had written any file but the manifest.
+/// Differences between the scene that a directory holds and another. There are none where the run was killed before it
+/// had written any file but the manifest.
 fn changes(path: &Path, scene: &str) -> Result<Vec<Change>, RunError> {
     let file = path.join(SCENE);
     let before = match fs::read_to_string(&file) {

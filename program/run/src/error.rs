@@ -126,7 +126,7 @@ pub enum RunError {
     OtherKind {
         /// The run directory.
         directory: PathBuf,
-        /// What it holds.
+        /// Kind of run that it holds, in words.
         other: &'static str,
     },
     /// The directory holds other members of the ensemble, or other settings of the sweep.
@@ -167,7 +167,7 @@ pub enum RunError {
     Damaged {
         /// The file.
         file: PathBuf,
-        /// What is wrong with it.
+        /// Reason why it cannot be resumed from.
         reason: String,
     },
     /// A file that a finished run has left is another one now.

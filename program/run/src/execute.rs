@@ -79,12 +79,12 @@ pub struct Recorded {
     pub page: ReportData,
 }
 
-/// What a run in memory is asked for.
+/// Options of a run in memory.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Asked<'a> {
     /// Integrates a tensor that violates the Jacobi identity.
     pub allow_non_poisson: bool,
-    /// What is looked for beside the scene's own section.
+    /// Events to look for beside the scene's own section.
     pub events: &'a [Event],
     /// Does not look for what to change in the scene, which may take as long as building the method.
     pub is_silent: bool,
@@ -152,16 +152,16 @@ fn check(
     }
 }
 
-/// Checks the scene with the parts that it may name, then steps it into its directory; an unfinished run of the same scene is
-/// resumed, to the same bits as without interruption. So is one, finished or not, whose scene asks for more steps. A
-/// finished run of the same scene is reported again, with nothing computed or written.
+/// Checks the scene with the parts that it may name, then steps it into its directory. An unfinished run of the same
+/// scene is resumed, to the same bits as without interruption. So is one, finished or not, whose scene asks for more
+/// steps. A finished run of the same scene is reported again, with nothing computed or written.
 ///
-/// Nothing is written before the scene has passed its checks. A numerical failure is an outcome,
-/// not an error: the directory is then complete, with everything recorded up to the failure.
+/// Nothing is written before the scene has passed its checks. A numerical failure is an outcome, not an error. The
+/// directory is then complete, with everything recorded up to the failure.
 ///
 /// # Errors
-/// [`RunError::Refused`] for a tensor that is not Poisson or a Casimir that is not one; the
-/// directory's refusals; failures of the file system.
+/// [`RunError::Refused`] for a tensor that is not Poisson or a Casimir that is not one. The directory's refusals, and
+/// failures of the file system.
 pub fn run(
     document: &SceneDocument,
     composed: &ComposedRun,
@@ -253,7 +253,7 @@ pub fn run(
     finish(progress).map_err(|error| error.with_a_checkpoint(&directory.path))
 }
 
-/// What to change in the scene.
+/// Advice on what to change in the scene, judged at states of the run and by its drifts and samples.
 fn advice(
     document: &SceneDocument,
     composed: &ComposedRun,
@@ -304,7 +304,7 @@ fn advice(
     Ok(advice)
 }
 
-/// What is read from a run beside its samples: `windows.csv`, and the last state where no other file has it.
+/// Writes the tables of a run beside its samples: `windows.csv`, and the last state where no other file has it.
 fn write_tables(
     composed: &ComposedRun,
     session: &Session<'_>,

@@ -3,7 +3,7 @@
 //! - [`ensemble`]: many members at once, reduced into such a directory;
 //! - [`sweep`]: one run for each of many settings, a table of them;
 //! - [`shards`]: parts of ensembles and sweeps for many processes;
-//! - [`advice`]: what a scene asks for and does not use, or needs and does not ask for;
+//! - [`advice`]: warnings where a scene asks for what it does not use, or not for what it needs;
 //! - [`csv`]: tables as CSV;
 //! - `ordered`: numbered tasks on several threads;
 //! - `columns`: the columns of `samples.csv` and `windows.csv`;
@@ -20,16 +20,16 @@
 //! - `retraced`: states at any times, from the nearest one that was kept;
 //! - `replaced`: a file that is replaced as a whole;
 //! - `sealed`: files that are read back to every bit, or refused;
-//! - `shadow`: what the energy of a map's shadow says of its step; `shadow_step`: the step that keeps it as well as asked;
+//! - `shadow`: a map's step judged by the energy of its shadow; `shadow_step`: the step that keeps it as well as asked;
 //! - `checkpoint`: everything later steps depend on, written atomically;
-//! - `manifest`: what was run, with what, and how it ended;
+//! - `manifest`: record of a run: its scene, its parts, and how it ended;
 //! - `directory`: start afresh, resume, or refuse;
-//! - `difference`: what changed between two scenes;
+//! - `difference`: keys that changed between two scenes;
 //! - `watch`: states that the method is judged at, whatever is recorded;
-//! - `sampled`: what a run tells of its method, for warnings;
+//! - `sampled`: the method judged by a run that has ended, for warnings;
 //! - `summary`: `report.html` from what the directory holds;
 //! - `round_off`: values of formulas with a bound on their rounding;
-//! - `progress`: what a program shows meanwhile;
+//! - `progress`: progress of a run, as a program shows it;
 //! - `outcome`, `error`: how a run ends.
 
 pub mod advice;

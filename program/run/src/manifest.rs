@@ -1,4 +1,4 @@
-//! What was run, with what, and how it ended: `manifest.json`.
+//! Manifest of a run, `manifest.json`: what was run, with what, and how it ended.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -24,14 +24,14 @@ use leafwise_scene::json::{Double, object, pretty};
 /// The version that is written into manifests and reports.
 pub const PROGRAM_VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// What a manifest says of the program.
+/// Name of the program in a manifest.
 const PROGRAM: &str = "leafwise";
 
 /// The file's name in the run directory, and before it has it.
 pub(super) const FILE: &str = "manifest.json";
 pub(super) const UNFINISHED_FILE: &str = "manifest.new";
 
-/// What a directory holds.
+/// Kind of run that a directory holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
@@ -61,7 +61,7 @@ impl Kind {
     }
 }
 
-/// What of a stored manifest decides whether a run is resumed.
+/// Fields of a stored manifest that decide whether a run is resumed.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 pub struct Manifest {
     /// `leafwise`.
@@ -78,7 +78,7 @@ pub struct Manifest {
     /// The libraries it uses.
     #[serde(default)]
     pub plugins: Vec<PluginRecord>,
-    /// What it read of files.
+    /// Record of the files that it read.
     #[serde(default)]
     pub files: Option<FilesRecord>,
     /// The scene file's name.
@@ -142,7 +142,7 @@ impl Manifest {
     }
 }
 
-/// What a manifest says before the first step.
+/// Beginning of a manifest: all that it says before the first step.
 #[derive(Clone, Serialize)]
 pub(crate) struct Beginning<'a> {
     program: &'static str,
@@ -185,7 +185,7 @@ struct Written<'a, E> {
     ending: E,
 }
 
-/// What a manifest tells of the end of a run of one trajectory.
+/// End of the manifest of a run of one trajectory.
 #[derive(Serialize)]
 struct Ending<'a> {
     outcome: &'static str,
@@ -242,7 +242,7 @@ struct StatesFields<'a> {
     last: Option<&'static str>,
 }
 
-/// What was checked of the scene's formulas.
+/// Checks of the scene's formulas: verdicts on the Jacobi identity and on each Casimir.
 #[derive(Clone, Serialize)]
 struct Checks<'a> {
     jacobi: Verdict,
@@ -259,7 +259,7 @@ struct Part<'a> {
     path: Option<&'static str>,
 }
 
-/// What a step computes: the kernels' operations, or the costs that a map has of its own.
+/// Computations of a step: the kernels' operations, or the costs that a map has of its own.
 #[derive(Clone, Serialize)]
 #[serde(untagged)]
 enum Kernels {
@@ -462,7 +462,7 @@ impl Kernels {
     }
 }
 
-/// What a run read of files; `None` where its scene names none.
+/// Record of the files that a run read; `None` where its scene names none.
 pub(crate) fn files(run: &ComposedRun) -> Option<FilesRecord> {
     let paths = run.plan.files.clone();
     (!paths.is_empty()).then(|| FilesRecord {

@@ -15,7 +15,7 @@ const LOOK_EVERY: Duration = Duration::from_millis(50);
 /// Tasks that wait for one before them, at most, for each thread.
 const WAITING: usize = 4;
 
-/// What the owner of the work is asked to do.
+/// Request to the owner of the work: take a result in, or look whether to go on.
 pub(crate) enum Turn<T> {
     /// Take the next result in.
     Take(T),

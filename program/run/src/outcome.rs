@@ -14,7 +14,7 @@ use leafwise_scene::json::{Double, double, doubles, optional};
 /// A step that could not be taken, or a state outside the formulas' domain.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Failure {
-    /// What happened and what to try.
+    /// Message on what happened.
     pub message: String,
     /// The step that failed, counted from 1.
     pub step: u64,
@@ -24,7 +24,7 @@ pub struct Failure {
     /// The last good state: the one before that step.
     #[serde(serialize_with = "doubles")]
     pub state: Vec<f64>,
-    /// What to try.
+    /// Advice on what to try.
     pub hint: String,
 }
 
@@ -70,8 +70,8 @@ impl Failure {
         }
     }
 
-    /// What to try with these parts: a stepper has no realization, an exact realization no order that could be raised, and a body
-    /// that is taken whole turns exactly over short steps alone.
+    /// Fits message and hint to these parts. A stepper has no realization, an exact realization no order that could be
+    /// raised, and a body that is taken whole turns exactly over short steps alone.
     pub(crate) fn of_parts(&mut self, parts: &[PartChoice]) {
         let stepper = parts.iter().find(|part| part.kind == PartKind::Stepper);
         let mut realizations = parts.iter().filter(|p| p.kind == PartKind::Realization);
@@ -182,7 +182,7 @@ pub struct InvariantDrift {
     pub relative: Option<f64>,
 }
 
-/// What programs are told of a solver's work.
+/// Fields of a solver's work that programs are told.
 #[derive(Serialize)]
 #[serde(remote = "SolverStatistics")]
 pub struct SolverFields {
@@ -224,7 +224,7 @@ pub struct RunReport {
     pub is_repeated: bool,
     /// How the energy of the map's shadow was kept, where it is recorded.
     pub shadow: Option<ShadowVerdict>,
-    /// What to change in the scene.
+    /// Advice on what to change in the scene.
     pub advice: Vec<Advice>,
 }
 

@@ -36,7 +36,7 @@ pub(crate) fn confirm_page(
     })
 }
 
-/// What the last line begins with.
+/// Beginning of the last line of a page; the SHA-256 of all before that line follows.
 const BEFORE: &str = "<!-- sha256 of all before: ";
 
 fn sealed(page: &str) -> String {

@@ -1,4 +1,4 @@
-//! What a program shows of a run meanwhile.
+//! Progress of a run, as a program shows it meanwhile.
 
 /// Where a run stands.
 #[derive(Clone, Copy, Debug)]

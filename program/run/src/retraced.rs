@@ -33,8 +33,8 @@ pub enum Retrace {
 
 /// The states of a run between and at its steps: the bits of its samples at given times.
 ///
-/// It steps as far as it was asked for, and keeps states on the way, every 2^k steps: a time takes at most as many steps as lie between two
-/// of them, about a thousandth of the run, and one near an earlier time a few.
+/// It steps as far as it was asked for, and keeps states on the way, every 2^k steps. A time takes at most as many
+/// steps as lie between two kept states, about a thousandth of the run. One near an earlier time takes a few.
 pub struct Retraced {
     run: ComposedRun,
     walk: Walk,

@@ -1,4 +1,4 @@
-//! What a run that has ended tells of its method: how energies were kept, formulas without a value.
+//! Method of a run that has ended, judged by its records: how energies were kept, formulas without a value.
 
 use leafwise_core::solver::judge::larger;
 

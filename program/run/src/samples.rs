@@ -82,8 +82,8 @@ impl Samples {
         }
     }
 
-    /// Hands all rows to the disk and gives the file another name, in the place of one with the same rows
-    /// that a session left which was killed before its first checkpoint.
+    /// Hands all rows to the disk and gives the file another name. A file of that name with the same rows, left by a
+    /// session that was killed before its first checkpoint, is replaced.
     pub fn publish(&mut self, path: &Path) -> Result<(), RunError> {
         self.file().map_or(Ok(()), |file| {
             file.sync()?;
@@ -93,10 +93,9 @@ impl Samples {
 
     /// Prepares the file of an earlier session for more rows.
     ///
-    /// Whole rows behind the checkpoint stay where the plan is the same: its steps write the same
-    /// bytes over them, so that a sample once on disk is there at every moment, however often the
-    /// run is killed. Where the plan is longer, the last of them may be one that only the end of
-    /// the shorter run asked for.
+    /// Whole rows behind the checkpoint stay where the plan is the same. Its steps write the same bytes over them, so
+    /// that a sample once on disk is there at every moment, however often the run is killed. Where the plan is longer,
+    /// the last of them may be one that only the end of the shorter run asked for.
     pub fn go_on(&mut self, has_same_plan: bool) -> Result<(), RunError> {
         self.file().map_or(Ok(()), |file| file.cut(has_same_plan))
     }

@@ -21,7 +21,7 @@ const NOT_WHOLE: &str = "it is not a whole checkpoint";
 /// Bytes of a SHA-256.
 const DIGEST: usize = 32;
 
-/// What a file holds, and how it is written.
+/// Format of a file: the name of its content, and the number of the way it is written.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Format {
     /// The name, of any format.

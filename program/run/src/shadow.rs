@@ -1,9 +1,10 @@
-//! What the energy of a map's shadow says of its step.
+//! Judgement of a map's step by the energy of its shadow.
 //!
-//! H̃ = H + t^m F_{m+1} + t^{m+2} F_{m+3} + … is an asymptotic series: cut at order p, the map keeps it up to O(tᵖ), as long as
-//! its terms still fall from one to the next. Over a run H changes by about t^m |F_{m+1}| and H̃ by the size of the first term
-//! left out: with (p − m)/2 terms in between, each smaller by t²/t_*² on the average. A step is in the range of the theory
-//! where that factor is a quarter or less; the terms behind fall as well then, several of them.
+//! H̃ = H + t^m F_{m+1} + t^{m+2} F_{m+3} + … is an asymptotic series. Where it is cut at order p, the map keeps it up
+//! to O(tᵖ), as long as its terms still fall from one to the next. Over a run H changes by about t^m |F_{m+1}| and H̃
+//! by the size of the first term left out. There are (p − m)/2 terms in between, each smaller by t²/t_*² on the
+//! average. A step is in the range of the theory where that factor is a quarter or less; the terms behind fall as well
+//! then, several of them.
 
 use leafwise_core::solver::judge::larger;
 use leafwise_core::system::SystemObservables;
@@ -13,13 +14,13 @@ use serde::Serialize;
 
 use crate::error::RunError;
 
-/// What one term may be of the term before it.
+/// Largest ratio of one term to the term before it, for a step in the range of the theory.
 const FALLING: f64 = 0.25;
 
 /// Changes below so many roundings of H, and one more for the root of every step, say nothing: round-off of steps walks at random.
 const ROUNDINGS: f64 = 256.0;
 
-/// What a run has shown.
+/// Changes of H and H̃ that a run has shown.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Changes {
     /// max |H(x_k) − H(x_0)|.

@@ -49,7 +49,7 @@ pub enum NoShadowStep {
     Floor {
         /// The shortest step that was tried.
         time_step: f64,
-        /// What H̃ changes by there.
+        /// Change of H̃ there.
         change: f64,
     },
     /// The steps are too many.

@@ -7,8 +7,8 @@ use leafwise_scene::compose::{ComposedRun, Refusal};
 use leafwise_scene::document::SceneDocument;
 use leafwise_walk::outside;
 
-/// Why no step can be taken from the initial state, if none can: it is outside the energy's domain, or the motion has no
-/// finite value there and the method takes no step.
+/// Reason why no step can be taken from the initial state; `None` where one can. That state is outside the energy's
+/// domain, or the motion has no finite value there and the method takes no step.
 ///
 /// # Errors
 /// [`BuildError::Algebra`] where the energy has no code.
@@ -45,7 +45,7 @@ pub(super) fn refusal(
     ))))
 }
 
-/// What has no finite value of the motion; on long lattices, of the energy.
+/// Message where the motion has no finite value at the initial state; on long lattices, where the energy has none.
 fn without_motion(composed: &ComposedRun, energy: f64) -> Option<String> {
     if composed.method.lattice().is_some() {
         let message = "the energy has no finite value at the initial state";
@@ -66,7 +66,7 @@ fn without_motion(composed: &ComposedRun, energy: f64) -> Option<String> {
     ))
 }
 
-/// What to say of an invariant without a finite value, at the start or from some time on.
+/// Advice about an invariant without a finite value, at the start or from some time on.
 pub(super) fn unwatched((name, at_start): (&str, bool)) -> Advice {
     let place = if at_start { "initial" } else { "last" };
     let change = match name {

@@ -1,4 +1,4 @@
-//! What `report.html` shows, from what the directory holds.
+//! Contents of the page `report.html`, from what the directory holds.
 
 use leafwise_expression::words::counted;
 
@@ -155,8 +155,8 @@ fn section(
     ))
 }
 
-/// The columns `names` of rows, which begin at a place in them, over each other: those that the scene asks for, or the first
-/// two that vary by more than a small part of what they vary by elsewhere.
+/// Points of a section: two of the columns `names` over each other; they begin at the place `first` in rows. The scene
+/// asks for two, or they are the first two that vary by more than a small part of what they vary by elsewhere.
 pub(crate) fn section_points(
     (section, axes): (&Section, &Option<[String; 2]>),
     names: &[String],
@@ -453,9 +453,9 @@ fn first_body(names: &[String]) -> Option<Vec<usize>> {
     })
 }
 
-/// The symplectic leaf through the initial state, where a Casimir of a three-dimensional system
-/// makes it an ellipsoid: C(x) = C(0) + Σ (a_i x_i² + b_i x_i) with a_i of one sign. The form is
-/// read off C at seven points and tested at others.
+/// The symplectic leaf through the initial state, where a Casimir of a three-dimensional system makes it an ellipsoid.
+/// Then C(x) = C(0) + Σ (a_i x_i² + b_i x_i) with a_i of one sign. The form is read off C at seven points and tested at
+/// others.
 fn leaf(run: &ComposedRun) -> Option<Ellipsoid> {
     if run.dimension() != 3 {
         return None;

@@ -13,9 +13,10 @@ const MOST_EVEN: usize = 32;
 /// States of more coordinates are not kept evenly: a checkpoint holds them.
 const LONGEST: usize = 4096;
 
-/// States before steps that were taken, the last one always, and states evenly spaced over the run. Where steps are judged,
-/// in [`LARGEST`] coordinates at most, the one with most evaluations is kept too, the first apart, which has none to
-/// begin with, and the one with the largest motion Σ_i |Δx_i|/(max x_i − min x_i).
+/// States before steps that were taken, the last one always, and states evenly spaced over the run. Where steps are
+/// judged, in [`LARGEST`] coordinates at most, two more are kept. One is the state before the step with most
+/// evaluations; the first step, which has none to begin with, does not count. The other is the state before the step
+/// with the largest motion Σ_i |Δx_i|/(max x_i − min x_i).
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Watch {
     /// Steps between two evenly spaced states.
@@ -265,9 +266,9 @@ impl Watch {
         (self.even, self.stride) = (kept, 2 * self.stride);
     }
 
-    /// States from which the run has made a step, [`MOST_STATES`] at most: the first, that before the last step, those
-    /// before the steps with most evaluations and the largest motion, and evenly spaced ones. The first alone where no
-    /// step was made.
+    /// States from which the run has made a step, [`MOST_STATES`] at most. These are the first, that before the last
+    /// step, those before the steps with most evaluations and the largest motion, and evenly spaced ones. The first
+    /// alone where no step was made.
     pub fn judged<'a>(&'a self, initial: &'a [f64]) -> Vec<Vec<f64>> {
         let chosen = [initial, &self.before, &self.dearest.0, &self.fastest];
         let mut states: Vec<&[f64]> = Vec::new();

@@ -1,4 +1,4 @@
-//! What is wrong with a scene, underlined where it stands.
+//! Diagnostics of a scene: its errors, underlined where they stand.
 
 use std::fmt;
 use std::ops::Range;
@@ -9,9 +9,9 @@ use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 /// A problem ready to print: message, text, the piece to underline, what to try.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SceneDiagnostic {
-    /// What is wrong.
+    /// Message: the error in words.
     pub message: String,
-    /// What stands under the underlined piece.
+    /// Text under the underlined piece.
     pub label: String,
     /// The name of the text: a file, a library system, or `--set`.
     pub source_name: String,
@@ -19,7 +19,7 @@ pub struct SceneDiagnostic {
     pub source_text: String,
     /// The byte range to underline.
     pub span: Range<usize>,
-    /// What to try.
+    /// Advice: a remedy to try.
     pub help: Option<String>,
 }
 
@@ -114,8 +114,8 @@ pub fn string_content(text: &str, value: Range<usize>) -> Option<Range<usize>> {
     Some(value.start + open + newline..value.end - close)
 }
 
-/// Maps the bytes `inner` of a string's value to the text: the exact piece where the string is
-/// written plainly, the whole string where it has escapes or the range does not fit.
+/// Maps the bytes `inner` of a string's value to the text. The result is the exact piece where the string is written
+/// plainly. It is the whole string where that has escapes or the range does not fit.
 pub fn formula_span(text: &str, value: Range<usize>, inner: Range<usize>) -> Range<usize> {
     let Some(content) = string_content(text, value.clone()) else {
         return value;

@@ -1,4 +1,4 @@
-//! What JSON has no word for: doubles that are not finite, and lists of named values as objects.
+//! Values that JSON has no word for: doubles that are not finite, and lists of named values as objects.
 //!
 //! The functions for `serialize_with` have the errors of the serializer.
 

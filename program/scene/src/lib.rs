@@ -1,7 +1,7 @@
 //! A scene file, from its text to a composed run.
 //!
 //! - [`document`]: the text as typed sections, every value with its place in the text;
-//! - [`diagnostic`]: what is wrong, underlined where it stands;
+//! - [`diagnostic`]: errors of a scene, underlined where they stand;
 //! - [`compose`](mod@compose): the text as a Poisson system, a method and the plan of a run;
 //! - [`json`]: doubles and named values as JSON;
 //! - [`input`]: files that are read whole, within bounds;

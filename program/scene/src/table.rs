@@ -12,7 +12,7 @@ pub struct Table {
     pub rows: Vec<Vec<f64>>,
 }
 
-/// The numbers of one column of a file, a row each; of its only one where `column` names none.
+/// Numbers of one column of a file, a row each. Where `column` names none, it is the file's only column.
 ///
 /// # Errors
 /// The first thing wrong, and in which row or column.

@@ -6,7 +6,7 @@ use leafwise_expression::Rational;
 
 use crate::forms::Forms;
 
-/// Blocks of forms, each moved by coordinates of its own: DJ is block triangular, and the rows D_k of a diagonal block are
+/// Blocks of forms, each moved by coordinates of its own: DJ is block triangular. The rows D_k of a diagonal block are
 /// orthogonal, D_k D_lᵀ = c_k |z_N|² δ_kl with one set N of coordinates.
 ///
 /// So δ with DJ δ = r is found block by block, without a matrix.

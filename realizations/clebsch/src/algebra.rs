@@ -1,4 +1,4 @@
-//! What an algebra is given by: forms of z with their brackets, and how points come from states.
+//! Algebras given by quadratic forms of z with their brackets and a section, which takes states to points z.
 
 use std::fmt;
 use std::sync::Arc;

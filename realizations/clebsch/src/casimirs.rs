@@ -101,8 +101,9 @@ impl Held {
         }
     }
 
-    /// Takes off by the smallest change of an increment what rounding has added to the Casimirs, some 1e-16 of them whose mean would
-    /// show; returns the most of that, as a part of Σ |c x_i x_j| at the end.
+    /// Takes off the change of the Casimirs by rounding, with the smallest change of the `increment`. That change is
+    /// some 1e-16 of them, and its mean would show. Returns the largest such change, as a part of Σ |c x_i x_j| at the
+    /// end.
     pub fn hold(&self, x: &[f64], low: &[f64], increment: &mut [f64]) -> f64 {
         match (self.squares.len(), x.len()) {
             (0, _) => 0.0,

@@ -100,7 +100,8 @@ impl Basis {
         Some(basis)
     }
 
-    /// What a vector is of the given ones; `None` where it is none of their sums.
+    /// Coefficients of a vector as a combination of the given vectors, those that are not 0; `None` where it is no
+    /// combination of them.
     fn coefficients(&self, vector: &[Rational]) -> Option<Row> {
         let mut rest = vector.to_vec();
         let mut found = vec![Rational::from_integer(0); self.reduced.len()];

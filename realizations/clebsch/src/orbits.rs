@@ -1,8 +1,8 @@
 //! Whether the fibres of a quadratic map are orbits of linear symmetries.
 //!
-//! The forms that commute with every x_k have linear flows that J does not see. Where the directions in which they move a point
-//! make up the kernel of DJ there, they do so almost everywhere: then a Gauss method, which commutes with them, takes fibres to
-//! fibres. Ranks are those at a point of whole numbers modulo a large prime.
+//! The forms that commute with every x_k have linear flows that J does not see. Where the directions in which they move
+//! a point make up the kernel of DJ there, they do so almost everywhere. Then a Gauss method, which commutes with them,
+//! takes fibres to fibres. Ranks are those at a point of whole numbers modulo a large prime.
 
 use leafwise_expression::Rational;
 

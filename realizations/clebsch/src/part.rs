@@ -59,12 +59,13 @@ static INFO: PartInfo = PartInfo {
 pub struct Clebsch;
 
 impl Clebsch {
-    /// The coordinates of a system's tensor: of a direct sum those of every summand, where it is of none of the algebras by the
-    /// first part of `registry` that is a lift and fits.
+    /// The coordinates of a system's tensor; of a direct sum, those of every summand. A summand has those of its
+    /// algebra, or its own where it is constant. Any other summand takes those of the first part of `registry` that is
+    /// a lift and fits.
     ///
     /// # Errors
-    /// [`BuildError::DoesNotFit`] with the first summand that is of no known algebra, [`BuildError::Algebra`] where an
-    /// entry has no normal form.
+    /// Returns [`BuildError::DoesNotFit`] with the first summand that none of these serves. Returns
+    /// [`BuildError::Algebra`] where an entry has no normal form.
     pub fn realize(
         system: &PoissonSystem,
         registry: &Registry,

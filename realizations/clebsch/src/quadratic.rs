@@ -16,8 +16,8 @@ use crate::slowing::{Motion, taken};
 
 /// J: z ↦ x with x_k = ½ Σ_a σ_a z_aᵀS_k z_a, {z_a, z_a} = σ_a Ω.
 ///
-/// Steps of a Gauss method for H∘J take fibres of J to fibres where these are orbits of affine symmetries of Ω that J does not
-/// see: there they are Poisson maps of x, to round-off.
+/// Steps of a Gauss method for H∘J take fibres of J to fibres where these are orbits of affine symmetries of Ω that J
+/// does not see. There they are Poisson maps of x, to round-off.
 #[derive(Clone, Debug)]
 pub struct QuadraticLift {
     algebra: Algebra,
@@ -83,8 +83,8 @@ impl QuadraticLift {
         signs.zip(z.chunks_exact(self.forms.coordinates()))
     }
 
-    /// Moves the z of a base point by a δ with DJ δ = x + low − J(z), the shortest where blocks of DJ are not orthogonal;
-    /// whether J(z) was near.
+    /// Moves the z of a base point by a δ with DJ δ = x + low − J(z), the shortest where blocks of DJ are not
+    /// orthogonal. Returns whether J(z) was near; z is not moved otherwise.
     fn move_across<const D: usize, const N: usize>(
         &self,
         (x, low): (&[f64], &[f64]),

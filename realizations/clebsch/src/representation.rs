@@ -13,7 +13,7 @@ use crate::over::over;
 use crate::quadratic::WIDEST;
 use crate::relabel::Relabelling;
 
-/// What a scene gives.
+/// Matrices of a representation, as a scene gives them.
 #[derive(Clone, Debug)]
 pub struct Matrices {
     /// ρ(e_k), one matrix a variable, in rows.
@@ -27,8 +27,9 @@ pub struct Matrices {
 /// The algebra of the matrices, and how it is the tensor's.
 ///
 /// # Errors
-/// [`BuildError::Parameter`] for matrices that are none, [`BuildError::NoRepresentation`] with the first bracket that fails, and
-/// [`BuildError::DoesNotFit`] where J is not onto or its fibres are not orbits of linear symmetries.
+/// Returns [`BuildError::Parameter`] for matrices that are none, [`BuildError::NoRepresentation`] with the first
+/// bracket that fails. Returns [`BuildError::DoesNotFit`] where J is not onto or its fibres are not orbits of linear
+/// symmetries.
 pub fn algebra(
     given: &Matrices,
     system: &SystemFormulas,

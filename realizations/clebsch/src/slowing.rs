@@ -15,13 +15,14 @@ use crate::least::Gram;
 /// Casimirs that multiples are found of.
 const MOST: usize = 4;
 
-/// What is saved of the mean square must be more than this part of it: what is taken off costs operations too.
+/// Least reduction of the mean square, as a part of it, for which multiples are taken off: the terms taken off cost
+/// operations too.
 const WORTH: f64 = 0.2;
 
 /// A z, and the sizes of its coordinates.
 pub type Point = (Vec<f64>, Vec<f64>);
 
-/// What the motion of z is made of.
+/// Motion of z over a system: forms, their brackets, Casimirs and points over states.
 #[derive(Clone, Copy)]
 pub struct Motion<'a> {
     /// S_k.

@@ -1,8 +1,8 @@
 //! Realizations that a scene writes as formulas.
 //!
-//! In a cotangent chart about σ(x) = (x, 0) a realization is a map α_ε(x, p) with α_ε(x, 0) = x, and where (x, p) ↦ (x, −p)
-//! is the inverse β_ε(x, p) = α_ε(x, −p). A scene gives the components of α, and those of β where it is another map;
-//! what it says of their accuracy is a claim, which `leafwise verify` measures.
+//! In a cotangent chart about σ(x) = (x, 0) a realization is a map α_ε(x, p) with α_ε(x, 0) = x. Where (x, p) ↦ (x, −p)
+//! is the inverse, β_ε(x, p) = α_ε(x, −p). A scene gives the components of α, and those of β where it is another map.
+//! Its words on their accuracy are a claim, which `leafwise verify` measures.
 
 use std::sync::Arc;
 
@@ -105,7 +105,7 @@ fn build(
     Ok(Arc::new(ClosedRealization::new(INFO.name, form)?))
 }
 
-/// What the scene claims.
+/// Accuracy that the scene claims: exact, or an order in ε.
 fn accuracy(parameters: &PartParameters) -> Result<Accuracy, BuildError> {
     match parameters.get(&INFO, ORDER)? {
         0 => Ok(Accuracy::Exact),

@@ -33,12 +33,13 @@ type Entries = BTreeMap<(usize, usize), Polynomial>;
 
 impl MagneticChart {
     /// Reads the potential, one component a position in the order of the variables, separated by
-    /// `;`, and verifies {P_i, P_j} = 0 in exact algebra.
+    /// `;`. Verifies {P_i, P_j} = 0 in exact algebra.
     ///
     /// # Errors
-    /// [`BuildError::DoesNotFit`] when the bracket is not magnetic or a pair of momenta does not
-    /// commute, [`BuildError::Parameter`] when the potential is missing, is no formula or has
-    /// another number of components, [`BuildError::Algebra`] where a formula has no normal form.
+    /// Returns [`BuildError::DoesNotFit`] when the bracket is not magnetic or a pair of momenta
+    /// does not commute. Returns [`BuildError::Parameter`] when the potential is missing, is no
+    /// formula or has another number of components. Returns [`BuildError::Algebra`] where a formula
+    /// has no normal form.
     pub fn new(system: &SystemFormulas, potential: &str) -> Result<Self, BuildError> {
         let mut ring = Ring::new(system.dimension());
         let mut entries = Entries::new();

@@ -1,10 +1,9 @@
 //! The exact realization of a magnetic bracket with a given vector potential.
 //!
-//! For positions x_i and momenta p_i with {x_i, x_j} = 0, {x_i, p_j} = s_i δ_ij, s_i = ±1, and
-//! {p_i, p_j} = B_ij(x), a potential A with B_ij = s_j ∂_j A_i − s_i ∂_i A_j (for the paper's
-//! s = −1 the curl ∂_i A_j − ∂_j A_i) makes P = p − A(x) Darboux coordinates:
-//! {x_i, P_j} = s_i δ_ij, {P_i, P_j} = 0. The constant realization there is carried back to the
-//! original coordinates.
+//! Positions x_i and momenta p_i have {x_i, x_j} = 0, {x_i, p_j} = s_i δ_ij, s_i = ±1, and
+//! {p_i, p_j} = B_ij(x). A potential A has B_ij = s_j ∂_j A_i − s_i ∂_i A_j, for the paper's s = −1
+//! the curl ∂_i A_j − ∂_j A_i. Then P = p − A(x) are Darboux coordinates: {x_i, P_j} = s_i δ_ij,
+//! {P_i, P_j} = 0. The constant realization there is carried back to the original coordinates.
 
 mod chart;
 
@@ -43,17 +42,19 @@ static INFO: PartInfo = PartInfo {
     ..PartInfo::of(PartKind::Realization)
 };
 
-/// α = Φ⁻¹ ∘ α′ ∘ T*Φ for the Darboux map Φ(x, p) = (x, P = p − A(x)), its cotangent lift T*Φ and
-/// the constant realization α′ = X − ½ ε Π′ ξ of Π′ = {X, X}: T*Φ is symplectic and Φ a Poisson
-/// isomorphism, so that α is Poisson, and β = α(·, −·) since T*Φ is linear on fibres.
+/// α = Φ⁻¹ ∘ α′ ∘ T*Φ for the Darboux map Φ(x, p) = (x, P = p − A(x)) and its cotangent lift T*Φ.
+/// Here α′ = X − ½ ε Π′ ξ is the constant realization of Π′ = {X, X}. The lift T*Φ is symplectic
+/// and Φ a Poisson isomorphism, so that α is Poisson. And β = α(·, −·), since T*Φ is linear on
+/// fibres.
 ///
-/// With covectors (a, b) over (x, p), δ_i = ½ ε s_i b_i and T*Φ: (a, b) ↦ (a + A′ᵀ b, b):
+/// With covectors (a, b) over (x, p), δ_i = ½ ε s_i b_i and T*Φ: (a, b) ↦ (a + A′ᵀ b, b). The
+/// components of α and β are:
 ///
-/// - α_x = x − δ,
-/// - α_p = p + ½ ε s a + Σ_j s_i s_j ∂_i A_j δ_j + A_i(x − δ) − A_i(x)
-///   = p + ½ ε s a + G + E, β_p = p − ½ ε s a − G + E with
-///   G_i = Σ_j s_i s_j ∂_i A_j δ_j − ½ (A_i(x + δ) − A_i(x − δ)) odd in δ and
-///   E_i = ½ (A_i(x + δ) + A_i(x − δ)) − A_i(x) even.
+/// - α_x = x − δ.
+/// - α_p = p + ½ ε s a + Σ_j s_i s_j ∂_i A_j δ_j + A_i(x − δ) − A_i(x).
+/// - With G and E below, α_p = p + ½ ε s a + G + E and β_p = p − ½ ε s a − G + E.
+/// - G_i = Σ_j s_i s_j ∂_i A_j δ_j − ½ (A_i(x + δ) − A_i(x − δ)), odd in δ.
+/// - E_i = ½ (A_i(x + δ) + A_i(x − δ)) − A_i(x), even in δ.
 ///
 /// G and E are formed in exact algebra. For a polynomial A their differences are carried out and
 /// nothing cancels; for other functions they carry the round-off of A itself.
@@ -72,9 +73,10 @@ impl DarbouxMagnetic {
     /// separated by `;`.
     ///
     /// # Errors
-    /// [`BuildError::DoesNotFit`] when the bracket is not magnetic or a pair of momenta does not
-    /// commute, [`BuildError::Parameter`] when the potential is missing, is no formula or has
-    /// another number of components, [`BuildError::Algebra`] where a formula has no normal form.
+    /// Returns [`BuildError::DoesNotFit`] when the bracket is not magnetic. Returns it too when a
+    /// pair of momenta does not commute. Returns [`BuildError::Parameter`] when the potential is
+    /// missing, is no formula or has another number of components. Returns [`BuildError::Algebra`]
+    /// where a formula has no normal form.
     pub fn realize(
         system: &PoissonSystem,
         potential: &str,

@@ -1,8 +1,8 @@
 //! The exact realization of a direct sum Π₁(x₁) ⊕ Π₂(x₂) ⊕ … of tensors.
 //!
-//! Where (S_k, α_k, β_k) realizes Π_k, the products α₁ × α₂ × … and β₁ × β₂ × … on S₁ × S₂ × … realize the sum: brackets of
-//! functions of different factors vanish. The summands are found in the tensor: coordinates that no entry joins are of
-//! different ones. A motion that depends on time is of this kind, its time and energy being a summand.
+//! Where (S_k, α_k, β_k) realizes Π_k, the products α₁ × α₂ × … and β₁ × β₂ × … on S₁ × S₂ × … realize the sum.
+//! Brackets of functions of different factors vanish. The summands are found in the tensor: coordinates that no entry
+//! joins are of different ones. A motion that depends on time is of this kind, its time and energy being a summand.
 
 use std::sync::Arc;
 
@@ -45,11 +45,12 @@ struct Factor {
 }
 
 impl DirectSum {
-    /// The realization data of a system's tensor, of each summand by the first exact realization of `registry` that fits it.
+    /// The realization data of a system's tensor. Each summand takes the first exact realization of `registry` that
+    /// fits it.
     ///
     /// # Errors
-    /// [`BuildError::DoesNotFit`] for a tensor that is no sum, or where a summand has no exact realization with code in
-    /// pairs (x, p).
+    /// Returns [`BuildError::DoesNotFit`] for a tensor that is no sum. Returns it too where a summand has no exact
+    /// realization with code in pairs (x, p).
     pub fn realize(system: &PoissonSystem, registry: &Registry) -> Result<Self, BuildError> {
         let formulas = system.formulas(INFO.name)?;
         let blocks = formulas.summands();

@@ -1,7 +1,7 @@
 //! The curve Y(s) = Σ hᵏ Y_k(s) and its polynomial coefficients.
 //!
-//! With s = σ + ½ the zero-mean condition reads ∫_{−½}^{½} Y_k dσ = 0 for k ≥ 1, and Y_k has the
-//! parity of k in σ: half of its coefficients vanish identically.
+//! With s = σ + ½ the zero-mean condition reads ∫_{−½}^{½} Y_k dσ = 0 for k ≥ 1. The parity of Y_k in σ is that of k:
+//! half of its coefficients vanish identically.
 
 use leafwise_core::SystemFormulas;
 use leafwise_expression::Expression;
@@ -11,9 +11,8 @@ use leafwise_expression::series::{Tape, TapeIndex, TaylorState, Univariate};
 
 /// The series of the curve over an algebra with elements `E`, one order at a time.
 ///
-/// Y_{k+1} is the zero-mean antiderivative of the hᵏ-coefficient of Π(Y) q with q(h) = Σ hᵏ q_k: for q = p constant
-/// this is Karasev's curve in powers of ε; for q_k = p_{k+1} it is the curve along
-/// p(h) = Σ_{k≥1} p_k hᵏ.
+/// Y_{k+1} is the zero-mean antiderivative of the hᵏ-coefficient of Π(Y) q with q(h) = Σ hᵏ q_k. For q = p constant
+/// this is Karasev's curve in powers of ε. For q_k = p_{k+1} it is the curve along p(h) = Σ_{k≥1} p_k hᵏ.
 #[derive(Clone, Debug)]
 pub struct KarasevCurve<E> {
     tape: Tape,

@@ -1,8 +1,9 @@
-//! Where Karasev's series ends.
+//! End of Karasev's series: the order from which all further terms vanish.
 //!
-//! Y_{k+1} is made of the hᵏ-coefficient of Π(Y) p. Of a polynomial tensor of degree r every term of it is a product of at
-//! most r of Y_1, …, Y_k, whose numbers add up to k: where Y_k = 0 for n < k ≤ rn + 1, one factor of every later term
-//! vanishes, and the series ends at Y_n. So it does where a field acts on velocities and depends on positions alone.
+//! Y_{k+1} is made of the hᵏ-coefficient of Π(Y) p. Of a polynomial tensor of degree r every term of it is a product of
+//! at most r of Y_1, …, Y_k, whose numbers add up to k. Where Y_k = 0 for n < k ≤ rn + 1, one factor of every later
+//! term vanishes, and the series ends at Y_n. So it does where a field acts on velocities and depends on positions
+//! alone.
 
 use leafwise_core::SystemFormulas;
 use leafwise_expression::bounded::{Bounded, BoundedNumbers};
@@ -16,8 +17,8 @@ const PRODUCTS: u64 = 1 << 14;
 /// Beyond this order nothing is looked at.
 const LAST: usize = 128;
 
-/// Whether Y_k = 0 for all k > `order`: to round-off at points about the system's reference point, for other values of
-/// the parameters than its own, which may be 0.
+/// Whether Y_k = 0 for all k > `order`, to round-off at points about the system's reference point. Parameters take
+/// other values than the system's own, which may be 0.
 pub(crate) fn is_whole(system: &SystemFormulas, order: usize) -> bool {
     match degree(system) {
         Some(0) => true,

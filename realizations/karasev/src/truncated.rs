@@ -42,11 +42,10 @@ static INFO: PartInfo = PartInfo {
 /// Beyond this order round-off of the coefficients exceeds what a further term adds.
 const LARGEST_ORDER: i64 = 40;
 
-/// K̂_ε = (S ⊂ T*M, ω_M, τⁿα_ε, τⁿβ_ε, σ): Karasev's realization data truncated after εⁿ
-/// (paper, section 3.2).
+/// K̂_ε = (S ⊂ T*M, ω_M, τⁿα_ε, τⁿβ_ε, σ): Karasev's realization data truncated after εⁿ (paper, section 3.2).
 ///
-/// α̂ = x + Σ_{k=1..n} εᵏ α_(k)(x, p) and β̂(x, p) = α̂(x, −p), so the increment α̂ − β̂ is twice the
-/// part of α̂ that is odd in p.
+/// Here α̂ = x + Σ_{k=1..n} εᵏ α_(k)(x, p) and β̂(x, p) = α̂(x, −p). So the increment α̂ − β̂ is twice the part of α̂
+/// that is odd in p.
 #[derive(Clone, Debug)]
 pub struct TruncatedKarasev {
     system: SystemFormulas,
@@ -180,8 +179,8 @@ impl TruncatedKarasev {
 
 /// The parts of α̂_i − x_i that are odd and even in p.
 ///
-/// One odd part serves both ends: its round-off must be the same in β̂ and in α̂ − β̂, or the Casimirs
-/// that every truncation conserves would drift in proportion to time.
+/// One odd part serves both ends: its round-off must be the same in β̂ and in α̂ − β̂. The Casimirs that every
+/// truncation conserves would otherwise drift in proportion to time.
 pub(crate) fn odd_and_even(graph: &mut Graph, alpha: &[Vec<Term>], i: usize) -> (Term, Term) {
     let mut part = |first: usize| {
         let terms: Vec<_> = (first..alpha.len())

@@ -9,8 +9,8 @@ use crate::even_part::LARGEST;
 /// Iterations of the eigenvalue solver for each eigenvalue, ten times what it takes.
 const MOST_ITERATIONS: usize = 30;
 
-/// What the eigenvalue solver takes for 0, beside the norm: 2⁻³⁶. On multiple pairs it stalls at a
-/// thousand roundings, and that near the wall α has lost all digits.
+/// Tolerance below which the eigenvalue solver takes an entry for 0, beside the norm: 2⁻³⁶. On multiple pairs it stalls
+/// at a thousand roundings, and that near the wall α has lost all digits.
 const NEGLIGIBLE: f64 = 1.0 / 68_719_476_736.0;
 
 /// Bases in which the eigenvalue solver is tried: in one out of a thousand it goes in circles.
@@ -23,8 +23,8 @@ pub(crate) const SINGULAR: StepError = StepError::NonFinite {
     what: "the inverse of a function of the coadjoint map",
 };
 
-/// A bound of every eigenvalue of a d × d matrix, row-major, whatever the units of the coordinates: the norm, and where that is
-/// large the norm in units that make rows and columns alike.
+/// A bound of every eigenvalue of a d × d matrix, row-major, whatever the units of the coordinates. It is the norm, and
+/// where that is large the norm in units that make rows and columns alike.
 pub(crate) fn spectral_bound(matrix: &[f64], d: usize) -> f64 {
     use std::f64::consts::PI;
     let plain = norm(matrix, d);
@@ -68,8 +68,8 @@ fn norm(matrix: &[f64], d: usize) -> f64 {
     if rows <= columns { rows } else { columns }
 }
 
-/// Refuses Z with an eigenvalue of imaginary part 2π or more: along p ↦ τp one of them met ±2πi.
-/// `bound` is a norm of Z²/4, so that |λ| ≤ 2√bound.
+/// Refuses Z with an eigenvalue of imaginary part 2π or more: along p ↦ τp one of them met ±2πi. The argument `bound`
+/// is a norm of Z²/4, so that |λ| ≤ 2√bound.
 pub(crate) fn check_chart(map: &[f64], d: usize, bound: f64) -> Result<(), StepError> {
     use std::f64::consts::PI;
     if !bound.is_finite() {

@@ -11,8 +11,8 @@ use crate::relations::CoordinateClass;
 use crate::structure::StructureConstants;
 
 /// α, β = x + f(W) x ∓ ½ Z x, W = Z²/4, for algebras whose coordinates obey the relations of
-/// [`relations`](crate::relations): on a class with roots c ± √δ of W,
-/// f(W) x = (G₀ + G₁ (W − c)) W x with G₀ + G₁ u = g(c + u) modulo u² = δ.
+/// [`relations`](crate::relations). On a class with roots c ± √δ of W, f(W) x = (G₀ + G₁ (W −
+/// c)) W x. Here G₀ + G₁ u = g(c + u) modulo u² = δ.
 #[derive(Clone, Debug)]
 pub struct ClosedForm {
     structure: StructureConstants,
@@ -126,11 +126,10 @@ fn roots(
     Ok([centre, split])
 }
 
-/// How far the point is on the way to the chart's end, 1 there: the larger of |Im λ|/2π and
-/// |λ|/(2 √[`LARGEST`]) over the eigenvalues λ = 2√w of Z, w = c ± √δ.
+/// Part of the way to the chart's end at which the point is, 1 at the end. It is the larger of
+/// |Im λ|/2π and |λ|/(2 √[`LARGEST`]) over the eigenvalues λ = 2√w of Z, w = c ± √δ.
 ///
-/// With real roots c ± σ, or a pair c ± √τ, τ < 0: 2 (Im √w)² = |w| − Re w and
-/// |w|² = (Re w)² − τ.
+/// With real roots c ± σ, or a pair c ± √τ, τ < 0: 2 (Im √w)² = |w| − Re w and |w|² = (Re w)² − τ.
 fn reach(graph: &mut Graph, centre: &Term, split: &Term) -> Result<Term, BuildError> {
     let (one, half) = (Rational::one(), Rational::new(1, 2));
     let size = absolute(graph, split)?;

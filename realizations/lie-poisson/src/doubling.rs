@@ -1,9 +1,9 @@
 //! g(w) = (√w coth √w − 1)/w as straight-line code on ℝ\[u\]/(u² − δ).
 //!
-//! At w/4⁶ a convergent of Lambert's continued fraction gives g; then six times the argument is
-//! doubled: with F = 1 + w g = √w coth √w, F(4w) = F(w) + w/F(w), that is
-//! g(4w) = ¼ (g(w) + 1/(1 + w g(w))). Near 0 and on the positive axis a doubling shrinks errors,
-//! towards the pole at −π² they grow as the condition of g does: at most 8 ulps of it for one root, 64 for a pair.
+//! At w/4⁶ a convergent of Lambert's continued fraction gives g. Then six times the argument is doubled. With F =
+//! 1 + w g = √w coth √w, F(4w) = F(w) + w/F(w), that is g(4w) = ¼ (g(w) + 1/(1 + w g(w))). Near 0 and on the positive
+//! axis a doubling shrinks errors. Towards the pole at −π² they grow as the condition of g does: at most 8 ulps of it
+//! for one root, 64 for a pair.
 
 use leafwise_core::BuildError;
 use leafwise_expression::{Arithmetic, Graph, Rational, Term};
@@ -11,8 +11,8 @@ use leafwise_expression::{Arithmetic, Graph, Rational, Term};
 /// How often the argument is doubled.
 const DOUBLINGS: i64 = 6;
 
-/// Levels of the continued fraction w g = w/(3 + w/(5 + w/(7 + …))): the remainder of the
-/// convergent is w⁸/(3·5²⋯17²·19) of it, 1.3e-16 at the largest |w|/4⁶ served, 1.
+/// Levels of the continued fraction w g = w/(3 + w/(5 + w/(7 + …))). The remainder of the convergent is
+/// w⁸/(3·5²⋯17²·19) of it, 1.3e-16 at the largest |w|/4⁶ served, 1.
 const LEVELS: i64 = 8;
 
 /// a + b u.

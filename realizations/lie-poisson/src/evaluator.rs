@@ -17,9 +17,9 @@ use crate::structure::LieAlgebra;
 
 /// One thread's evaluator for fixed parameters and ε.
 ///
-/// α, β = x + f(W) x ∓ ½ Z x with W = Z²/4 and f of [`even_part`](crate::even_part): the increment
-/// α − β = −Z x is exact up to one product. Tangents differentiate the fractions: with
-/// y = (1 + sW)⁻¹ x, ∂_p of W(1 + sW)⁻¹x is (1 + sW)⁻¹ ∂_p W y, and A(p) v = Π(v) p.
+/// It evaluates α, β = x + f(W) x ∓ ½ Z x with W = Z²/4 and f of [`even_part`](crate::even_part). The increment
+/// α − β = −Z x is exact up to one product. Tangents differentiate the fractions: with y = (1 + sW)⁻¹ x, ∂_p of W(1 +
+/// sW)⁻¹x is (1 + sW)⁻¹ ∂_p W y, and A(p) v = Π(v) p.
 ///
 /// Matrices are row-major, in memory that is kept from point to point.
 pub struct LiePoissonEvaluator {
@@ -33,7 +33,7 @@ pub struct LiePoissonEvaluator {
     operations: u64,
 }
 
-/// What the tangents need of the last point z = (x, p).
+/// The last point z = (x, p) with its matrices and resolvents, from which tangents are computed.
 struct Point {
     z: Vec<f64>,
     map: Vec<f64>,
@@ -291,8 +291,8 @@ impl Evaluator for LiePoissonEvaluator {
 }
 
 impl RealizationEvaluator for LiePoissonEvaluator {
-    /// With μ = (1 + sW)⁻ᵀλ and y = (1 + sW)⁻¹x, D²(λ·W(1 + sW)⁻¹x) along v and w is
-    /// μ·(∂²_vw W y + ∂_v W ∂_w y + ∂_w W ∂_v y), ∂_v y = (1 + sW)⁻¹(v_x − s ∂_v W y), and
+    /// D²(λ·α), row-major, by those of the fractions. Let μ = (1 + sW)⁻ᵀλ and y = (1 + sW)⁻¹x. Then D²(λ·W(1 + sW)⁻¹x)
+    /// along v and w is μ·(∂²_vw W y + ∂_v W ∂_w y + ∂_w W ∂_v y). Here ∂_v y = (1 + sW)⁻¹(v_x − s ∂_v W y). And
     /// μ·∂_v W u = −¼ ε v_p·(A(μ)Z + A(Zᵀμ)) u since μ·A(v)a = −v·A(μ)a.
     fn source_hessian(
         &mut self,

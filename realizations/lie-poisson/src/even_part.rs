@@ -1,10 +1,10 @@
 //! (Z/2) coth(Z/2) = 1 + f(W), W = Z²/4, by partial fractions of a continued fraction.
 //!
-//! z coth z − 1 with w = z² is Lambert's continued fraction
-//! f(w) = w/(3 + w/(5 + w/(7 + …))), a Stieltjes function. Cut after 2n levels it is
-//! Σ_j r_j w/(1 + s_j w) with n weights r_j > 0 and n shifts s_j > 0, its poles −1/s_j near
-//! −(jπ)². On matrices every term is one linear solve with 1 + s_j W: nothing overflows and, for
-//! real eigenvalues of Z, nothing cancels, whatever their size.
+//! With w = z², z coth z − 1 is Lambert's continued fraction f(w) = w/(3 + w/(5 + w/(7 + …))), a
+//! Stieltjes function. Cut after 2n levels it is Σ_j r_j w/(1 + s_j w) with n weights r_j > 0 and n
+//! shifts s_j > 0, its poles −1/s_j near −(jπ)². On matrices every term is one linear solve with
+//! 1 + s_j W: nothing overflows and, for real eigenvalues of Z, nothing cancels, whatever their
+//! size.
 
 use nalgebra::DMatrix;
 
@@ -36,9 +36,9 @@ pub fn needed(bound: f64) -> usize {
 
 /// The n fractions.
 ///
-/// With t = 1/w, f = 1/(3t + 1/(5 + 1/(7t + 1/(9 + …)))) is the first entry of (tM + L)⁻¹ for
-/// masses M = diag(3, 7, 11, …) on a string of lengths 5, 9, 13, … with stiffness L: the s_j are
-/// the eigenvalues of M^{−½} L M^{−½} and the r_j its spectral weights (T. J. Stieltjes 1894;
+/// With t = 1/w, f = 1/(3t + 1/(5 + 1/(7t + 1/(9 + …)))) is the first entry of (tM + L)⁻¹. Here
+/// M = diag(3, 7, 11, …) are masses on a string of lengths 5, 9, 13, … with stiffness L. The s_j
+/// are the eigenvalues of M^{−½} L M^{−½} and the r_j its spectral weights (T. J. Stieltjes 1894;
 /// computed as by Golub and Welsch 1969).
 pub fn fractions(n: usize) -> Vec<Fraction> {
     let mass = |i: usize| (4 * i + 3) as f64;

@@ -57,8 +57,8 @@ impl LiePoisson {
     /// The realization data of a system's tensor.
     ///
     /// # Errors
-    /// Those of [`StructureConstants::new`]: [`BuildError::DoesNotFit`] for a tensor that is not
-    /// linear or affine, and for an affine one on whose central extension Z² has more roots.
+    /// Those of [`StructureConstants::new`]. Returns [`BuildError::DoesNotFit`] for a tensor that is not linear or
+    /// affine, and for an affine one on whose central extension Z² has more roots.
     pub fn new(system: &PoissonSystem) -> Result<Self, BuildError> {
         let formulas = system.formulas(INFO.name)?;
         let structure = StructureConstants::new(formulas)?;

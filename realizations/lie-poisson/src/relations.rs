@@ -1,11 +1,12 @@
 //! The eigenvalues of A(p)² that the coordinate vectors see.
 //!
-//! Where A² (A² − c)² e = δ A² e with c and δ polynomials in p, a function of A² without a constant
-//! term acts on e through its value and slope at the two roots c ± √δ alone: no matrix is inverted
-//! and no eigenvalue computed. So it is on so(3) (one root, c = −‖p‖²), se(3) and every other
-//! so(3) ⋉ ℝ³ᵏ (one root, twice), sl(2), so(4) and so(3, 1) (two roots, δ a square or minus one),
-//! on solvable algebras such as Toda's and on direct sums of all these, where every summand has its
-//! own roots. On larger simple algebras, su(3) or so(5), it is not.
+//! Let A² (A² − c)² e = δ A² e with c and δ polynomials in p. Then a function of A² without a
+//! constant term acts on e through its value and slope at the two roots c ± √δ alone. No matrix is
+//! inverted and no eigenvalue computed. The relation holds on these algebras: so(3) (one root,
+//! c = −‖p‖²); se(3) and every other so(3) ⋉ ℝ³ᵏ (one root, twice); sl(2). It holds on so(4) and
+//! so(3, 1) (two roots, δ a square or minus one), and on solvable algebras such as Toda's. It holds
+//! on direct sums of all these, where every summand has its own roots. On larger simple algebras,
+//! su(3) or so(5), it does not.
 
 use std::collections::BTreeSet;
 
@@ -29,9 +30,9 @@ pub struct CoordinateClass {
 
 /// The classes of all coordinates; `None` where one obeys no such relation.
 ///
-/// A relation is guessed from traces at one p and these `parameters`, and proved in the exact ring:
-/// n equal multiplicities of the roots make c = tr A²/n and δ = tr A⁴/n − c², the traces taken on
-/// the coordinates that powers of A² reach from e.
+/// A relation is guessed from traces at one p and these `parameters`, and proved in the exact ring.
+/// With n equal multiplicities of the roots, c = tr A²/n and δ = tr A⁴/n − c². The traces are taken
+/// on the coordinates that powers of A² reach from e.
 pub fn classes(structure: &StructureConstants, parameters: &[f64]) -> Option<Vec<CoordinateClass>> {
     let sample = sample(structure, parameters);
     let guesses: Option<Vec<Guess>> = (0..structure.dimension())
@@ -110,7 +111,7 @@ fn reach(square: &DMatrix<f64>, i: usize) -> BTreeSet<usize> {
     reached
 }
 
-/// What a relation may be.
+/// A relation guessed from numbers, to be proved in the exact ring.
 #[derive(Clone, Debug)]
 struct Guess {
     degree: usize,
@@ -120,7 +121,7 @@ struct Guess {
     reach: BTreeSet<usize>,
 }
 
-/// What round-off stays below, relative to its summands.
+/// Largest residual of a guessed relation that counts as round-off, relative to its summands.
 const SMALL: f64 = 1e-9;
 
 fn guess(square: &DMatrix<f64>, i: usize) -> Option<Guess> {

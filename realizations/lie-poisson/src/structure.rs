@@ -27,11 +27,12 @@ pub struct StructureConstants {
 }
 
 impl StructureConstants {
-    /// Those of a system's tensor.
+    /// The structure constants of a system's tensor.
     ///
     /// # Errors
-    /// [`BuildError::DoesNotFit`] with the first entry whose normal form is not linear or affine in
-    /// the variables, and where all are constant, [`BuildError::Algebra`] where an entry has no normal form.
+    /// Returns [`BuildError::DoesNotFit`] with the first entry whose normal form is not linear or affine in the
+    /// variables. Returns it too where all entries are constant, and [`BuildError::Algebra`] where an entry has no
+    /// normal form.
     pub fn new(system: &SystemFormulas) -> Result<Self, BuildError> {
         let d = system.dimension();
         let mut ring = Ring::new(d + 1);

@@ -1,8 +1,8 @@
 //! The exact realization of a log-canonical Poisson tensor.
 //!
-//! For {x_i, x_j} = a_ij x_i x_j, every Lotka–Volterra system among them,
-//! α_i = x_i e^{−u_i}, β_i = x_i e^{u_i} with u_i = ½ ε Σ_j a_ij x_j p_j, and σ(x) = (x, 0). The
-//! chart is not Karasev's: the two agree to first order in ε only.
+//! The bracket is {x_i, x_j} = a_ij x_i x_j, as in every Lotka–Volterra system. With u_i = ½ ε Σ_j a_ij x_j p_j,
+//! α_i = x_i e^{−u_i}, β_i = x_i e^{u_i}, and σ(x) = (x, 0). The chart is not Karasev's: the two agree to first order
+//! in ε only.
 
 use std::sync::Arc;
 
@@ -47,8 +47,8 @@ impl LogCanonical {
     /// The realization data of a system's tensor.
     ///
     /// # Errors
-    /// [`BuildError::DoesNotFit`] with the first entry whose quotient by x_i x_j has a normal form
-    /// with variables, [`BuildError::Algebra`] where an entry has no normal form.
+    /// Returns [`BuildError::DoesNotFit`] with the first entry whose quotient by x_i x_j has a normal form with
+    /// variables. Returns [`BuildError::Algebra`] where an entry has no normal form.
     pub fn realize(system: &PoissonSystem) -> Result<ClosedRealization<Self>, BuildError> {
         let system = system.formulas(INFO.name)?.clone();
         ClosedRealization::new(INFO.name, Self { system })

@@ -1,8 +1,8 @@
 //! Logarithms as coordinates of a log-canonical Poisson tensor.
 //!
 //! Where {x_i, x_j} = a_ij x_i x_j, every Lotka–Volterra system among them, y_i = ln |x_i| have the constant tensor a:
-//! {y_i, y_j} = a_ij. A Gauss method steps them by a Poisson map. About a state x the coordinates are z_i = y_i − ln |x_i|,
-//! and x_i eᶻ is as good for a coordinate that is negative, and stays 0 for one that is.
+//! {y_i, y_j} = a_ij. A Gauss method steps them by a Poisson map. About a state x the coordinates are z_i = y_i −
+//! ln |x_i|. The product x_i eᶻ is as good for a coordinate that is negative, and stays 0 for one that is.
 
 use std::sync::Arc;
 
@@ -42,8 +42,8 @@ impl Logarithms {
     /// The coordinates of a system's tensor.
     ///
     /// # Errors
-    /// [`BuildError::DoesNotFit`] with the first entry whose quotient by x_i x_j has a normal form
-    /// with variables, [`BuildError::Algebra`] where an entry has no normal form.
+    /// Returns [`BuildError::DoesNotFit`] with the first entry whose quotient by x_i x_j has a normal form with
+    /// variables. Returns [`BuildError::Algebra`] where an entry has no normal form.
     pub fn realize(system: &PoissonSystem) -> Result<LiftedRealization, BuildError> {
         let system = system.formulas(INFO.name)?.clone();
         let mut ring = Ring::new(system.dimension());
@@ -144,7 +144,7 @@ impl Lift for Logarithms {
     }
 }
 
-/// x eᶻ, with eᶻ − 1 = g (g + 2) of g = e^{z/2} − 1, twice: machine code has e^{z/4} − 1 in line up to |z| = 2.2.
+/// x eᶻ, with eᶻ − 1 = g (g + 2) of g = e^{z/2} − 1, twice. Machine code has e^{z/4} − 1 in line up to |z| = 2.2.
 fn grown(graph: &mut Graph, x: &Term, z: &Term) -> Term {
     let quarter = graph.scale(&Rational::new(1, 4), z);
     let mut growth = graph.apply_analytic(EXPONENTIAL_MINUS_1, 0, &quarter);

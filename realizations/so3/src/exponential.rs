@@ -26,8 +26,8 @@ static INFO: PartInfo = PartInfo {
     ..PartInfo::of(PartKind::Realization)
 };
 
-/// (T*so(3)* ⊃ U, ω_M, α, β, σ) with β(x, p) = α(x, −p) and, q = ελp,
-/// α = x − ½ x×q + c (x×q)×q, c = (1 − (θ/2) cot(θ/2))/θ², θ = ‖q‖ < 2π.
+/// (T*so(3)* ⊃ U, ω_M, α, β, σ) with β(x, p) = α(x, −p) and, for q = ελp, α = x − ½ x×q +
+/// c (x×q)×q. The coefficient is c = (1 − (θ/2) cot(θ/2))/θ², θ = ‖q‖ < 2π.
 ///
 /// The odd part is orthogonal to x + even part, which keeps the Casimir |x|² whatever the rounding
 /// of the coefficient.

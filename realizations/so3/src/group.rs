@@ -39,8 +39,8 @@ static INFO: PartInfo = PartInfo {
 /// (T*SO(3), ω, α, β, σ): α(R, m) = m, β(R, m) = Rᵀm, σ(x) = (1, x), R held as the unit quaternion
 /// (q0, v), z = (q0, v, m).
 ///
-/// What lives on T*M reaches it through χ(x, p) = (R(ελp), α_ε(x, p)) in a chart of rotations;
-/// α∘χ and β∘χ are those of the realization on T*so(3)* in the same chart.
+/// Functions on T*M reach it through χ(x, p) = (R(ελp), α_ε(x, p)) in a chart of rotations. The
+/// compositions α∘χ and β∘χ are those of the realization on T*so(3)* in the same chart.
 #[derive(Clone, Debug)]
 pub struct So3Group {
     chart: Chart,

@@ -10,7 +10,7 @@
 //!   `so3-cayley`.
 //! - [`chart`]: [`Chart`], one of the two.
 //! - [`group`]: [`So3Group`], the part `so3-group`: points are unit quaternions with momenta.
-//! - [`tensor`]: which systems fit, and the constant factor of their tensor.
+//! - [`tensor`]: systems that fit, and the constant factor of their tensor.
 //! - [`functions`]: functions of a squared angle, accurate from 0 to the wall.
 //! - [`vector`]: cross and scalar products over any algebra.
 

@@ -1,4 +1,4 @@
-//! What the charts of T*SO(3) share.
+//! The source map α = x − ½ moment + even, which the charts of T*SO(3) share.
 
 use leafwise_core::lattice::StageEnds;
 use leafwise_expression::{Arithmetic, Graph, Rational, Term};

@@ -21,8 +21,8 @@ impl RotationTensor {
     /// The tensor of `system`, proved in exact algebra to be that of so(3)* up to a constant.
     ///
     /// # Errors
-    /// [`BuildError::DoesNotFit`] with the entry that differs, [`BuildError::Algebra`] for an entry
-    /// that has no value at all.
+    /// Returns [`BuildError::DoesNotFit`] with the entry that differs. Returns
+    /// [`BuildError::Algebra`] for an entry that has no value at all.
     pub fn new(part: &'static str, system: &PoissonSystem) -> Result<Self, BuildError> {
         let system = system.formulas(part)?;
         let tensor = Self {

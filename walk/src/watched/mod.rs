@@ -72,10 +72,10 @@ impl<'a> Watched<'a> {
     /// Lanes at their `initial` states with their `parameters`.
     ///
     /// # Errors
-    /// [`BuildError`] where a function of the course has no evaluator.
+    /// Returns [`BuildError`] where a function of the course has no evaluator.
     ///
     /// # Panics
-    /// Where there is no lane, or a state has another dimension than the map.
+    /// Panics where there is no lane. Panics too where a state has another dimension than the map.
     pub fn new(
         course: &'a Course,
         map: &'a dyn StepMap,
@@ -244,11 +244,11 @@ impl<'a> Watched<'a> {
         }
     }
 
-    /// Looks at the states where a session begins: the lanes that end at their initial states, or, after [`restore`](Self::restore),
-    /// what lies in the last step behind the end of a shorter walk.
+    /// Looks at the states where a session begins: the lanes that end at their initial states. After
+    /// [`restore`](Self::restore), looks at the last step for events and times behind the end of a shorter walk.
     ///
     /// # Errors
-    /// Those of `take`, and [`BuildError`] where a function has no evaluator.
+    /// Those of `take`. Returns [`BuildError`] where a function has no evaluator.
     pub fn begin<E: From<BuildError>, F: FnMut(Look<'_>) -> Result<(), E>>(
         &mut self,
         take: &mut F,

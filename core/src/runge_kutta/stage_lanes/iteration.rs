@@ -14,9 +14,9 @@ const SETTLED: f64 = f64::EPSILON;
 /// Corrections below this part that fall by less than [`SLOW`] twice are round-off.
 const ROUND_OFF: f64 = 64.0 * SETTLED;
 
-/// Corrections that fall by less on the average, from the first on, do not certify the solution. A map that contracts by 1/2
-/// about z, where the step begins, has one fixed point near, and so has each that takes a part of the step: it is the one that
-/// is connected with z.
+/// Corrections that fall by less on the average, from the first on, do not certify the solution. A map that contracts
+/// by 1/2 about z, where the step begins, has one fixed point near. So has each map that takes a part of the step.
+/// The fixed point is thus the one that is connected with z.
 const SLOW: f64 = 0.5;
 
 /// Corrections sway by so much about their average fall.
@@ -25,8 +25,8 @@ const SWAY: f64 = 8.0;
 /// A start that is off by more than this part of the way from z may lead to another solution.
 const FAR: f64 = 0.5;
 
-/// What later corrections would add is forgotten below this part of a coordinate: 1/8 of a unit roundoff. Energies drift as they do
-/// with 1/1024 of it.
+/// Part of a coordinate below which what later corrections would add is forgotten: 1/8 of a unit roundoff. Energies
+/// drift as they do with 1/1024 of it.
 const NEGLIGIBLE: f64 = f64::EPSILON / 16.0;
 
 /// One solve from one start.

@@ -40,8 +40,8 @@ pub(super) struct Lanes<const W: usize> {
     pub(super) is_known: Vec<bool>,
     /// 1/(|z_c| + max_i |Z_i − z|_c), of the solve at hand.
     pub(super) inverse_sizes: Vec<f64>,
-    /// Whether a step is followed from z by parts where it is not found at once; A of the whole step then, and Z_i − z of a
-    /// part, a row a coordinate.
+    /// Whether a step is followed from z by parts where it is not found at once. If so, A of the whole step (`full`),
+    /// and Z_i − z of a part (`ways`), a row a coordinate.
     pub(super) follows: bool,
     pub(super) full: Box<Columns<W>>,
     pub(super) ways: Vec<[f64; W]>,

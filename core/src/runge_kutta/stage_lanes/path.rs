@@ -62,8 +62,8 @@ impl<const W: usize> Lanes<W> {
         outcome
     }
 
-    /// The solutions of parts s of the step from s = 0 to 1, each from the one before: s is at first a quarter, and halved where a
-    /// part is too far from the last.
+    /// Follows the solutions of parts s of the step from s = 0 to 1, each from the one before. The way from one part to
+    /// the next is at first a quarter, and halved where a part is too far from the last.
     #[cold]
     fn follow(
         &mut self,

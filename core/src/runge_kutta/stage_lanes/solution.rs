@@ -29,8 +29,8 @@ pub(crate) struct Start<'a> {
 
 /// Solves Z_i = z + τ Σ_j a_ij F(Z_j) by Z_i ← z + τ Σ_j a_ij F(Z_j) for several trajectories, each by itself.
 pub(crate) trait StageLanes: Send {
-    /// Writes τ Σ_j b_j F(Z_j) for a trajectory's step from z. The stages start from the polynomial of its last step; where
-    /// that does not lead to the solution that is connected with z, from z; and then by parts.
+    /// Writes τ Σ_j b_j F(Z_j) for a trajectory's step from z. The stages start from the polynomial of its last step.
+    /// Where that does not lead to the solution that is connected with z, they start from z, and then go by parts.
     ///
     /// # Errors
     /// [`Unsettled`] where there is none.

@@ -1,8 +1,8 @@
 //! Solves by a Jacobian that is foreseen.
 //!
-//! A gradient evaluates the Jacobian at every solution. Those of the steps before, extrapolated like the solutions themselves,
-//! are as good as one taken where the solve starts: one or two corrections without a Jacobian reach the solution, and the one
-//! that the gradient takes there is the only one of the step.
+//! A gradient evaluates the Jacobian at every solution. The Jacobians of the steps before, extrapolated like the
+//! solutions themselves, are as good as one taken where the solve starts. One or two corrections without a Jacobian
+//! reach the solution. The Jacobian that the gradient takes there is the only one of the step.
 
 use leafwise_expression::Workspace;
 
@@ -21,7 +21,7 @@ const FAR: f64 = 1e-3;
 /// Corrections without a Jacobian before a solve is left to the stepper.
 const MOST: u32 = 4;
 
-/// What may be left of the solution, in parts of the state: Jacobians there are right to round-off.
+/// Largest error of the solution, in parts of the state, that is let pass: Jacobians there are right to round-off.
 const NEGLIGIBLE: f64 = f64::EPSILON;
 
 /// How much larger than the last one seen the next rate may be.

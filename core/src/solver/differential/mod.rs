@@ -14,9 +14,9 @@ pub(crate) use solved::{Solved, by_parameters};
 use crate::error::StepError;
 use crate::solver::{DenseFactors, Stepper};
 
-/// One thread's steps x ↦ Φ(x; λ) of one trajectory with their derivatives by x and by the parameters λ.
+/// Steps x ↦ Φ(x; λ) of one trajectory in one thread, with their derivatives by x and by the parameters λ.
 ///
-/// [`step`](Self::step) takes a step; the others apply its differential, in place. Vectors and covectors have d
+/// A step is taken by [`step`](Self::step); the others apply its differential, in place. Vectors and covectors have d
 /// numbers, those of parameters one a parameter, or none where parameters do not matter.
 pub trait Differential: Send {
     /// Φ(x + low) − (x + low), as [`Stepper::increment`].
@@ -24,7 +24,7 @@ pub trait Differential: Send {
     /// # Errors
     /// The solver's [`StepError`].
     fn step(&mut self, x: &[f64], low: &[f64], increment: &mut [f64]) -> Result<(), StepError>;
-    /// v ← DΦ v + ∂_λΦ μ for contiguous vectors v in `tangents` and as many μ in `parameters`.
+    /// v ← DΦ v + ∂_λΦ μ. Vectors v are contiguous in `tangents`, and as many μ in `parameters`.
     ///
     /// # Errors
     /// [`StepError::NoTangent`] for a map without an exact tangent, [`StepError::NonFinite`] where a matrix is singular.
@@ -62,7 +62,7 @@ pub trait Differential: Send {
     fn operations(&self) -> Option<u64>;
 }
 
-/// What a linear solve finds in a matrix of no use.
+/// Error of a linear solve whose matrix is singular or not finite.
 const SINGULAR: StepError = StepError::NonFinite {
     what: "the differential of a step",
 };

@@ -4,9 +4,9 @@
 //!
 //!   DΦ = A B⁻¹,   ∂_λΦ = ∂_λ(α̂∘L) − A B⁻¹ ∂_λ(β̂∘L).
 //!
-//! For covectors w' at x' and w at x let G(y, λ) = w'·α̂(L(y; λ)) − w·β̂(L(y; λ)). Then w = DΦᵀw' is ∂_y G = 0, Bᵀw = Aᵀw',
-//! and the part of the parameters, ∂_λΦᵀ w', is ∂_λ G: one transposed solve, and one gradient in reverse mode.
-//! Everything is formed from C = A − B, of the size of a step, and from differences of covectors.
+//! For covectors w' at x' and w at x let G(y, λ) = w'·α̂(L(y; λ)) − w·β̂(L(y; λ)). Then w = DΦᵀw' is ∂_y G = 0,
+//! Bᵀw = Aᵀw'. The part of the parameters, ∂_λΦᵀ w', is ∂_λ G. Both take one transposed solve, and one gradient in
+//! reverse mode. Everything is formed from C = A − B, of the size of a step, and from differences of covectors.
 
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ use crate::solver::{
     DenseFactors, NewtonKernel, Stepper, elimination_operations, substitution_operations,
 };
 
-/// a·β̂ + b·(α̂ − β̂) along L, by its derivatives with respect to the parameters: a kernel of y, a and b.
+/// Derivatives of a·β̂ + b·(α̂ − β̂) along L by the parameters: a kernel of y, a and b.
 ///
 /// # Errors
 /// [`BuildError::Algebra`] where a derivative has no code.
@@ -67,7 +67,7 @@ pub(crate) struct Solved {
     room: Vec<f64>,
     slopes: Vec<f64>,
     operations: u64,
-    /// What steps with their gradient are solved by, in few dimensions.
+    /// Solver by foreseen Jacobians of steps with their gradient, in few dimensions.
     foreseen: Option<Foreseen>,
     /// Whether the stepper took the last step.
     is_stepped: bool,

@@ -7,8 +7,8 @@ pub(super) const fn is_inverted<const D: usize>() -> bool {
     D == 2 || D == 3
 }
 
-/// A⁻¹ = adj A/det A of 2 × 2 and 3 × 3 matrices, and where the pivots of A, rows as they stand, all lie between
-/// 1/2 and 2: elsewhere it may have lost digits.
+/// A⁻¹ = adj A/det A of 2 × 2 and 3 × 3 matrices, and in which lanes A is near the identity. There the pivots of A,
+/// rows as they stand, all lie between 1/2 and 2. Elsewhere the inverse may have lost digits.
 #[inline(always)]
 pub(super) fn by_cofactors<const D: usize, const W: usize>(
     a: &[[f64; W]],

@@ -57,11 +57,11 @@ impl<const W: usize> Rows<W> for Vec<[f64; W]> {
 /// P A = L U of W matrices; the reciprocals of the pivots stand on the diagonal. Of 2 × 2 and
 /// 3 × 3 matrices the inverses themselves: a solve then does not wait for one quotient after the other.
 ///
-/// Near the identity, where every pivot lies between 1/2 and 2, rows stay as they stand, and all lanes are
-/// eliminated at once, without a search: a change of units, S⁻¹AS with S diagonal, changes no pivot. A lane that is
-/// not near is eliminated alone, by partial pivoting of its rows over Σ_j |a_rj| s_j, the sizes s of the unknowns,
-/// which is as independent of units (R. Skeel, *Scaling for numerical stability in Gaussian elimination*, J. ACM 26
-/// (1979)).
+/// Near the identity, where every pivot lies between 1/2 and 2, rows stay as they stand. All lanes are then
+/// eliminated at once, without a search. A change of units, S⁻¹AS with S diagonal, changes no pivot. A lane that is
+/// not near is eliminated alone, by partial pivoting of its rows over Σ_j |a_rj| s_j, with the sizes s of the
+/// unknowns. That is as independent of units (R. Skeel, *Scaling for numerical stability in Gaussian elimination*, J.
+/// ACM 26 (1979)).
 #[derive(Clone, Debug)]
 pub(crate) struct Factors<const W: usize, M = Vec<[f64; W]>> {
     entries: M,
@@ -72,7 +72,7 @@ pub(crate) struct Factors<const W: usize, M = Vec<[f64; W]>> {
     near: [bool; W],
     kept: Vec<[f64; W]>,
     single: Vec<f64>,
-    /// What a row's entries are multiplied by where pivots are chosen, and the sizes of the unknowns.
+    /// Weights that a row's entries are multiplied by where pivots are chosen, and the sizes of the unknowns.
     weights: Vec<f64>,
     sizes: Vec<f64>,
 }
@@ -352,9 +352,9 @@ impl<M: Rows<1>> Factors<1, M> {
 
 /// value − factor·other.
 ///
-/// A number and no place to write it: the compiler keeps what it knows of the places of one call, that they are not
-/// those it reads, for the calls of later rounds of an unrolled loop, which read what earlier ones wrote
-/// (llvm/llvm-project#79137 is one of its kind).
+/// Returns a number and takes no place to write it. The compiler keeps what it knows of the places of one call, that
+/// they are not those it reads. It keeps that for the calls of later rounds of an unrolled loop, which read what
+/// earlier ones wrote (llvm/llvm-project#79137 is one of its kind).
 #[inline(always)]
 fn less<const W: usize>(value: &[f64; W], factor: &[f64; W], other: &[f64; W]) -> [f64; W] {
     std::array::from_fn(|w| value[w] - factor[w] * other[w])

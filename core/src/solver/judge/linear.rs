@@ -9,12 +9,12 @@ const FAST: f64 = 0.1;
 /// A component that does not fall below this part of its smallest correction makes no progress.
 const PROGRESS: f64 = 0.9;
 
-/// What to do after a correction.
+/// Verdict after a correction: go on or stop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// Go on.
     Continue,
-    /// What further corrections would add is negligible.
+    /// Stop: further corrections would add a negligible amount.
     Converged,
 }
 
@@ -26,7 +26,7 @@ struct Sizes {
     smallest: f64,
     /// Corrections since the smallest.
     since_smallest: u32,
-    /// What has to be undercut for progress, and corrections since the last that did.
+    /// Size to be undercut for progress, and corrections since the last that did.
     mark: f64,
     since_progress: u32,
 }
@@ -58,8 +58,9 @@ impl Sizes {
         };
     }
 
-    /// Σ_{k≥1} rᵏ of the last correction for the rate r of the last ones, the larger of the last
-    /// ratio and the mean of two; without an observed rate the correction itself.
+    /// Σ_{k≥1} rᵏ of the last correction for the rate r of the last ones: what further corrections would add. The
+    /// rate is the larger of the last ratio and the mean of two. Without an observed rate it is the correction
+    /// itself.
     fn remainder(&self) -> f64 {
         let [before, first, _] = self.before;
         if !before.is_finite() {
@@ -96,9 +97,9 @@ impl Sizes {
 
 /// Watches the sizes of the corrections of a linearly convergent iteration.
 ///
-/// With corrections δ, rδ, r²δ, … the last leaves rδ/(1 − r). The iteration ends where that is below
-/// 1/512 of a unit roundoff, judged by the observed rates, or where the corrections are round-off:
-/// component by component, or as a whole where small components are the round-off of larger ones.
+/// With corrections δ, rδ, r²δ, … the last leaves rδ/(1 − r). The iteration ends where that is below 1/512 of a unit
+/// roundoff, judged by the observed rates. It also ends where the corrections are round-off: component by component,
+/// or as a whole where small components are the round-off of larger ones.
 #[derive(Clone, Copy, Debug)]
 pub struct LinearIteration {
     components: Sizes,
@@ -139,8 +140,8 @@ impl LinearIteration {
         self.judge_state(size, f64::INFINITY)
     }
 
-    /// Takes in the sizes of a correction of a state, whose components may be round-off of larger
-    /// ones: where they make no progress and the whole is at round-off, nothing more is to be had.
+    /// Takes in the sizes of a correction of a state, whose components may be round-off of larger ones. Where they
+    /// make no progress and the whole is at round-off, nothing more is to be had.
     ///
     /// # Errors
     /// Those of [`judge`](Self::judge).

@@ -31,9 +31,10 @@ pub fn relative(size: f64, scale: f64) -> f64 {
     size / (scale + size + SMALLEST_SCALE)
 }
 
-/// max_i |b_i|/s_i over max_i |a_i|/s_i with the size s_i = |x_i| + |a_i| of each coordinate, for pairs of the first and the last term of
-/// its series: the same in any units, also where a coordinate turns. 0 where every b_i is, no number where one is none,
-/// infinite where a coordinate with b_i ≠ 0 has no size.
+/// max_i |b_i|/s_i over max_i |a_i|/s_i with the size s_i = |x_i| + |a_i| of each coordinate. A pair holds the first
+/// term a_i and the last term b_i of a coordinate's series. The ratio is the same in any units, also where a
+/// coordinate turns. It is 0 where every b_i is, no number where one is none, and infinite where a coordinate with
+/// b_i ≠ 0 has no size.
 pub fn ratio_in_own_units(x: &[f64], pairs: impl Iterator<Item = [f64; 2]>) -> f64 {
     let (mut first, mut last) = (0.0, 0.0);
     for (x, [a, b]) in x.iter().zip(pairs) {
@@ -48,9 +49,9 @@ pub fn ratio_in_own_units(x: &[f64], pairs: impl Iterator<Item = [f64; 2]>) -> f
     if last == 0.0 { 0.0 } else { last / first }
 }
 
-/// What round-off of the others leaves in a component of the solution of D δ = r, where they put N s into the components at first
-/// hand and N² s at second, N = |D − 1|: all of N s where the others are calm, N s · N s/N² s where D − 1 is large, and D⁻¹ as
-/// small. In any units.
+/// Round-off that the others leave in a component of the solution of D δ = r, in any units. They put N s into the
+/// components at first hand and N² s at second, N = |D − 1|. All of N s is left where the others are calm, and
+/// N s · N s/N² s where D − 1 is large, and D⁻¹ as small.
 pub fn settled(first_hand: f64, second_hand: f64) -> f64 {
     if second_hand > first_hand {
         first_hand * (first_hand / second_hand)
@@ -86,9 +87,9 @@ pub(in crate::solver) const MOST_GROWTH: f64 = 1024.0;
 
 /// The size of a state and of what is added to it, as far as a solve's iterates agree on it.
 ///
-/// Corrections are judged against the state and its change. An iterate that is far off may have a
-/// change so large that every correction is small beside it: a change counts up to the size of the
-/// state, of the change that a solve starts from, and of the smallest change of two iterates.
+/// Corrections are judged against the state and its change. An iterate that is far off may have a change so large
+/// that every correction is small beside it. So a change counts up to the size of the state, of the change that a
+/// solve starts from, and of the smallest change of two iterates.
 #[derive(Clone, Copy, Debug)]
 pub struct Allowed {
     size: f64,
@@ -130,9 +131,10 @@ impl Allowed {
     }
 }
 
-/// Whether y and the increment Δ are of one step from x: |y − x − Δ/2| ≤ |Δ|, but for round-off, as a whole or each
-/// coordinate in units of what it is and moves by. β̂(L(y)) and α̂(L(y)) lie to both sides of y, or the first at y, but for
-/// an even part of second order: a solution farther off is not the one that begins at y = x.
+/// Whether y and the increment Δ are of one step from x: |y − x − Δ/2| ≤ |Δ|, but for round-off. Sizes are taken as a
+/// whole, or each coordinate in units of what it is and moves by. The points β̂(L(y)) and α̂(L(y)) lie to both sides
+/// of y, or the first at y, but for an even part of second order. A solution farther off is not the one that begins
+/// at y = x.
 pub fn is_between(x: &[f64], y: &[f64], increment: &[f64]) -> bool {
     let (mut away, mut moved, mut state) = ([0.0; 2], [0.0; 2], 0.0);
     for ((x, y), change) in x.iter().zip(y).zip(increment) {

@@ -46,8 +46,8 @@ pub fn all_finite(residual: &[f64], jacobian: &[f64], what: &'static str) -> Res
     }
 }
 
-/// Refuses a point whose guard, the last term of a series over the first or a radius over its limit, is not
-/// below 1.
+/// Refuses a point whose guard is not below 1. The guard is the last term of a series over the first, or a radius
+/// over its limit.
 ///
 /// # Errors
 /// [`StepError::LeftChart`], [`StepError::NonFinite`] where the guard is no number.

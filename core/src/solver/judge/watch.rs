@@ -5,14 +5,14 @@ use super::CorrectionSize;
 /// Corrections that do not halve while they are larger than this leave open to which solution they lead.
 pub(in crate::solver) const WANDERING: f64 = 1e-6;
 
-/// So many steps after one that was not plain are not taken as plain either: a solution of another branch
-/// may look like that of a small step by itself, but hardly its neighbours.
+/// Number of steps after one that was not plain that are not taken as plain either. A solution of another branch may
+/// look like that of a small step by itself, but its neighbours hardly do.
 const WATCHED: u32 = 64;
 
-/// Whether it is plain that a solve is on the branch that begins at the state.
+/// Watch on a solve: whether it is plain that it is on the branch that begins at the state.
 ///
-/// It is where Jacobians are near the identity, corrections halve and the start, extrapolated from the
-/// steps before, met the solution up to half of the way from the state: in small steps but the first.
+/// It is plain where Jacobians are near the identity, corrections halve and the start met the solution up to half of
+/// the way from the state. The start is extrapolated from the steps before. This is so in small steps but the first.
 /// Elsewhere a [`Branch`](crate::solver::Branch) is to be followed.
 #[derive(Clone, Copy, Debug)]
 pub struct Watch {
@@ -72,9 +72,9 @@ impl Watch {
         self.take_start(self.first, correction.way());
     }
 
-    /// Takes in how far a solve's start was off, and how far from the state its solution is. A start
-    /// that missed half of the way may have met a solution by chance: y = x itself may nearly be one
-    /// where terms of different orders in the step cancel.
+    /// Takes in how far a solve's start was off, and how far from the state its solution is. A start that missed half
+    /// of the way may have met a solution by chance. Even y = x may nearly be one where terms of different orders in
+    /// the step cancel.
     #[inline(always)]
     pub fn take_start(&mut self, off: f64, way: f64) {
         let is_foreseen = off <= 0.5 * way || off <= WANDERING;
@@ -87,7 +87,7 @@ impl Watch {
         self.wanders
     }
 
-    /// What the next step depends on.
+    /// Memory between steps: the number of coming steps that are not taken as plain.
     pub fn memory(&self) -> f64 {
         f64::from(self.steps)
     }

@@ -5,10 +5,10 @@ use leafwise_expression::kernel::{Sequence, Value};
 
 use crate::solver::judge::{MOST_GROWTH, SMALLEST_SCALE};
 
-/// The kernel of a step from x + low by a Newton correction, by the `start` of its solve and the kernel of an iteration, and
-/// by further corrections by the same Jacobian, each by the kernel of an iteration without. These have so many `bases`. Inputs
-/// are x, low and the solution before, d each; outputs whether the Jacobian is plain and one [`Corrected`] an evaluation. For 2 or
-/// 3 coordinates.
+/// Kernel of a whole step from x + low: a Newton correction, then further corrections by the same Jacobian. The
+/// Newton correction takes the `start` of its solve and the kernel of an iteration. Each further one takes the kernel
+/// of an iteration without a Jacobian. These have so many `bases`. Inputs are x, low and the solution before, d each;
+/// outputs whether the Jacobian is plain and one [`Corrected`] an evaluation. For 2 or 3 coordinates.
 ///
 /// Every number has the bits that it has step by step, as long as all are finite.
 pub(super) fn at_once(start: &Kernel, full: &Kernel, further: &[&Kernel], bases: usize) -> Kernel {
@@ -79,7 +79,7 @@ pub(super) fn at_once(start: &Kernel, full: &Kernel, further: &[&Kernel], bases:
     own.0.kernel(&outputs)
 }
 
-/// What one correction of a step at once says and makes.
+/// One correction of a step at once: its judgement, and the vectors that it makes.
 pub(super) struct Corrected<'own, const W: usize> {
     /// 0 where all is finite, else no number.
     pub(super) finite: [f64; W],
@@ -91,7 +91,7 @@ pub(super) struct Corrected<'own, const W: usize> {
     pub(super) new: [&'own [[f64; W]]; 2],
     /// y corrected.
     pub(super) solution: &'own [[f64; W]],
-    /// What the correction was judged against.
+    /// Scale that the correction was judged against, component by component.
     pub(super) scale: &'own [[f64; W]],
     /// The step's increment.
     pub(super) increment: &'own [[f64; W]],
@@ -173,7 +173,7 @@ impl Writer {
         self.sizes(&rest)
     }
 
-    /// What corrections are judged against.
+    /// |x| + min(`MOST_GROWTH` · allowed, changes) + reached: the scale that corrections are judged against.
     fn scale(&mut self, [x, changes, allowed, reached]: [&[Value]; 4]) -> Vec<Value> {
         let growth = vec![self.0.number(MOST_GROWTH); x.len()];
         let most = self.each([&growth, allowed], Sequence::multiply);

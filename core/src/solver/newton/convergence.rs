@@ -2,26 +2,26 @@
 
 use crate::solver::judge::{LARGEST_REMAINDER, NORMWISE_ROUND_OFF, ROUND_OFF, ULPS, larger};
 
-/// How much larger than the observed convergence constant the true one may be: the increment's own
+/// Safety factor: how much larger than the observed convergence constant the true one may be. The increment's own
 /// remainder is up to three times the solution's, and along the orbit the constant changes.
 const SAFETY: f64 = 16.0;
 
 /// Below this a correction is too much round-off to observe the constant by: it bounds it.
 const OBSERVABLE: f64 = ULPS;
 
-/// The smallest constant that a decision relies on. A solve that ends after its first correction
-/// observes nothing; however small the constant was where it was last observed, such a correction is
-/// at most 5e-10, and leaves C times 1/512 of a unit roundoff where C has grown to be larger than 1.
+/// The smallest constant that a decision relies on. A solve that ends after its first correction observes nothing.
+/// However small the constant was where it was last observed, such a correction is at most 5e-10. It leaves C times
+/// 1/512 of a unit roundoff where C has grown to be larger than 1.
 const LEAST_CONSTANT: f64 = 1.0 / 16.0;
 
-/// A first correction whose (2D + δ)δ is larger by this than where the constant was last observed, one
-/// about four times as large, is followed by another: to observe it again.
+/// Largest growth of a first correction's (2D + δ)δ since the constant was last observed. A correction beyond it,
+/// about four times as large, is followed by another: to observe the constant again.
 const OUTGROWN: f64 = 16.0;
 
-/// What comes after a correction.
+/// Next evaluation after a correction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Next {
-    /// What another correction would add is negligible.
+    /// No evaluation: another correction would add a negligible amount.
     Done,
     /// An evaluation with the Jacobian.
     Newton,
@@ -68,7 +68,7 @@ impl Convergence {
         }
     }
 
-    /// Starts a step at `distance` from where the present Jacobian was taken, if there is one: by it
+    /// Starts a step at `distance` from where the present Jacobian was taken, if there is one. The step begins by it
     /// if `most_chords` corrections will do, an evaluation with a new one costing more.
     #[inline(always)]
     pub(super) fn start(&mut self, distance: Option<f64>, most_chords: u32) -> Next {
@@ -134,8 +134,8 @@ impl Convergence {
         }
     }
 
-    /// Whether the next step, if it begins with a Jacobian of its own, is taken to need a second evaluation: by the growth of
-    /// first corrections from `before`, the step before this one, to this one.
+    /// Whether the next step, if it begins with a Jacobian of its own, is taken to need a second evaluation. This is
+    /// judged by the growth of first corrections from `before`, the step before this one, to this one.
     #[inline(always)]
     pub(super) fn foresees_two(&self, before: f64) -> bool {
         let size = self.first * (self.first / before);
@@ -145,7 +145,7 @@ impl Convergence {
         !is_done && size > LARGEST_REMAINDER
     }
 
-    /// What a correction of this (2D + δ)δ leaves.
+    /// C(2D + δ)δ, the remainder of a correction of this (2D + δ)δ, C being at least `LEAST_CONSTANT`.
     #[inline(always)]
     fn remainder(&self, spread: f64) -> f64 {
         larger(self.constant, LEAST_CONSTANT) * spread

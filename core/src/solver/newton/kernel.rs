@@ -12,8 +12,8 @@ use crate::solver::linear::{elimination_operations, substitution_operations};
 /// Operations a coordinate of extrapolating the solution from differences of twelve earlier ones.
 const EXTRAPOLATION: u64 = 36;
 
-/// The code of one iteration at y, twice: base, unless that is y itself, β̂ − base and α̂ − β̂ alone, and these
-/// with the Jacobians D(β̂∘L) and D((α̂ − β̂)∘L); behind them the guard of the chart.
+/// Code of one iteration at y, as two kernels. One computes base, unless that is y itself, β̂ − base and α̂ − β̂ alone.
+/// The other computes these with the Jacobians D(β̂∘L) and D((α̂ − β̂)∘L). Behind them stands the guard of the chart.
 #[derive(Clone, Debug)]
 pub struct NewtonKernel {
     pub(super) full: Arc<Kernel>,
@@ -209,9 +209,9 @@ impl NewtonKernel {
         u32::try_from((self.work() + judging) / (self.chord_work() + judging)).unwrap_or(u32::MAX)
     }
 
-    /// Operations that the series of the solution is worth as the start of a solve: extrapolation, and half of an
-    /// iteration with a new Jacobian or one with that which is there. Where extrapolation foresees nothing it saves
-    /// several of them.
+    /// Operations that the series of the solution is worth as the start of a solve. They are those of extrapolation,
+    /// and of half of an iteration with a new Jacobian or one with that which is there. Where extrapolation foresees
+    /// nothing, the series saves several of them.
     pub(crate) fn worth_of_start(&self) -> u64 {
         let new = self.operations().work() / 2;
         let old = self.chord_work() + self.judging_work();

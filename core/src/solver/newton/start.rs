@@ -12,8 +12,8 @@ type Row<const W: usize> = [f64; W];
 
 /// The start of the solve for y_{k+1}, as its displacement y − x.
 pub(super) enum Start<const W: usize> {
-    /// y_k and the odd part of the solution's series, 2 Σ_{k odd} tᵏ Y_k; x and half of that where there is no
-    /// y_k; y = x, where its branch begins, where that is far off.
+    /// y_k and the odd part of the solution's series, 2 Σ_{k odd} tᵏ Y_k. Where there is no y_k, x and half of that.
+    /// Where that is far off, y = x, where its branch begins.
     Series {
         kernel: Arc<Kernel>,
         workspace: Workspace,
@@ -26,9 +26,9 @@ pub(super) enum Start<const W: usize> {
     Extrapolated(Extrapolation<W>),
 }
 
-/// Half of the odd part that moves coordinates, on average over those that are not 0, farther than by this part of them may be a
-/// series that does not converge: what it leads to, an end outside the chart also, says nothing of the solution that begins
-/// at x.
+/// Largest part of a coordinate by which half of the odd part may move it, on average over those that are not 0. Where
+/// it moves them farther, it may be a series that does not converge. What that leads to, an end outside the chart also,
+/// says nothing of the solution that begins at x.
 const NEAR: f64 = 0.25;
 
 /// The displacement of a lane without a solution before it.

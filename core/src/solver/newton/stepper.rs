@@ -10,13 +10,12 @@ const WIDE: usize = 8;
 
 /// Solves β̂(L(y)) = x by Newton's method with the exact Jacobian, any number of trajectories at once.
 ///
-/// *Start*: the solution before and the odd part of the solution's series in the step, where that is short;
-/// extrapolation of earlier solutions elsewhere. *Evaluations*: with the Jacobian, or without where the
-/// one that is there contracts fast enough to save operations. *Stop*: when what the next correction
-/// would add, C(2D + δ)δ by the constant C observed so far and the distance D from where the Jacobian
-/// was taken, is below a small part of an ulp; the last correction then enters the increment to first
-/// order, without another evaluation. A lane stops on its own test, so its result does not depend on
-/// its neighbours.
+/// The *start* is the solution before and the odd part of the solution's series in the step, where that is short.
+/// Elsewhere it is the extrapolation of earlier solutions. The *evaluations* are with the Jacobian, or without where
+/// the one that is there contracts fast enough to save operations. The *stop* comes when what the next correction
+/// would add, C(2D + δ)δ, is below a small part of an ulp. Here C is the constant observed so far, and D the distance
+/// from where the Jacobian was taken. The last correction then enters the increment to first order, without another
+/// evaluation. A lane stops on its own test, so its result does not depend on its neighbours.
 pub struct NewtonStepper {
     wide: Vec<Box<dyn LaneBlock>>,
     single: Vec<Box<dyn LaneBlock>>,

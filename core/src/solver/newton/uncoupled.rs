@@ -28,8 +28,8 @@ struct Part {
 }
 
 impl Uncoupled {
-    /// Compiles the parts of source and target code over the inputs y_0 … y_{d−1}, each starting by its share of `start`;
-    /// `None` where all coordinates belong together.
+    /// Compiles the parts of source and target code over the inputs y_0 … y_{d−1}, each starting by its share of
+    /// `start`. Returns `None` where all coordinates belong together.
     ///
     /// # Errors
     /// [`BuildError::Algebra`] where a derivative has no code.

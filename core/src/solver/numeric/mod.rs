@@ -1,5 +1,7 @@
-//! The solve for parts that compute numbers: no code, several trajectories in lockstep where both parts
-//! serve that.
+//! Solver for parts that compute numbers, not code. Several trajectories are solved in lockstep where both parts serve
+//! that.
+//!
+//! The modules:
 //!
 //! - [`evaluation`]: both maps and their tangents at the points of all that iterate.
 //! - [`solve`]: the equation of one trajectory, between the evaluations that it asks for.
@@ -19,9 +21,9 @@ use crate::realization::RealizationEvaluator;
 
 /// Solves β̂(L(y)) = x with evaluators of a realization and a bisection.
 ///
-/// Where D(β̂∘L) is near the identity (a collective integrator over a good realization), and where a
-/// evaluator offers no tangents, the correction is the residual itself; elsewhere it is Newton's, with
-/// the tangents of both evaluators. D(β̂∘L) = 1 + O(εh), so that residuals converge for small steps.
+/// The correction is the residual itself where D(β̂∘L) is near the identity (a collective integrator over a good
+/// realization), and where an evaluator offers no tangents. Elsewhere it is Newton's, with the tangents of both
+/// evaluators. D(β̂∘L) = 1 + O(εh), so that residuals converge for small steps.
 pub(crate) struct NumericSolver {
     evaluation: Evaluation,
     correction: Correction,

@@ -27,7 +27,7 @@ pub(super) struct Solve {
     displacement: Vec<f64>,
     residual: Vec<f64>,
     factors: DenseFactors,
-    /// What the round-off of all coordinates leaves in each.
+    /// Round-off of all coordinates that is left in each.
     put_in: Vec<f64>,
     pub(super) iteration: Iteration,
     /// Operations of the products and solves.
@@ -136,8 +136,8 @@ impl Solve {
         })
     }
 
-    /// Writes α̂ − β̂ at the solution, by `change` = D((α̂−β̂)∘L) to first order in Newton's last correction,
-    /// and y − x.
+    /// Writes the increment α̂ − β̂ at the solution, and keeps y − x. By `change` = D((α̂−β̂)∘L) the increment holds
+    /// Newton's last correction to first order.
     ///
     /// # Errors
     /// [`StepError::OtherBranch`] where y is not of a step from x with this increment.

@@ -1,14 +1,14 @@
 //! The Taylor series of the motion, of order and step from a tolerance: the part `taylor`.
 //!
-//! ẋ = f(x) gives x(t) = Σ x_k tᵏ about a state, x_{k+1} = f_k/(k + 1), by one kernel. With tolerance δ the order is
-//! p = ⌈1 − ln(δ)/2⌉ and a substep ρ e⁻² exp(−0.7/(p − 1)), ρ the radius of convergence that x_{p−1} and x_p show:
-//! the terms left out are then below δ e⁻² of the state.
+//! The solution of ẋ = f(x) is x(t) = Σ x_k tᵏ about a state, with x_{k+1} = f_k/(k + 1), by one kernel. With
+//! tolerance δ the order is p = ⌈1 − ln(δ)/2⌉. A substep is ρ e⁻² exp(−0.7/(p − 1)), with ρ the radius of convergence
+//! that x_{p−1} and x_p show. The terms left out are then below δ e⁻² of the state.
 //!
 //! Substeps take no notice of the steps of εh: a step ends on the polynomial of the substep that it falls into.
 //!
-//! A series about one point does not know what is still small there: a pulse to come, a hill, a wall. So the polynomial P is looked
-//! at at the end of each step and of each substep: where the residual |P′ − f(P)| t/(p + 1) is more than the tolerance
-//! allows, the substep ends before. What is there for the time of a step is not stepped over.
+//! A series about one point does not know what is still small there: a pulse to come, a hill, a wall. So the
+//! polynomial P is looked at at the end of each step and of each substep. Where the residual |P′ − f(P)| t/(p + 1) is
+//! more than the tolerance allows, the substep ends before. Nothing that lasts as long as a step is stepped over.
 //!
 //! - `path`: one trajectory, its polynomial and what a look at it says.
 //! - `polynomial`: values, slopes and lengths.

@@ -22,7 +22,7 @@ const WITHIN: f64 = 4.0;
 #[derive(Clone)]
 pub(super) struct Path {
     pub base: Vec<f64>,
-    /// What the base holds beyond doubles.
+    /// Low parts of the base's coordinates, beyond their doubles.
     pub low: Vec<f64>,
     /// x_k[i] at (k − 1)d + i.
     pub jet: Vec<f64>,
@@ -36,7 +36,7 @@ pub(super) struct Path {
     pub reached: [f64; 2],
     /// The time since the base at which the polynomial was last looked at and passed.
     pub passed: f64,
-    /// What is not looked at, from the first refused look on.
+    /// Errors of coordinates below which nothing is looked at, from the first refused look on.
     pub floors: Floors,
     pub needs_floors: bool,
     /// The state that was handed out there; none before the first step.
@@ -218,11 +218,11 @@ impl Path {
         }
     }
 
-    /// The largest of |P′_i − f_i| t/(p + 1) over the error that x_i may have, for `field` f at the place looked at, times
-    /// the unit of time: the first term that P leaves out is below.
+    /// Largest |P′_i − f_i| t/(p + 1) over the error that x_i may have. The first term that P leaves out is below
+    /// that. At the place looked at, `field` is f times the unit of time.
     ///
-    /// x_i is measured by itself and by t |P′_i| where that is larger, a coordinate that keeps its sign by itself alone,
-    /// and it has to keep it.
+    /// The size of x_i is its own or t |P′_i| where that is larger. A coordinate that keeps its sign is measured by
+    /// itself alone, and it has to keep it.
     pub fn excess(&self, field: &[f64], allowed: &Allowed) -> f64 {
         let largest = self.largest();
         (0..field.len()).fold(0.0, |most, i| {

@@ -16,8 +16,8 @@ pub(super) fn polynomial(jet: &[f64], t: f64, change: &mut [f64], slope: &mut [f
     }
 }
 
-/// ρ e⁻² for ρ = q^(−1/n), the radius of convergence of Σ q_k tᵏ by its term n, to a few thousandths: logarithm and
-/// power by parabolas between powers of 2.
+/// ρ e⁻² for ρ = q^(−1/n), the radius of convergence of Σ q_k tᵏ by its term n, to a few thousandths. Logarithm and
+/// power are formed by parabolas between powers of 2.
 pub(super) fn length(q: f64, n: usize) -> f64 {
     // NaN, of a field that is 0, and 0 itself are below all others.
     let bits = q.max(0.0).to_bits();

@@ -10,8 +10,8 @@ const DOUBLINGS: u32 = 4;
 /// Terms of the series over the shortest time τ: √p τ ≤ 3/32, and what they leave out is (6/(32 π))¹⁴ = 7e-18 of them.
 const TERMS: usize = 6;
 
-/// The largest √|p| t over the whole time: S, C and D have their first pole on the real axis, if any, where half of it is
-/// π/2 or more, whatever signs p and q have.
+/// Largest √|p| t over the whole time. S, C and D have their first pole on the real axis, if any, where half of √|p| t
+/// is π/2 or more, whatever signs p and q have.
 const FARTHEST: (i64, i64) = (3, 1 << (DOUBLINGS + 1));
 
 /// How often the time doubles for the rotation about m: of 64 radians at most, from a quarter.
@@ -108,7 +108,7 @@ impl Code<'_> {
         product
     }
 
-    /// What the rotation of the quaternion (q₀, q), of any length, adds to n: 2(q₀ q×n + q×(q×n))/(q₀² + |q|²).
+    /// 2(q₀ q×n + q×(q×n))/(q₀² + |q|²): the change of n by the rotation of the quaternion (q₀, q), of any length.
     pub(super) fn turned(&mut self, turn: &[Term], n: &[Term; 3]) -> Vec<Term> {
         let (scalar, vector) = turn.split_first().expect("four components");
         let square = self.sum(&[
@@ -237,7 +237,8 @@ impl Code<'_> {
         turn
     }
 
-    /// S(1) = Σ cⱼ with (2j)(2j + 1)cⱼ = −e cⱼ₋₁ + 2f Σ c_k c_l c_m, k + l + m = j − 2: of S″ = −eS + 2fS³.
+    /// S(1) = Σ cⱼ, where S″ = −eS + 2fS³. Terms follow from (2j)(2j + 1)cⱼ = −e cⱼ₋₁ + 2f Σ c_k c_l c_m,
+    /// k + l + m = j − 2.
     fn sine(&mut self, e: &Term, f: &Term) -> Term {
         // The numbers in front of eⁱfˡ, cⱼ having those with i + 2l = j.
         let mut series: Vec<Vec<Rational>> = vec![vec![Rational::one()]];

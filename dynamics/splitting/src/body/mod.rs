@@ -1,31 +1,44 @@
 //! The free rigid body: K = Σ c_l m_l² where m, and vectors n beside it, turn as so(3) does.
 //!
-//! m′ = Ω × m and n′ = Ω × n with Ω_l = κ_l m_l, κ_l = ±2c_l. With
+//! The motion is m′ = Ω × m and n′ = Ω × n with Ω_l = κ_l m_l, κ_l = ±2c_l. Differences of the κ_l are
 //!
-//! a₁ = κ₂ − κ₃, a₂ = κ₃ − κ₁, a₃ = κ₁ − κ₂, P = a₃m₂² − a₂m₃², Q = a₁m₂² − a₂m₁², R = a₃m₁² − a₁m₃²
+//! a₁ = κ₂ − κ₃, a₂ = κ₃ − κ₁, a₃ = κ₁ − κ₂.
 //!
-//! P, Q and R are constants of the motion, and so are p = a₁P and q = a₃Q. Of S′ = CD, C² = 1 − pS², D² = 1 − qS²,
-//! Jacobi's sn, cn and dn with sn = √p·S, the addition theorem gives
+//! Constants of the motion are
 //!
-//! m(τ) = (m₁C + a₁SD m₂m₃, m₂CD + a₂S m₁m₃, m₃D + a₃SC m₁m₂)/(1 − a₁a₃S²m₂²)
+//! P = a₃m₂² − a₂m₃², Q = a₁m₂² − a₂m₁², R = a₃m₁² − a₁m₃²,
 //!
-//! from the state itself: without the phase of the motion, amplitudes, an order of the axes or a separatrix.
+//! and so are p = a₁P and q = a₃Q. Functions S, C and D solve S′ = CD, C² = 1 − pS², D² = 1 − qS²: they are Jacobi's
+//! sn, cn and dn with sn = √p·S. Their addition theorem gives
 //!
-//! The rotation from −τ to τ about the state m between is the quaternion (α, β₁m₁, β₂m₂, β₃m₃) over its length, where α and
-//! the β_l depend on τ and the constants of the motion alone: both sides have the same poles and zeros in complex time, and
-//! m(τ) is m(−τ) turned where α a₁S = β₂ − β₃C, α a₂S = β₃C − β₁D, α a₃SC = (β₁D − β₂)C. For κ₂ = 0 they obey
+//! m(τ) = (m₁C + a₁SD m₂m₃, m₂CD + a₂S m₁m₃, m₃D + a₃SC m₁m₂)/(1 − a₁a₃S²m₂²).
 //!
-//! (1 − pS²)(1 − qS²) dα/dS = −Rβ₂ − αS(q − a₁R − pqS²),
+//! This comes from the state itself: without the phase of the motion, amplitudes, an order of the axes or a
+//! separatrix.
+//!
+//! The rotation from −τ to τ about the state m between is the quaternion (α, β₁m₁, β₂m₂, β₃m₃) over its length. In it
+//! α and the β_l depend on τ and the constants of the motion alone: both sides have the same poles and zeros in
+//! complex time. The state m(τ) is m(−τ) turned where α a₁S = β₂ − β₃C, α a₂S = β₃C − β₁D, α a₃SC = (β₁D − β₂)C. For
+//! κ₂ = 0 the derivative of α obeys
+//!
+//! (1 − pS²)(1 − qS²) dα/dS = −Rβ₂ − αS(q − a₁R − pqS²).
+//!
+//! That of β₂ obeys
+//!
 //! (1 − pS²)(1 − qS²) dβ₂/dS = −a₁a₃S((|m|² − PQS²)β₂ + RSα).
 //!
-//! Two such rotations after one another are one, so that everything doubles in time by sums and products, from series over a
-//! short time on, at p = q and m = 0 as elsewhere: with r = 1/(1 − pqS⁴), on the right S, C, D, α and the β_l at τ,
+//! Two such rotations after one another are one. So everything doubles in time by sums and products, from series over
+//! a short time on, at p = q and m = 0 as elsewhere. Let r = 1/(1 − pqS⁴), and on the right take S, C, D, α and the
+//! β_l at τ. Then
 //!
-//! S(2τ) = 2rSCD, 1 − C(2τ) = 2r pS²(1 − qS²), 1 − D(2τ) = 2r qS²(1 − pS²), 1 + α(2τ) = 2r(α² + PQS²β₂²),
+//! S(2τ) = 2rSCD, 1 − C(2τ) = 2r pS²(1 − qS²), 1 − D(2τ) = 2r qS²(1 − pS²), 1 + α(2τ) = 2r(α² + PQS²β₂²).
+//!
+//! The β_l double by
 //!
 //! β₁(2τ) = 2r(αβ₁C − PSDβ₂β₃), β₂(2τ) = 2r(αβ₂CD + RSβ₃β₁), β₃(2τ) = 2r(αβ₃D + QSCβ₁β₂).
 //!
-//! 1 − α is formed in the place of α, whose round-off would grow fourfold each time. What κ₂ adds is a rotation about m.
+//! The code forms 1 − α in the place of α, whose round-off would grow fourfold each time. What κ₂ adds is a rotation
+//! about m.
 //!
 //! C. G. J. Jacobi, Journal für die reine und angewandte Mathematik 39, 293–350 (1850); exact flows in splittings: R. van Zon,
 //! J. Schofield, Journal of Computational Physics 225, 145–164 (2007); E. Celledoni, F. Fassò, N. Säfström, A. Zanna, SIAM

@@ -7,8 +7,8 @@ use crate::field::Field;
 /// A vector by its components, each a coordinate with a sign.
 pub(super) type Vector = [(usize, i64); 3];
 
-/// The vector of which this is the first component, where the fields of m's coordinates turn it: e₂ × n = (n₃, 0, −n₁),
-/// e₃ × n = (−n₂, n₁, 0).
+/// The vector of which `first` is the first component, where the fields of m's coordinates turn it. The turns are
+/// e₂ × n = (n₃, 0, −n₁) and e₃ × n = (−n₂, n₁, 0).
 pub(super) fn vector(axes: [&Turns; 3], sign: i64, first: usize) -> Option<Vector> {
     let (to_third, third) = axes[1].of(first)?;
     let (to_second, second) = axes[2].of(first)?;

@@ -37,13 +37,13 @@ pub struct LatticeSplitting {
 }
 
 impl LatticeSplitting {
-    /// Splits the Hamiltonian of a lattice, on a proxy lattice just long enough for its templates.
+    /// Splits the Hamiltonian of a lattice on a proxy lattice. The proxy is just long enough for the templates.
     ///
     /// # Errors
-    /// [`BuildError::DoesNotFit`] where the Hamiltonian does not split into pieces that repeat every
-    /// four sites or fewer, or after twice their reach, or a ring's length is no multiple of their period;
-    /// [`BuildError::NotLocal`] as for any long lattice;
-    /// [`BuildError::Algebra`] where a formula is outside the algebra.
+    /// Fails with [`BuildError::DoesNotFit`] where no splitting repeats every four sites or fewer, or after twice its
+    /// reach. Fails with it, too, where a ring's length is no multiple of the period. Fails with
+    /// [`BuildError::NotLocal`] as for any long lattice, and with [`BuildError::Algebra`] where a formula is outside
+    /// the algebra.
     pub fn new(source: &dyn LatticeSource) -> Result<Self, BuildError> {
         let geometry = source.geometry();
         let reach = source.reach()?;
@@ -96,8 +96,8 @@ impl LatticeSplitting {
         }
     }
 
-    /// The splitting by code that is written on a proxy that has room for what it looks far, and at an open end for what templates
-    /// stand beside what they name.
+    /// The splitting by code that is written on a proxy. The proxy has room for flows that look as far as `room`
+    /// cells. At an open end that includes `beside` cells for what templates stand beside what they name.
     fn on_proxy(
         source: &dyn LatticeSource,
         cells: &Cells,
@@ -162,7 +162,7 @@ impl LatticeSplitting {
     }
 }
 
-/// What was found on a proxy.
+/// Outcome of a search for pieces on a proxy.
 enum Found {
     /// Pieces that repeat.
     Splitting(Box<LatticeSplitting>),

@@ -31,7 +31,8 @@ pub(super) struct Sweeps {
     shared: Arc<Shared>,
     schedule: Vec<Sweep>,
     trajectories: Vec<Trajectory>,
-    /// What a step counts as.
+    /// Number of evaluations that a step counts as: half as many as it has factors χ and χ*,
+    /// rounded up.
     evaluations: u64,
     /// Operations of one step.
     work: u64,

@@ -23,12 +23,13 @@ struct SiteAtom {
 /// H = Σ H_i with an exact flow of each H_i and each the same in every cell; `None` where the terms
 /// of the cells do not combine so.
 ///
-/// The terms of one cell are taken one after the other, each with all its translates, and added to
-/// the first piece that keeps an exact flow with them.
+/// The terms of one cell are taken one after the other, each with all its translates. They are added to the first
+/// piece that keeps an exact flow with them.
 ///
 /// # Errors
-/// [`BuildError::DoesNotFit`] with a term that has no exact flow even alone, [`BuildError::Algebra`]
-/// where a formula is outside the algebra, and those of [`LatticeSource::densities`].
+/// Fails with [`BuildError::DoesNotFit`] with a term that has no exact flow even alone. Fails with
+/// [`BuildError::Algebra`] where a formula is outside the algebra, and with the errors of
+/// [`LatticeSource::densities`].
 pub fn find_repeating_pieces(
     source: &dyn LatticeSource,
     cells: &Cells,
@@ -56,8 +57,9 @@ pub fn find_repeating_pieces(
     Ok(Some(pieces))
 }
 
-/// How many cells the flow of a piece looks away, `most` + 1 for more than `most`: what a coordinate is moved by is moved itself, by
-/// what stands as far from it, and so on. Looked at in the middle of the cells, whose field is that of every cell.
+/// Number of cells that the flow of a piece looks away, or `most` + 1 for more than `most`. A coordinate is moved by
+/// others, which are moved themselves by what stands as far from them, and so on. The middle of the cells is looked
+/// at, whose field is that of every cell.
 pub(super) fn looks(piece: &Piece, cells: &Cells, ring: &Ring, most: usize) -> usize {
     let rows = cells.rows();
     let (middle, offsets) = (rows.length() / 2, rows.offsets());

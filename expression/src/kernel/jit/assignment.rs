@@ -22,7 +22,7 @@ pub(super) enum Arguments {
 pub(super) struct Limit {
     /// The row of the program's own numbers that holds the largest size found, 0 at first.
     pub(super) row: u32,
-    /// What it is to be below.
+    /// Bound that the size must be below.
     pub(super) bound: f64,
     /// The row that holds this bound.
     pub(super) bound_row: u32,

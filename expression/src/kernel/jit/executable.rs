@@ -1,4 +1,4 @@
-//! What a backend writes: memory that can be run.
+//! Memory that can be run, and the machine code that a backend writes into it.
 
 /// Memory with a function in it, freed on drop.
 pub(super) trait Executable: Send + Sync {
@@ -6,7 +6,7 @@ pub(super) trait Executable: Send + Sync {
     fn start(&self) -> *const u8;
 }
 
-/// What a backend makes of a program.
+/// Machine code that a backend makes of a program.
 pub(super) struct Written {
     pub(super) memory: Box<dyn Executable>,
     /// The length of the code.

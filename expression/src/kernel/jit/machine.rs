@@ -21,7 +21,7 @@ use crate::kernel::distances::Distances;
 /// The largest program in bytes of slots: offsets have 31 bits.
 const MOST_BYTES: usize = 1 << 30;
 
-/// What writes machine code.
+/// Backend that writes machine code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Backend {
     /// Our own assembler, so many lanes an instruction.
@@ -136,7 +136,7 @@ struct Compiled {
     /// How many places of an array it takes at a time, and what it reads and writes there; of code that moves along one.
     along: Option<(usize, Distances)>,
     bytes: usize,
-    /// What `entry` points into.
+    /// Memory of the code that `entry` points into.
     _memory: Box<dyn Executable>,
 }
 
@@ -176,12 +176,12 @@ impl Compiled {
         self.along.as_ref().map_or(0, |along| along.0)
     }
 
-    /// Runs it at the places of an array one after the other; returns where it is then, and whether its results are right:
-    /// it ends where they are not, or where there are fewer places than it takes at a time.
+    /// Runs it at the places of an array one after the other. Returns the place where it is then, and whether its
+    /// results are right. Wrong results end the run, as do fewer places than it takes at once.
     ///
     /// # Panics
-    /// When `slots` or `scratch` has another length than the code was compiled for, and when an input or output at one of
-    /// the places would not be in the array.
+    /// When `slots` or `scratch` has another length than the code was compiled for. Also when an input or output at
+    /// one of the places would not be in the array.
     fn run_along(
         &self,
         slots: &mut [f64],
@@ -346,7 +346,7 @@ impl MachineCode {
         })
     }
 
-    /// What [`MachineCode::run`] works in.
+    /// Memory that [`MachineCode::run`] works in.
     pub(crate) fn room(&self) -> Room {
         let near = self.near.as_ref().map_or(&[][..], |near| &near.scratch);
         Room {
@@ -375,10 +375,10 @@ impl MachineCode {
     }
 
     /// Runs the program at the places of an array one after the other, each with the coefficients of one lane or
-    /// another; returns where it is then: at the end, but for less than it takes at a time.
+    /// another. Returns the place where it is then: at the end, but for less than it takes at a time.
     ///
     /// # Panics
-    /// When `slots` or `room` is that of another code, and when an input or output would not be in the array.
+    /// When `slots` or `room` is that of another code. Also when an input or output would not be in the array.
     pub(crate) fn run_along(
         &self,
         slots: &mut [f64],

@@ -1,9 +1,9 @@
 //! Machine code for step kernels, bit-identical to the interpreter.
 //!
-//! A program's operations are put in order ([`program`]), its loads and stores planned
-//! ([`registers`]), and the steps written as machine code: by our own assembler where there is AVX
-//! ([`avx`]: it compiles in microseconds and takes four or eight lanes an instruction), on ARM and
-//! Windows by Cranelift (`portable`).
+//! A program's operations are put in order ([`program`]), and its loads and stores planned
+//! ([`registers`]). The steps are then written as machine code: by our own assembler where there is
+//! AVX ([`avx`]), on ARM and Windows by Cranelift (`portable`). The assembler compiles in
+//! microseconds and takes four or eight lanes an instruction.
 
 mod assignment;
 #[cfg(all(target_arch = "x86_64", not(windows)))]

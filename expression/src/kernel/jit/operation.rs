@@ -37,7 +37,7 @@ pub(super) enum Location {
     Array(i32),
 }
 
-/// What an operation does with its operands a, b, c.
+/// Action of an operation on its operands a, b, c.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Action {
     /// a + b.

@@ -20,19 +20,19 @@ pub(super) struct Program {
     pub(super) slots: usize,
     /// Numbers that stand in the scratch memory before it runs, each in a row over the lanes.
     pub(super) own: Vec<f64>,
-    /// What it is for: results are those of the code where no limit is passed.
+    /// Limits of the sizes that it serves: results are those of the code where no limit is passed.
     pub(super) limits: Vec<Limit>,
     /// The outputs of the code.
     outputs: Vec<Source>,
-    /// What is written into the array once the operations are done, and how far from the place.
+    /// Numbers written into the array once the operations are done, each with its distance from the place.
     pub(super) copies: Vec<(Source, i32)>,
 }
 
 impl Program {
     /// The operations of `code` that its outputs need, for a machine with so many registers. Depth first a result is
-    /// computed where it is first read, of two operands the one first that keeps more results alive (Sethi and Ullman,
-    /// The generation of optimal code for arithmetic expressions, J. ACM 17 (1970)); from there [`schedule`] goes on.
-    /// Two functions of a pair are brought together where `by_pairs` says so.
+    /// computed where it is first read, of two operands the one first that keeps more results alive. The source is
+    /// Sethi and Ullman, The generation of optimal code for arithmetic expressions, J. ACM 17 (1970). From that order
+    /// [`schedule`] goes on. Two functions of a pair are brought together where `by_pairs` says so.
     pub(super) fn new(code: &Code, arguments: Arguments, registers: usize, by_pairs: bool) -> Self {
         let Assignment {
             operations,
@@ -100,8 +100,8 @@ impl Program {
         }
     }
 
-    /// The same along an array: an output stands there as soon as it is computed, unless an input that it replaces is
-    /// still to be read, or the results may turn out to be wrong.
+    /// The same along an array, where an output is written as soon as it is computed. It is written at the end where
+    /// an input that it replaces is still to be read, or the results may turn out to be wrong.
     pub(super) fn along(mut self, distances: &Distances) -> Self {
         let mut last_reads = vec![0; distances.inputs.len()];
         for (at, operation) in self.operations.iter().enumerate() {

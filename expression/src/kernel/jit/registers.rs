@@ -4,7 +4,7 @@
 use super::operation::{Action, Location, Operation, Source};
 use super::program::Program;
 
-/// What the machine does next.
+/// Next step of the machine, an operation or a movement of a number.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Step {
     /// Loads a number that is in memory into a register.
@@ -139,9 +139,9 @@ impl Planner {
         self.keep(at, operation.output);
     }
 
-    /// The operands that the operation reads from memory while it computes, free of charge: either
-    /// one of a sum or product, the second one of a difference or quotient; of two in memory that
-    /// which is read again later. A fused product reads one factor, which its result replaces, and its summand.
+    /// The operands that the operation reads from memory while it computes, free of charge. That is either one of a
+    /// sum or product, and the second one of a difference or quotient. Of two in memory it is the one that is read
+    /// again later. A fused product reads one factor, which its result replaces, and its summand.
     fn read_from_memory(&self, operation: &Operation, next: [usize; 3]) -> [Option<Source>; 2] {
         let [a, b, c] = operation.operands;
         let in_memory = |source: Source| !self.is_held(source);

@@ -1,9 +1,9 @@
 //! The order in which operations are issued.
 //!
-//! Depth first few results are alive at once, but each operation waits for the one before it, and a processor looks about a
-//! hundred operations ahead. Among the next operations in that order those come first from which the longest way leads
-//! to the end (Gibbons and Muchnick, Efficient instruction scheduling for a pipelined architecture, SIGPLAN Notices 21
-//! (1986)), as long as there are registers for the results that are alive.
+//! Depth first few results are alive at once, but each operation waits for the one before it, and a processor looks
+//! about a hundred operations ahead. Among the next operations in that order those come first from which the longest
+//! way leads to the end. They do as long as there are registers for the results that are alive. The source is Gibbons
+//! and Muchnick, Efficient instruction scheduling for a pipelined architecture, SIGPLAN Notices 21 (1986).
 
 use std::cmp::Reverse;
 

@@ -9,7 +9,7 @@ pub type Slot = (usize, i64);
 /// A formula of a template over its slots.
 #[derive(Clone, Debug)]
 pub struct Template {
-    /// What its variables are.
+    /// The families and offsets that the variables of the formula stand for.
     pub slots: Vec<Slot>,
     /// The formula.
     pub formula: Tree,

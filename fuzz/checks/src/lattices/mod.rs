@@ -21,7 +21,7 @@ const STEP: f64 = 0.04;
 /// The same of the steps that tell the velocities, whose error is of its order at least.
 const FINE: f64 = 1e-5;
 
-/// What a velocity may be off by, relative to the largest: of order 1 in [`FINE`], with room for derivatives.
+/// Largest error of a velocity, relative to the largest velocity: of order 1 in [`FINE`], with room for derivatives.
 const OF_VELOCITY: f64 = 1e-3;
 
 /// Errors of the state below this part of it are round-off.
@@ -30,7 +30,7 @@ const ROUND_OFF: f64 = 1e-11;
 /// How often steps are halved.
 const HALVINGS: usize = 4;
 
-/// What a lattice is.
+/// A lattice drawn from bytes, with its method.
 #[derive(Clone, Debug)]
 pub struct Drawn {
     /// The lattice.

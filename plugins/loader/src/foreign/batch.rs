@@ -78,7 +78,7 @@ impl<'a> Input<'a> {
     }
 }
 
-/// What stands where nothing was written: a NaN of its own.
+/// Marker of a place where nothing was written: a NaN with bits of its own.
 pub(crate) fn unwritten() -> f64 {
     f64::from_bits(0x7ff8_1ea5_0000_ca4a)
 }

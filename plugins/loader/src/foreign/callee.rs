@@ -11,8 +11,9 @@ use super::instance::{Call, Instance};
 use super::part::ForeignPart;
 use crate::floating_point::{ControlWord, note_change};
 
-/// One evaluator's instance. Where it could not be made, every call says why: an evaluator is asked for
-/// where no refusal can be given any more, for other values of parameters that did well before.
+/// One evaluator's instance, or the failure of making it. Where it could not be made, every call returns that failure.
+/// An evaluator is asked for at other values of the parameters than those that were served before; no refusal can be
+/// given there any more.
 pub(super) struct Callee {
     part: Arc<ForeignPart>,
     instance: Result<Instance, CallFailure>,
@@ -127,7 +128,8 @@ impl Callee {
 }
 
 impl Drop for Callee {
-    /// What the last calls changed can fail no call any more.
+    /// Restores how this thread computes and gives the instance back to the idle ones. A change by the last calls is
+    /// only noted, as it can fail no call any more.
     fn drop(&mut self) {
         if let Err(refusal) = self.control.restore("called") {
             note_change(format!("{}: {refusal}", self.part.name()));

@@ -230,7 +230,7 @@ impl LagrangianBisection for ForeignBisection {
     }
 }
 
-/// What an instance is lent.
+/// The host's system and realization, lent to an instance.
 fn lent(
     system: &PoissonSystem,
     realization: &RealizationToLend,

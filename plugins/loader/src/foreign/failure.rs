@@ -35,7 +35,7 @@ pub(crate) enum CallFailure {
 }
 
 impl CallFailure {
-    /// What a status and the texts beside it mean.
+    /// The failure that a status other than `LW_OK` and the texts beside it mean.
     fn new(status: LwStatus, point: i64, ratio: f64, message: String) -> Self {
         let point = usize::try_from(point).ok();
         match status {

@@ -1,4 +1,4 @@
-//! What an instance is made of, as `create` and `properties` take it.
+//! Arguments of a part's `create` and `properties`: dimension, settings, lent objects.
 
 use std::ffi::CString;
 
@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use crate::host::{HostRealization, HostSystem};
 
-/// What an instance is made of; its settings as JSON.
+/// Dimension and settings that an instance is made from; serialized, the settings as JSON.
 #[derive(Clone, Copy, Serialize)]
 #[serde(transparent)]
 pub(crate) struct Making<'a> {
@@ -23,7 +23,7 @@ pub(crate) struct Making<'a> {
     pub settings: &'a [(String, ParameterSetting)],
 }
 
-/// What the host lends an instance: dropped after it.
+/// Objects that the host lends an instance: dropped after it.
 #[derive(Default)]
 pub(crate) struct HostObjects {
     /// The system to serve.

@@ -2,8 +2,8 @@
 //!
 //! - `batch`: vectors of a batch in any layout;
 //! - `part`, `instance`, `callee`: a part, its instances, calls with the host's errors;
-//! - `making`: what instances are made of, as their functions take it;
-//! - `failure`: what a status means;
+//! - `making`: the arguments of `create` and `properties`;
+//! - `failure`: the failures that statuses mean;
 //! - `system`, `realization`, `dynamics`, `step_map`: one kind each.
 
 mod batch;

@@ -9,10 +9,10 @@ use super::making::{HostObjects, Making, with_arguments};
 use crate::declaration::{Dimensions, Flags, Functions, PartDeclaration, broken_promise};
 use crate::exits::in_call;
 
-/// What every wrapper of a part with functions knows.
+/// A part with functions: its declaration and its table, shared by all its wrappers.
 #[derive(Debug)]
 pub(crate) struct ForeignPart {
-    /// What it declares.
+    /// Its declaration.
     pub info: &'static PartInfo,
     /// The dimensions it serves.
     pub dimensions: Dimensions,
@@ -23,7 +23,7 @@ pub(crate) struct ForeignPart {
     pub functions: Functions,
 }
 
-/// What a part promises for given parameters.
+/// Order, structure and flags that a part promises for given parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Properties {
     /// n, m or the order in t, at least 1.
@@ -83,7 +83,10 @@ impl ForeignPart {
         self.dimensions.check(self.name(), d)
     }
 
-    /// What it promises for these parameters.
+    /// Its promises for these parameters, by the library's `properties` where it has that function.
+    ///
+    /// # Errors
+    /// The failure of that call, or promises that contradict each other.
     pub(crate) fn properties(
         &self,
         dimension: usize,

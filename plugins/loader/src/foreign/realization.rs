@@ -238,7 +238,8 @@ struct ForeignEvaluator {
     dimension: usize,
     space: usize,
     epsilon: f64,
-    /// What is put together, where the library has no functions of its own for that.
+    /// Scratch space for ends and their derivatives that are put together here, where the library
+    /// has no functions of its own for that.
     first: Vec<f64>,
     second: Vec<f64>,
 }

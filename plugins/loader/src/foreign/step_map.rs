@@ -96,7 +96,7 @@ impl ForeignStepMap {
     }
 }
 
-/// What an instance is lent.
+/// The host's system, lent to an instance.
 fn lent(system: &PoissonSystem, parameters: &[f64]) -> Result<HostObjects, BuildError> {
     Ok(HostObjects {
         system: Some(HostSystem::new(system, parameters)?),
@@ -104,7 +104,7 @@ fn lent(system: &PoissonSystem, parameters: &[f64]) -> Result<HostObjects, Build
     })
 }
 
-/// What a step map's declaration promises.
+/// Properties of a step map by its declaration: order, structure, self-adjointness.
 pub(crate) fn promises(order: usize, structure: i32, self_adjoint: Option<bool>) -> MapProperties {
     MapProperties {
         order,

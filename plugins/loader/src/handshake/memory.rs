@@ -19,7 +19,7 @@ pub(crate) const LONGEST_LIST: usize = 4096;
 /// A struct whose writer says how much of it there is.
 ///
 /// # Safety
-/// Zero is a value of every field, and a u32 that states the struct's size stands at `SIZE_AT`.
+/// Zero is a value of every field. The u32 at `SIZE_AT` states the struct's size.
 pub(crate) unsafe trait Growing: Copy {
     /// Its name.
     const NAME: &'static str;
@@ -57,10 +57,10 @@ fn is_aligned<T>(pointer: *const T) -> bool {
     pointer.addr().is_multiple_of(align_of::<T>())
 }
 
-/// What of a struct its writer knows; the rest is zero.
+/// A copy of the fields of a struct that its writer knows; the rest is zero.
 ///
 /// # Safety
-/// `pointer` is not NULL and leads to a struct of the size it states.
+/// The `pointer` is not NULL. It leads to a struct that can be read up to the size it states.
 pub(crate) unsafe fn copy<T: Growing>(pointer: *const T) -> Result<T, Refusal> {
     if !is_aligned(pointer) {
         return Err(Refusal::Misaligned {

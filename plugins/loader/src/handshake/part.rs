@@ -134,7 +134,7 @@ unsafe fn functions(id: &str, part: &LwPart, kind: PartKind) -> Result<Option<Fu
     }
 }
 
-/// What contradicts itself.
+/// Refuses a declaration that contradicts itself.
 fn check(part: &PartDeclaration) -> Result<(), Refusal> {
     let (flags, kind) = (part.flags, part.kind());
     let one_form_and_more = matches!(&part.functions, Some(Functions::Dynamics(table))

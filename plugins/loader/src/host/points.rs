@@ -8,7 +8,7 @@ use leafwise_plugin_abi::{
     LW_DISCARD, LW_ERROR, LW_OK, LW_UNSUPPORTED, LwError, LwInput, LwMapCall, LwOutput, LwStatus,
 };
 
-/// What a function takes and gives: coordinates of the point, of the two vectors, of the result.
+/// Numbers of coordinates that a function takes and gives: of the point, of the two vectors, of the result.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shape {
     pub point: usize,
@@ -18,7 +18,7 @@ pub(super) struct Shape {
 }
 
 impl Shape {
-    /// What of a call does not fit.
+    /// The mismatch of a call with this shape, in words; `None` where it fits.
     fn problem(self, call: &LwMapCall) -> Option<&'static str> {
         if (call.struct_size as usize) < size_of::<LwMapCall>() {
             return Some("struct_size of the call is too small");
@@ -72,11 +72,11 @@ impl Buffers {
     }
 }
 
-/// Evaluates `function(point, v, w, output)` at all points of a call, at most `most` of them at once:
-/// vectors are contiguous, but for v and w that serve all points.
+/// Evaluates `function(point, v, w, output)` at all points of a call, at most `most` of them at once. Vectors are
+/// contiguous, but for v and w that serve all points.
 ///
 /// # Safety
-/// `call` is a call as the interface describes it; `err` is NULL or leads to an error.
+/// `call` is a call as the interface describes it. The pointer `err` is NULL or leads to an error.
 pub(super) unsafe fn batches(
     call: *const LwMapCall,
     err: *mut LwError,

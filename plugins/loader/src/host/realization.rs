@@ -16,7 +16,7 @@ use leafwise_plugin_abi::{
 
 use super::points::{Buffers, Shape, batches, fail};
 
-/// What is compiled of a realization once, for all instances that it is lent to.
+/// Compiled maps of a realization: compiled once, for all instances that it is lent to.
 #[derive(Clone, Debug)]
 pub(crate) struct RealizationToLend {
     realization: Arc<dyn RealizationData>,
@@ -57,7 +57,7 @@ pub(crate) struct HostRealization {
     shared: Box<Shared>,
 }
 
-/// What the plugin's pointers lead to.
+/// The realization behind the plugin's pointers.
 struct Shared {
     raw: LwHostRealization,
     functions: LwRealization,
@@ -125,7 +125,7 @@ impl HostRealization {
         Self { shared }
     }
 
-    /// What `create` is given.
+    /// The pointer that `create` is given.
     pub(crate) fn raw(&self) -> *const LwHostRealization {
         &raw const self.shared.raw
     }

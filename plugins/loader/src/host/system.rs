@@ -18,7 +18,7 @@ pub(crate) struct HostSystem {
     shared: Box<Shared>,
 }
 
-/// What the plugin's pointers lead to.
+/// The system behind the plugin's pointers.
 struct Shared {
     raw: LwHostSystem,
     functions: LwSystem,
@@ -69,7 +69,7 @@ impl HostSystem {
         Ok(Self { shared })
     }
 
-    /// What `create` is given.
+    /// The pointer that `create` is given.
     pub(crate) fn raw(&self) -> *const LwHostSystem {
         &raw const self.shared.raw
     }

@@ -1,4 +1,4 @@
-//! What differs between operating systems.
+//! Functions of the operating system: one module for Unix, one for all others.
 
 #[cfg(not(unix))]
 mod other;

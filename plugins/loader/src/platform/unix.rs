@@ -127,8 +127,8 @@ pub(crate) fn no_core_dumps() {
     unsafe { libc::setrlimit(libc::RLIMIT_CORE, &none) };
 }
 
-/// Opens a library for good: all its symbols are resolved now and are seen by nobody else, and it
-/// stays in memory until the process ends.
+/// Opens a library for good: all its symbols are resolved now and are seen by nobody else. It stays in memory until the
+/// process ends.
 ///
 /// # Safety
 /// Opening a library runs its constructors: whoever asks for it trusts the file.
@@ -143,8 +143,8 @@ pub(crate) unsafe fn open(path: &Path) -> Result<Library, Refusal> {
     })
 }
 
-/// The bytes that the library with this address may change: its variables and what is zero at first.
-/// `None` where there are too many of them, or the system does not say where they are.
+/// The bytes that the library with this address may change: its variables, also those that are zero at first. The
+/// result is `None` where there are too many of them, or the system does not say where they are.
 #[cfg(target_os = "linux")]
 pub(crate) fn static_data(address: *const ()) -> Option<Vec<u8>> {
     /// More are not copied.

@@ -19,7 +19,7 @@ use crate::platform;
 pub(crate) use cache::ProbeCache;
 pub use child::run_probe;
 
-/// What stands before the report on the child's standard output, where libraries may write too.
+/// The mark that stands before the report on the child's standard output, where libraries may write too.
 const MARK: &str = "leafwise-plugin-probe:";
 
 /// The time that opening and trying a library may take.

@@ -1,4 +1,4 @@
-//! What an instance answered, asked again beside other instances.
+//! Answers of an instance, asked again beside other instances.
 
 use std::sync::Barrier;
 use std::thread;

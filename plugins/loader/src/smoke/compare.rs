@@ -2,7 +2,7 @@
 
 use super::SmokeFailure;
 
-/// What round-off may leave of an equation, relative to the numbers in it.
+/// Round-off that an equation may have, relative to the numbers in it.
 const ROUND_OFF: f64 = 1e-11;
 
 /// The step of central differences, and what their error may be: a derivative that is wrong differs by

@@ -96,13 +96,13 @@ pub enum SmokeFailure {
     /// An instance of an impossible shape.
     #[error("{problem}")]
     Shape {
-        /// What is impossible.
+        /// The impossible shape, in words.
         problem: String,
     },
     /// The control word of the thread was changed.
     #[error("{problem}")]
     FloatingPoint {
-        /// What was changed, and when.
+        /// The change, and when it was made.
         problem: String,
     },
 }

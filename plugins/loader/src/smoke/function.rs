@@ -101,9 +101,9 @@ fn size(count: usize, dim: usize, point: usize, coordinate: usize) -> usize {
 }
 
 impl Function<'_> {
-    /// Calls the function on `instance`, and checks that its answers are finite, repeatable, the same
-    /// in every layout and alone, and that nothing else was written. `None` where the points are
-    /// outside its domain, or the instance does not offer it.
+    /// Calls the function on `instance` and checks its answers. They must be finite, repeatable, the same in every
+    /// layout and alone; nothing else may have been written. The result is `None` where the points are outside its
+    /// domain, or the instance does not offer it.
     pub(super) fn checked(
         &self,
         instance: &mut Instance,

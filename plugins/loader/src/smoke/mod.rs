@@ -30,7 +30,7 @@ use answers::Tester;
 pub use failure::SmokeFailure;
 pub(crate) use problems::{TestProblem, states};
 
-/// What came of a part's trial.
+/// Outcome of a part's trial.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Tried {
     /// The test problems that its functions were called on; none where it serves none of them.
@@ -143,7 +143,7 @@ impl Subject {
     }
 }
 
-/// What makes instances of a part.
+/// Maker of instances of a part.
 struct Maker {
     part: Arc<ForeignPart>,
     /// Its parameters at their defaults.

@@ -39,7 +39,7 @@ pub(crate) fn problems(dimensions: Dimensions) -> Vec<TestProblem> {
     tried.into_iter().flat_map(of_dimension).collect()
 }
 
-/// What an instance for a problem's system is lent.
+/// The system of a problem, lent to an instance.
 pub(super) fn lend(problem: &TestProblem) -> Option<HostObjects> {
     let system = HostSystem::new(&problem.system, &problem.system.parameter_values());
     Some(HostObjects {

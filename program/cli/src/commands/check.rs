@@ -158,7 +158,7 @@ pub(super) fn refuse_no_system(
     Err(refusal.into())
 }
 
-/// What a tensor that has no entries of its own is made of.
+/// Reason why a tensor without entries of its own is Poisson, by what it is made of; `None` for any other tensor.
 fn made_of(source: &TensorSource) -> Option<&'static str> {
     match source {
         TensorSource::OneForm => {

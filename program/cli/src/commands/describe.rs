@@ -14,10 +14,10 @@ use crate::failure::{Failure, exit};
 use crate::plugins::Parts;
 use crate::table::words;
 
-/// What leaves the choice of a part to the program.
+/// Name that leaves the choice of a part to the program.
 const AUTO: &str = "auto";
 
-/// What it takes as a realization, and as dynamics.
+/// Meaning of `auto` as a realization, and as dynamics.
 const AUTO_MEANS: [&str; 2] = [
     "an exact closed form that fits the tensor, the most special one; where there is none, the realization exact to round-off \
      whose steps take the fewest operations, or karasev-truncated on a long lattice. `run --explain` says what it took \
@@ -37,7 +37,7 @@ struct Told {
     lie_algebra: Option<Described>,
 }
 
-/// What a name stands for.
+/// Entry that a name stands for: a part, a library system or a Lie algebra.
 #[derive(Serialize)]
 #[serde(untagged)]
 enum Described {

@@ -96,7 +96,8 @@ fn dimension(run: &ComposedRun) -> String {
     }
 }
 
-/// What the kernels of a step become as machine code, compiled here if they are to be at all.
+/// Machine code of a step's kernels, as labelled rows: how they are executed, then name, size and time of each. Kernels
+/// that are to be compiled at all are compiled here.
 fn machine_code(run: &ComposedRun) -> Vec<(String, String)> {
     let execution = Execution::default_of_process();
     let mut rows = vec![("Execution".to_owned(), execution.describe().to_owned())];

@@ -121,7 +121,7 @@ pub(super) fn integrate(
     })
 }
 
-/// What to change in the scene, a warning each.
+/// Prints advice, a warning each: its message, and what to change in the scene.
 pub(super) fn print_advice(advice: &[Advice], console: &mut Console<'_>) {
     for one in advice {
         let word = console.warning_word();

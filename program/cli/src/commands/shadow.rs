@@ -20,7 +20,7 @@ const STEPS: u64 = 10_000;
 /// The longest formula that is printed of what is known as code alone, in its parts.
 const LONGEST: usize = 500;
 
-/// What stands in the place of a longer one.
+/// Placeholder for a formula that is longer than `LONGEST`.
 const TOO_LONG: &str = "(code, too long for a formula)";
 
 /// The name of the coordinate conjugate to the time.
@@ -40,7 +40,7 @@ struct Told {
     terms: Vec<(usize, String)>,
 }
 
-/// Prints the terms of H̃ and how well they are kept; returns the exit code.
+/// Prints the terms of H̃ and how well they are kept. Returns the exit code.
 ///
 /// # Errors
 /// [`Failure`] when the scene is not valid or its method has no shadow Hamiltonian as a formula.

@@ -6,7 +6,8 @@ use leafwise::run::shards::{Shard, ShardError, Whole};
 
 use crate::failure::Failure;
 
-/// What an array's task knows of itself.
+/// Environment variables of a task of a Slurm array: its own number, the first and the last number, and how many tasks
+/// there are.
 const TASK: &str = "SLURM_ARRAY_TASK_ID";
 const FIRST: &str = "SLURM_ARRAY_TASK_MIN";
 const LAST: &str = "SLURM_ARRAY_TASK_MAX";

@@ -8,11 +8,11 @@ use leafwise_scene::compose::ComposedRun;
 use super::{Advice, AdviceKind, number};
 use crate::outcome::InvariantDrift;
 
-/// What a step from any state of an orbit may have of a tensor defect, in units of round-off: solves may be ill
+/// Largest [`Defect::relative`] of a step from any state of an orbit that still counts as round-off: solves may be ill
 /// conditioned.
 const ROUND_OFF: f64 = 64.0 * Defect::ROUND_OFF;
 
-/// What to take in place of a part that is not what it says.
+/// Line of the scene to write in place of a part that is not what it says.
 const INSTEAD: &str = "realization = \"auto\"";
 
 /// A part that its author says to be exact, whose steps are no Poisson maps at one of the run's states. What this program

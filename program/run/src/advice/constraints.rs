@@ -15,8 +15,8 @@ const DIGITS: f64 = 4.0;
 /// Corrections of a start: each doubles the digits of one that is near the constraints.
 const CORRECTIONS: usize = 50;
 
-/// A warning where a constraint has another value than 0 at `initial`, by more than the round-off of computing it from
-/// coordinates that are rounded; `whose` initial state it is: nothing, or a member of an ensemble.
+/// Warning where a constraint has another value than 0 at `initial`, by more than the round-off of computing it from
+/// rounded coordinates. In the message `whose` tells whose initial state it is: nothing, or a member of an ensemble.
 pub(crate) fn off_constraints(
     document: &SceneDocument,
     run: &ComposedRun,

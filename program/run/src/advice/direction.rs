@@ -9,9 +9,9 @@ use leafwise_scene::document::SceneDocument;
 
 use super::{Advice, AdviceKind, LARGEST};
 
-/// A position q and its momentum p with q' = −∂H/∂p: the bracket's sign is that of the other convention. Their names tell
-/// which is which, as q and p, x and px or x and v do; where the scene names no convention, so does H, which is a square
-/// of the momentum and none of the position.
+/// A position q and its momentum p with q' = −∂H/∂p: the bracket's sign is that of the other convention. Their names
+/// tell which is which, as q and p, x and px or x and v do. Where the scene names no convention, H tells it too, as a
+/// square of the momentum and none of the position.
 pub(super) fn advice(document: &SceneDocument, run: &ComposedRun) -> Option<Advice> {
     let system = run.system.expressions()?;
     let names = system.variables();

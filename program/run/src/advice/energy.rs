@@ -1,14 +1,14 @@
 //! An energy that is kept badly.
 //!
-//! Let E be the mean of Σ_i |∂H/∂x_i(x)| · (max x_i − min x_i)/2 over states along an orbit: what H changes by when the
-//! coordinates change by half of what they do on it. It depends neither on units nor on a constant in H, and one state at rest does not
-//! make it small. The time is not among the coordinates. Of a long lattice, whose derivatives are those of its cells, E is the
-//! mean of Σ_f |H(x_0 with the family f of x) − H(x_0)|.
+//! Let E be the mean of Σ_i |∂H/∂x_i(x)| · (max x_i − min x_i)/2 over states along an orbit. H changes by as much when
+//! the coordinates change by half of what they do on the orbit. E depends neither on units nor on a constant in H, and
+//! one state at rest does not make it small. The time is not among the coordinates. Of a long lattice, whose
+//! derivatives are those of its cells, E is the mean of Σ_f |H(x_0 with the family f of x) − H(x_0)|.
 //!
-//! The energy's scale is |H(x_0)|, but not above E, which a constant would reach, and not below E/10, should H(x_0) be near
-//! 0. Where states are few, or families are compared, E may be too small, and the scale is the larger one of both. An error
-//! of the energy above [`LARGEST`] of its scale is worth a warning. Forces change the energy by themselves, and nothing is
-//! said of it.
+//! The energy's scale is |H(x_0)|, but not above E, which a constant would reach, and not below E/10, should H(x_0) be
+//! near 0. Where states are few, or families are compared, E may be too small, and the scale is the larger one of both.
+//! An error of the energy above [`LARGEST`] of its scale is worth a warning. Forces change the energy by themselves,
+//! and nothing is said of it.
 
 use leafwise_core::Evaluator;
 
@@ -29,7 +29,7 @@ const LEAST_PART: f64 = 0.1;
 /// From this number of states on they tell how far an orbit reaches.
 const MANY_STATES: usize = 8;
 
-/// What is known of the energy along an orbit.
+/// Error of the energy along an orbit, with the initial energy and the parameters' values.
 pub(crate) struct EnergyError<'a> {
     /// The parameters' values.
     pub parameters: &'a [f64],

@@ -61,8 +61,9 @@ impl std::fmt::Display for CheaperMethod {
     }
 }
 
-/// The cheapest method in coordinates in which the tensor is constant, where it takes half of the operations of the run's or less and
-/// errs no more, or by less than 1e-11 of the state; `None` for a long lattice, with noise, and for a run of fewer steps than are looked at.
+/// The cheapest method in coordinates in which the tensor is constant. It takes half of the operations of the run's or
+/// less, and errs no more, or by less than 1e-11 of the state. Returns `None` where there is none, for a long lattice,
+/// with noise, and for a run of fewer steps than are looked at.
 pub fn cheaper_over_lifts(run: &ComposedRun, registry: &Registry) -> Option<CheaperMethod> {
     let (plan, steps) = (&run.plan, TIMES * LONGEST);
     let is_short = plan.until.is_none() && plan.steps < steps;

@@ -1,5 +1,5 @@
-//! Where a scene asks for more than it uses or for less than it needs, measured at states of the
-//! run; each with the one line to change.
+//! Advice where a scene asks for more than it uses or for less than it needs, measured at states of the run; each with
+//! the one line to change.
 //!
 //! - `lifts`: coordinates in which a run takes a fraction of the operations, no warning;
 //! - `probe`: the method at those states;
@@ -14,14 +14,13 @@
 //! - `exact`: an exact realization that costs no more;
 //! - `rounding`: a step that the state's round-off decides, an energy that doubles do not hold;
 //! - `step`: a step that is too long for its order, a tolerance that is too loose;
-//! - `stepper`: a stepper that is no Poisson map where splitting is one for no more, stages that no step
-//!   feels;
+//! - `stepper`: a stepper that is no Poisson map where splitting is one for no more, stages that no step feels;
 //! - `unused`: parameters that nothing depends on;
 //! - `constraints`: a start off the constraints;
 //! - `claims`: parts that are not what they say;
-//! - `trial`: what a step map does over the first steps;
+//! - `trial`: operations and energy error of a step map over its first steps;
 //! - `motion`: trajectories by their motions;
-//! - `sizes`: what changes of coordinates are measured by.
+//! - `sizes`: sizes of coordinates, which their changes are measured by.
 
 mod chart;
 mod claims;
@@ -58,9 +57,9 @@ use probe::Probe;
 /// One thing to change.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Advice {
-    /// What kind it is, for programs.
+    /// Kind of the advice, for programs.
     pub kind: AdviceKind,
-    /// What was measured.
+    /// Message on what was measured.
     pub message: String,
     /// The line of the scene to write instead, or two.
     pub change: String,
@@ -167,7 +166,7 @@ pub(crate) fn orbit_from(
     states
 }
 
-/// What to change in a scene whatever its method: parameters that no formula names, an initial state off the constraints,
+/// Advice about a scene whatever its method: parameters that no formula names, an initial state off the constraints,
 /// Hamilton's equations that run backwards in time.
 pub fn about_the_scene(document: &SceneDocument, run: &ComposedRun) -> Vec<Advice> {
     let mut advice = unused::unused_parameters(document);
@@ -176,7 +175,7 @@ pub fn about_the_scene(document: &SceneDocument, run: &ComposedRun) -> Vec<Advic
     advice
 }
 
-/// What to change about a scene's method, judged at `states` of its run; nothing that cannot be measured, nothing for a long
+/// Advice about a scene's method, judged at `states` of its run. Nothing is said of what cannot be measured, of a long
 /// lattice, and with noise, where two steps differ by what they draw.
 pub fn advise(run: &ComposedRun, registry: &Registry, states: &[Vec<f64>]) -> Vec<Advice> {
     if run.dimension() > LARGEST || run.method.noise().is_some() {

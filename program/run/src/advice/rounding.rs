@@ -1,5 +1,5 @@
-//! What doubles decide: a step that leads elsewhere from the neighbouring one, an energy whose changes are below its
-//! own round-off, slopes of an energy that leave their range.
+//! Limits of doubles: a step that leads elsewhere from the neighbouring one, an energy whose changes are below its own
+//! round-off, slopes of an energy that leave their range.
 
 use leafwise_core::Evaluator;
 use leafwise_expression::Expression;
@@ -81,7 +81,7 @@ fn of_the_energy(run: &ComposedRun) -> Option<Advice> {
     })
 }
 
-/// What differences of H over several distances may differ by to be its slope, relative to it.
+/// Relative deviation up to which slopes of H, by differences over several distances, agree.
 const AGREES: f64 = 1e-3;
 
 /// The part of the larger one that a slope and differences may differ by.
@@ -90,8 +90,9 @@ const APART: f64 = 0.1;
 /// The part of all slopes, times the coordinates, below which one does not matter.
 const MATTERS: f64 = 1e-6;
 
-/// ∂H/∂x_i of `asinh(1e300*x)` is 1e300/√(1 + 1e600x²), 0 in doubles and 1/x in truth: where differences of H over
-/// three distances agree, and the derivative that steps are made with is another.
+/// Warning where a derivative of H leaves the range of doubles: differences of H over three distances agree, and the
+/// derivative that steps are made with is another. An example is ∂H/∂x_i of `asinh(1e300*x)`: it is 1e300/√(1 +
+/// 1e600x²), 0 in doubles and 1/x in truth.
 fn of_the_slopes(run: &ComposedRun) -> Option<Advice> {
     let (parameters, x) = (run.system.parameter_values(), &run.plan.initial);
     let (hamiltonian, slopes) = energy(run)?;

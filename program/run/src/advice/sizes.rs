@@ -1,13 +1,13 @@
-//! What changes of coordinates are measured by.
+//! Sizes of coordinates, which their changes are measured by.
 
 use leafwise_scene::compose::ComposedRun;
 
 /// The least size of each coordinate along a run.
 ///
-/// The sites of a family have the largest size of all of them: a site at rest, far from a wave, moves by 1e-30 in a step, of
-/// which no method has a digit, and no step is short enough. So have variables whose names differ by a number alone, q1
-/// and q2, where they are 0 or of both signs along the run. What keeps one sign, such as a population, has its own size at
-/// each state, however small that is.
+/// The sites of a family have the largest size of all of them. A site at rest, far from a wave, moves by 1e-30 in a
+/// step: no method has a digit of that, and no step is short enough. Variables whose names differ by a number alone, q1
+/// and q2, share their largest size too, where they are 0 or of both signs along the run. What keeps one sign, such as
+/// a population, has its own size at each state, however small that is.
 pub(super) struct Sizes(Vec<f64>);
 
 impl Sizes {
@@ -33,7 +33,9 @@ impl Sizes {
         Self(kinds.iter().map(|kind| largest(*kind)).collect())
     }
 
-    /// What two increments from x differ by over what they are: the largest of each over the coordinates, relative to these.
+    /// Relative difference of two increments from x, a = `whole` and b = `finer`: (max_i |a_i − b_i|/s_i) / (max_i
+    /// |b_i|/s_i). Here s_i is the largest of the least size of coordinate i, |x_i|, |x_i + a_i| and |x_i + b_i|. A
+    /// numerator of 64 ε or less, round-off of a state, counts as 0.
     pub fn difference(&self, x: &[f64], whole: &[f64], finer: &[f64]) -> f64 {
         let (mut apart, mut motion) = (0.0_f64, 0.0_f64);
         for (at, ((x, whole), finer)) in x.iter().zip(whole).zip(finer).enumerate() {

@@ -7,7 +7,7 @@ use super::{Advice, AdviceKind, number};
 /// Starts of Newton's method at each state.
 const STARTS: usize = 16;
 
-/// What the search may cost, in operations: about a second.
+/// Most operations that the search may cost: about a second.
 const MOST_OPERATIONS: u64 = 1_000_000_000;
 
 /// Solutions further away, in motions of the step, are out of reach of any start: a solver begins within one.

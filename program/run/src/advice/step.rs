@@ -14,14 +14,14 @@ use leafwise_scene::compose::{ComposedRun, PartChoice};
 /// its error falls as its order says, or nearly so; above, neither is known.
 const COARSE: f64 = 0.1;
 
-/// The part of the motion over the run's [`FIRST`] steps that finer ones, or still finer ones, may change:
-/// steps each a little too long err by as much as they move.
+/// Largest part of the motion over the run's [`FIRST`] steps that finer ones, or still finer ones, may change. Steps
+/// each a little too long err by as much as they move.
 const ASTRAY: f64 = 0.25;
 
 /// Steps that are followed from the initial state.
 const FIRST: u64 = 4;
 
-/// What a tolerance is multiplied by.
+/// Factor that a tolerance is multiplied by.
 const TIGHTER: f64 = 1e-2;
 
 /// Methods of other kinds that choose their substeps themselves.
@@ -30,10 +30,11 @@ const ADAPTIVE: [&str; 2] = ["dop853", "taylor"];
 /// The least tolerance.
 const LEAST: f64 = 1e-14;
 
-/// Where one step and a finer one, at the run's states, or its first steps and finer ones of two kinds differ by
-/// more, or the finer ones fail. Finer are two of half a step's length and four of a quarter; of a stepper with
-/// a tolerance, which chooses its substeps itself, tolerances of a hundredth, twice, and then the steps of half the length,
-/// at whose ends it looks for what it has stepped over. Its errors may not exceed the root of the tolerance either.
+/// Warning where one step and a finer one, at the run's states, or its first steps and finer ones of two kinds differ
+/// by more, or the finer ones fail. Finer are two steps of half the length and four of a quarter. A stepper with a
+/// tolerance chooses its substeps itself: finer are tolerances of a hundredth, twice. Then come steps of half the
+/// length, at whose ends it looks for what it has stepped over. Its errors may not exceed the root of the tolerance
+/// either.
 pub(super) fn advice(
     run: &ComposedRun,
     registry: &Registry,

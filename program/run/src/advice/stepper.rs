@@ -26,7 +26,7 @@ const LEAST_SAVING: i64 = 2;
 /// Units of round-off in a stage's part of an increment: a field of some operations, a weight, a sum.
 const OF_A_STAGE: f64 = 4.0;
 
-/// What to change about a run's stepper; nothing where there is none.
+/// Advice about a run's stepper; none where there is no stepper.
 pub(super) fn advice(run: &ComposedRun, registry: &Registry, states: &[Vec<f64>]) -> Vec<Advice> {
     let part = |kind| run.plan.parts.iter().find(|part| part.kind == kind);
     let Some(stepper) = part(PartKind::Stepper) else {

@@ -1,4 +1,4 @@
-//! What a step map does along a run.
+//! Trial of a step map along a run: its operations and its energy error.
 
 use leafwise_core::{StepMap, Walk};
 
@@ -13,7 +13,7 @@ const FIRST: usize = 8;
 /// States from which operations are counted, of the run's.
 const STATES: usize = 4;
 
-/// What the trial of an alternative may take of the operations of the map that it replaces.
+/// Most operations that the trial of an alternative may take, as a multiple of those of the map that it replaces.
 const AS_LONG: u64 = 2;
 
 /// By how much its energy error may be larger: in another chart the generating function is another,
@@ -23,7 +23,7 @@ const AS_WRONG: f64 = 2.0;
 /// An energy error of this part is round-off: a few dozen operations, some steps.
 const ROUND_OFF: f64 = 1e-13;
 
-/// What a map does over its first steps.
+/// Operations, energy error and state of a map over its first steps.
 #[derive(Clone, Debug)]
 pub(super) struct Trial {
     /// Operations a step, over as many steps as the run has.

@@ -8,7 +8,7 @@ use super::{Advice, AdviceKind};
 /// Half a unit in the last place of 1.
 pub(super) const ROUND_OFF: f64 = f64::EPSILON / 2.0;
 
-/// What the compensated state feels of its own size: a remainder below this part of an ulp was not
+/// Smallest part of its own size that the compensated state feels. A remainder below this part of an ulp was not
 /// visible in Casimirs after 10⁶ steps.
 pub(super) const FELT: f64 = ROUND_OFF / 32.0;
 

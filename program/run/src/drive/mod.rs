@@ -93,7 +93,7 @@ impl Session<'_> {
         self.watched.step_times(0)
     }
 
-    /// Takes up the end of a run that has come to it before; no file is changed.
+    /// Takes up the end of a run that has come to it before. No file is changed.
     ///
     /// # Errors
     /// [`RunError::Damaged`] where a file does not end with the run's last row.

@@ -1,4 +1,4 @@
-//! What a run records: rows of samples and crossings, windows of invariants, states that its method is judged at.
+//! Records of a run: rows of samples and crossings, windows of invariants, states that its method is judged at.
 
 use leafwise_scene::compose::{ComposedRun, Observable, WIDEST_STATE};
 use leafwise_walk::{Course, Ended, FunctionValues, Look, SampleTimes, Steps};

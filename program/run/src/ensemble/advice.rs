@@ -1,4 +1,4 @@
-//! What to change in the scene of an ensemble.
+//! Advice about the scene of an ensemble: what to change in it.
 
 use leafwise_core::Registry;
 use leafwise_expression::words::counted;
@@ -19,7 +19,8 @@ const JUDGED: u64 = 4;
 /// States of a member that tell how far its orbit reaches.
 const MOST_ORBIT_STATES: u64 = 1000;
 
-/// What an ensemble has shown: an energy kept badly, observables without a value.
+/// Advice from the results of an ensemble, beside that about its scene: an energy kept badly, observables without a
+/// value.
 pub(super) fn measured(
     document: &SceneDocument,
     ensemble: &ComposedEnsemble,
@@ -96,8 +97,8 @@ pub(super) fn measured(
     advice
 }
 
-/// What to change in the scene of an ensemble, judged at states of some of its members with the
-/// scene's own parameters; see [`advise`].
+/// Advice about the scene of an ensemble, judged at states of some of its members with the scene's own parameters; see
+/// [`advise`].
 pub fn advise_ensemble(ensemble: &ComposedEnsemble, registry: &Registry) -> Vec<Advice> {
     let members = ensemble.population.members();
     let judged = JUDGED.min(members);

@@ -14,7 +14,7 @@ use crate::RunError;
 /// Coordinates stepped between two looks at the flag: about a millisecond's work.
 const COORDINATES_A_LOOK: usize = 4096;
 
-/// What a block tells and is told while it runs.
+/// Signals to and from blocks while they run: a count of steps, and a flag to stop.
 #[derive(Debug, Default)]
 pub(super) struct Signals {
     /// Steps of all members.

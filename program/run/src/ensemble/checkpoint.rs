@@ -1,4 +1,4 @@
-//! What a resumed ensemble needs, in one file that is replaced atomically.
+//! Checkpoint of an ensemble: all that a resumed one needs, in one file that is replaced atomically.
 
 use std::ops::Range;
 use std::path::Path;
@@ -9,7 +9,7 @@ use super::plan::ComposedEnsemble;
 use super::tree::Tree;
 use crate::{CHECKPOINT, Format, RunError, Vouched};
 
-/// What the file holds, and how.
+/// Format of the checkpoint of an ensemble: the name of its content, and its number.
 const FORMAT: Format = Format {
     name: b"leafens",
     number: b'8',

@@ -18,7 +18,7 @@ use crate::{Progress, RunError, RunOutcome, Status};
 /// How often a checkpoint is written.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(2);
 
-/// What writing it may take of the time, where that is more: one part in so many.
+/// Largest share of the time that writing checkpoints may take, one part in so many; slow ones are written less often.
 const SHARE: u32 = 20;
 
 /// How an ensemble is computed. Its results do not depend on it.
@@ -115,7 +115,7 @@ impl Session<'_> {
         self.store.push(self.ensemble, record)
     }
 
-    /// What a resumed session needs.
+    /// Checkpoint of the session: all that a resumed one needs.
     pub fn checkpoint(&mut self) -> Result<Checkpoint, RunError> {
         Ok(Checkpoint {
             fingerprint: self.ensemble.population.fingerprint(),

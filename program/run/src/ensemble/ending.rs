@@ -1,4 +1,4 @@
-//! What an ensemble was reduced to, as JSON.
+//! Results of an ensemble as JSON: counts of members, statistics, drifts, losses and failures.
 
 use leafwise_core::SolverStatistics;
 use leafwise_scene::json::{Double, object};

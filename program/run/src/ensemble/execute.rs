@@ -39,9 +39,8 @@ pub fn default_shards_directory(document: &SceneDocument) -> PathBuf {
     PathBuf::from("runs").join(format!("{}-shards", crate::stem(document)))
 }
 
-/// Checks the scene, then steps all members and reduces them into a directory; an unfinished ensemble
-/// of the same scene is resumed, to the same bits as without interruption, and a finished one reported
-/// again.
+/// Checks the scene, then steps all members and reduces them into a directory. An unfinished ensemble of the same scene
+/// is resumed, to the same bits as without interruption. A finished one is reported again.
 ///
 /// # Errors
 /// As [`run`](crate::run).
@@ -63,10 +62,11 @@ pub fn run_ensemble(
     Ok(report)
 }
 
-/// Tells of an ensemble that has ended before: its advice, and tables and a page as they were written.
+/// Tells of an ensemble that has ended before: its advice, and tables and a page as they were written. A file that is
+/// not there is made anew.
 ///
 /// # Errors
-/// [`RunError::Changed`] where one is not what was written; one that is not there is made anew.
+/// [`RunError::Changed`] where one is not what was written.
 pub(super) fn repeat_end(
     document: &SceneDocument,
     ensemble: &ComposedEnsemble,
@@ -248,7 +248,7 @@ pub(super) fn begin<'a>(
     })
 }
 
-/// What is told before the first member.
+/// Beginning of the manifest of an ensemble or a shard: all that is told before the first member.
 pub(super) fn beginning<'a>(
     document: &'a SceneDocument,
     ensemble: &'a ComposedEnsemble,
@@ -331,7 +331,7 @@ impl<'a> Session<'a> {
         steps().map_err(|error: RunError| error.with_a_checkpoint(directory))
     }
 
-    /// What is left behind.
+    /// Report of the ensemble as the session leaves it, still without advice.
     pub fn report(&self, outcome: RunOutcome, resumed_at: Option<u64>) -> EnsembleReport {
         let crossings = self.ensemble.run.plan.events.section.as_ref();
         EnsembleReport {

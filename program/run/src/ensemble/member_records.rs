@@ -1,4 +1,4 @@
-//! What the members of a block record.
+//! Records of the members of a block: observables, deviations, crossings and ends.
 
 use std::path::Path;
 
@@ -24,7 +24,7 @@ pub(super) struct MemberRecords<'a> {
     formulas: FunctionValues,
     /// In one lane: one for all where they have the same parameters.
     rows: Vec<Option<[FunctionValues; 2]>>,
-    /// What H + e is measured from, beside a pace.
+    /// Origins that H + e is measured from, beside a pace.
     origins: Vec<f64>,
     /// The next sample after a number of steps.
     next: usize,
@@ -100,7 +100,7 @@ impl<'a> MemberRecords<'a> {
         self.next += 1;
     }
 
-    /// What the members leave behind.
+    /// Record that the members leave behind, with the solver's statistics. Crossings of failed members are left out.
     pub fn finish(mut self, statistics: SolverStatistics) -> Record {
         self.record.statistics = statistics;
         for lane in 0..self.record.lanes {

@@ -13,10 +13,10 @@ use crate::shards::{Found, MergeError, Shard, Shards};
 use crate::{CHECKPOINT, RunError, RunOptions, RunOutcome};
 use leafwise_scene::document::SceneDocument;
 
-/// Joins shards into a directory, to the bytes that one process writes.
+/// Joins shards into a directory. The bytes are those that one process writes.
 ///
 /// # Errors
-/// [`MergeError`] for members that are missing or there twice, for shards that were changed since, and those of
+/// [`MergeError`] for members that are missing or there twice, and for shards that were changed since. Also those of
 /// [`run_ensemble`](super::run_ensemble).
 pub fn merge_shards(
     document: &SceneDocument,
@@ -28,7 +28,7 @@ pub fn merge_shards(
     join(document, (ensemble, None), shards, options)
 }
 
-/// Joins shards that follow one another into a larger one: shards of shards are merged to the same bytes.
+/// Joins shards that follow one another into a larger one. Shards of shards are merged to the same bytes.
 ///
 /// # Errors
 /// As [`merge_shards`], of the members between the first and the last.

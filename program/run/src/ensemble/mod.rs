@@ -3,14 +3,15 @@
 //! - `plan`: [`compose_ensemble`], a scene's system and method with its members;
 //! - `population`: [`Population`], the members' initial states and parameters by number;
 //! - `states`: [`Members`] that are given, by a file too;
-//! - `clock`: when they are looked at; `begun`, `block`: members side by side; `member_records`, `record`: what they leave behind;
+//! - `clock`: when they are looked at; `begun`, `block`: members side by side; `member_records`, `record`: their
+//!   records;
 //! - `drive`: blocks on threads, taken in by number, so that no result depends on either;
 //! - `section`: the crossings in one file;
-//! - `statistics`, `quantiles`, `losses`: what members are reduced to; `tree`: in which order;
-//! - `report`: [`EnsembleReport`], what is left behind;
-//! - `checkpoint`, `store`, `tables`, `ending`, `page`: what the run directory holds;
-//! - `execute`: [`run_ensemble`], all of it, or a [`Shard`](crate::shards::Shard) of it; `merge`: [`merge_shards`], these joined to the
-//!   bytes of one process.
+//! - `statistics`, `quantiles`, `losses`: reductions over members; `tree`: their order;
+//! - `report`: [`EnsembleReport`], results of an ensemble that has ended;
+//! - `checkpoint`, `store`, `tables`, `ending`, `page`: files of the run directory;
+//! - `execute`: [`run_ensemble`], all of it, or a [`Shard`](crate::shards::Shard) of it; `merge`: [`merge_shards`],
+//!   these joined to the bytes of one process.
 
 mod advice;
 mod begun;

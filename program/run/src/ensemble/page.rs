@@ -1,4 +1,4 @@
-//! What the report of an ensemble shows.
+//! Page of an ensemble's report: the data that it shows.
 
 use std::io;
 

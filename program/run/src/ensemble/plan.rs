@@ -1,4 +1,4 @@
-//! What an ensemble does.
+//! Plan of an ensemble: its method, members, clock and observables, composed from a scene.
 
 use std::path::Path;
 
@@ -47,8 +47,7 @@ pub(super) enum Column {
     Formula(usize),
 }
 
-/// Builds the system, the method and the members of a scene with an `[ensemble]` table; `directory`
-/// is where its files are.
+/// Builds the system, the method and the members of a scene with an `[ensemble]` table. Its files are in `directory`.
 ///
 /// # Errors
 /// The first thing wrong, underlined in the scene.
@@ -212,7 +211,7 @@ impl ComposedEnsemble {
         std::iter::once("energy").chain(casimirs).collect()
     }
 
-    /// What H + e is measured from: e at an initial state, beside a pace.
+    /// Origin that H + e is measured from: e at an initial state, beside a pace; `None` without a pace.
     pub(super) fn origin(&self, initial: &[f64]) -> Option<f64> {
         self.run.pace()?;
         let extension = self.run.extension.as_ref()?;

@@ -65,7 +65,7 @@ pub enum NoMember {
     NoStart(#[from] NoStart),
 }
 
-/// What is drawn for a member.
+/// Initial state and parameters of a member, as they are drawn.
 pub(super) struct Drawn {
     pub state: Vec<f64>,
     pub parameters: Vec<f64>,
@@ -197,7 +197,7 @@ impl Population {
         drawn.begins.map(|()| (drawn.state, drawn.parameters))
     }
 
-    /// What is drawn for a member, whether a motion begins there or not.
+    /// Draws initial state and parameters of a member, whether a motion begins there or not.
     pub(super) fn drawn(&self, member: u64) -> Drawn {
         let mut parameters = self.parameters.clone();
         // The last direction of the grid varies first.
@@ -350,8 +350,8 @@ fn ranks(run: &ComposedRun, invariants: &SmoothMap, x: &[f64]) -> Option<(usize,
 /// Entries below this part of what they were formed from are round-off.
 const ROUND_OFF: f64 = 1e-11;
 
-/// The rank of a matrix with rows of `width` numbers, whatever the units of its rows and columns: both are
-/// scaled to 1, then eliminated with the largest entry that is left as pivot.
+/// Rank of a matrix with rows of `width` numbers, whatever the units of its rows and columns. Both are scaled to 1,
+/// then eliminated with the largest entry that is left as pivot.
 fn rank(mut matrix: Vec<f64>, width: usize) -> usize {
     let height = matrix.len() / width;
     for _ in 0..4 {

@@ -44,12 +44,14 @@ impl Kept {
 
 /// A sketch of a distribution: some of the numbers, each with bounds of its rank.
 ///
-/// Numbers of two sketches are joined in their order. A number of one comes behind those of the other that were kept before it, and
-/// before those that were kept behind it: bounds of its rank in the other, which are added to its own. Of a full sketch those numbers
-/// stay whose ranks, taken for the centers of their bounds, are nearest to given parts of the count, both extremes among them
-/// (M. Greenwald, S. Khanna, *Power-conserving computation of order-statistics over sensor networks*, PODS 2004; parts that are denser at
-/// the ends as in T. Dunning, *Computing extremely accurate quantiles using t-digests*, 2019). Where the numbers that are joined come from one distribution, a number lies above the center of its
-/// bounds as often as below. The result depends on the numbers and on the order of joining alone.
+/// Numbers of two sketches are joined in their order. A number of one comes behind those of the other that were kept
+/// before it, and before those that were kept behind it. These are bounds of its rank in the other, and they are added
+/// to its own. Of a full sketch those numbers stay whose ranks, taken for the centers of their bounds, are nearest to
+/// given parts of the count, both extremes among them (M. Greenwald, S. Khanna, *Power-conserving computation of
+/// order-statistics over sensor networks*, PODS 2004; parts that are denser at the ends as in T. Dunning, *Computing
+/// extremely accurate quantiles using t-digests*, 2019). Where the numbers that are joined come from one distribution,
+/// a number lies above the center of its bounds as often as below. The result depends on the numbers and on the order
+/// of joining alone.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) enum Sketch {
     /// All numbers, in any order.

@@ -1,4 +1,4 @@
-//! What the members of a block leave behind.
+//! Records of a block's members, on their way into the reductions.
 
 use leafwise_core::SolverStatistics;
 
@@ -8,7 +8,7 @@ use super::section::MemberCrossings;
 use super::statistics::{MemberFailure, Reductions};
 use super::tree::Tree;
 
-/// What the members of a block leave behind.
+/// Record of the members of a block: observables, deviations, states, failures, stops and crossings.
 pub(super) struct Record {
     pub first: u64,
     pub lanes: usize,

@@ -1,4 +1,4 @@
-//! What an ensemble leaves behind.
+//! Report of an ensemble that has ended.
 
 use std::path::PathBuf;
 
@@ -13,7 +13,7 @@ use crate::{REPORT, RunOutcome};
 pub struct EnsembleReport {
     /// How it ended: done, or interrupted. Members that failed are reported in `reductions`.
     pub outcome: RunOutcome,
-    /// What its members were reduced to.
+    /// Reductions over its members.
     pub reductions: Reductions,
     /// Crossings recorded, where there is a section.
     pub crossings: Option<u64>,
@@ -25,7 +25,7 @@ pub struct EnsembleReport {
     pub is_repeated: bool,
     /// Threads that members were stepped on: fewer than asked for where the system grants no more.
     pub threads: usize,
-    /// What to change in the scene, as the members have shown.
+    /// Advice on what to change in the scene, as the members have shown.
     pub advice: Vec<Advice>,
     /// The run directory.
     pub directory: PathBuf,

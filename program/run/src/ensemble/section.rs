@@ -12,7 +12,8 @@ use crate::csv::{Headings, Table};
 use crate::samples::SECTION;
 use crate::{Appended, RunError, Vouched};
 
-/// What a member's rows wait in when they are many: `section-17.part`.
+/// Name of the file in which a member's rows wait when they are many, before and behind the member's number:
+/// `section-17.part`.
 const PART: (&str, &str) = ("section-", ".part");
 
 /// Bytes of a member's rows that are held in memory.
@@ -173,7 +174,7 @@ impl SectionStore {
     }
 }
 
-/// What a session leaves that was killed.
+/// Removes the parts of members' rows that a killed session has left.
 fn remove_parts(directory: &Path) -> io::Result<()> {
     let (before, behind) = PART;
     for entry in fs::read_dir(directory)? {

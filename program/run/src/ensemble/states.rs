@@ -12,8 +12,8 @@ pub struct Members {
 }
 
 impl Members {
-    /// The members of a text, a row each: one number for each of the coordinates `names`, in their order or under their names;
-    /// beside those columns may have names of `parameters`.
+    /// Members of a text, a row each: one number for each of the coordinates `names`, in their order or under their
+    /// names. Further columns may have names of `parameters`.
     ///
     /// # Errors
     /// The first thing wrong, and in which row or column.

@@ -1,4 +1,4 @@
-//! What an ensemble is reduced to, member after member.
+//! Reductions of an ensemble, member after member.
 
 use leafwise_core::SolverStatistics;
 use leafwise_scene::json::{double, doubles};
@@ -172,7 +172,7 @@ pub struct MemberFailure {
     /// The time before that step.
     #[serde(serialize_with = "double")]
     pub time: f64,
-    /// What happened.
+    /// Message on what happened.
     pub message: String,
     /// The last good state.
     #[serde(serialize_with = "doubles")]

@@ -16,11 +16,11 @@ pub(crate) const MATRIX: &str = "final_states.npy";
 
 /// The writer of last states; of nothing where the scene asks for none.
 ///
-/// CSV has a row for each member: its number, how it has ended, when, where that differs, its own parameters, the last
-/// coordinates, the observables, the initial coordinates and the invariants' largest deviations. The matrix of NumPy's
-/// holds the same but for the number, which is the row's, and 0, 1 or 2 for done, stopped and failed; its header counts the
-/// members from the beginning on. The binary file holds the last coordinates alone, doubles with the least significant byte
-/// first, d a member. A member that failed has its last good state.
+/// CSV has a row for each member: its number, how it has ended, when, where that differs, and its own parameters. The
+/// last coordinates, the observables, the initial coordinates and the invariants' largest deviations follow in the row.
+/// The matrix of NumPy's holds the same but for the number, which is the row's, and 0, 1 or 2 for done, stopped and
+/// failed. Its header counts the members from the beginning on. The binary file holds the last coordinates alone,
+/// doubles with the least significant byte first, d a member. A member that failed has its last good state.
 pub(super) struct FinalStore {
     file: Option<Appended>,
 }
@@ -157,7 +157,7 @@ pub(super) fn columns(ensemble: &ComposedEnsemble) -> Option<(&'static str, Vec<
     }
 }
 
-/// What a file of so many members begins with.
+/// Header of a file of so many members: the headings of CSV or NumPy's header; empty for a binary file.
 fn heading(ensemble: &ComposedEnsemble, members: u64) -> Vec<u8> {
     match ensemble.final_states {
         FinalStates::None | FinalStates::Binary => Vec::new(),

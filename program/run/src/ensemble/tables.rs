@@ -1,4 +1,4 @@
-//! What an ensemble was reduced to, as tables.
+//! Tables of an ensemble's results: statistics, windows, losses and failures.
 
 use super::plan::ComposedEnsemble;
 use super::report::EnsembleReport;

@@ -1,8 +1,8 @@
 //! Reductions over a fixed tree of members, whatever they are taken in by.
 //!
-//! Leaves are 64 members each, by number; a node of level l covers 2ˡ leaves, the first of them a multiple of 2ˡ, and is its two
-//! halves joined. Sums over members are thus formed in an order that depends on their number alone: one process, and any
-//! number of shards whose bounds are multiples of 64, reduce them to the same bits.
+//! Leaves are 64 members each, by number; a node of level l covers 2ˡ leaves, the first of them a multiple of 2ˡ, and
+//! is its two halves joined. Sums over members are thus formed in an order that depends on their number alone. One
+//! process, and any number of shards whose bounds are multiples of 64, reduce them to the same bits.
 
 use std::ops::Range;
 
@@ -56,7 +56,7 @@ impl Tree {
         }
     }
 
-    /// What it holds.
+    /// Shape of the reductions that it holds.
     pub fn shape(&self) -> Shape {
         self.shape
     }

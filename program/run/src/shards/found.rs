@@ -115,7 +115,7 @@ pub enum MergeError {
     Damaged {
         /// The file.
         file: PathBuf,
-        /// What is wrong with it.
+        /// Reason why it is refused.
         reason: String,
     },
     /// Two shards are of different ensembles or sweeps.
@@ -171,7 +171,7 @@ impl From<RunError> for MergeError {
     }
 }
 
-/// What is missing, and how to make it.
+/// Members or settings that are missing, and the shards that make them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Missing {
     /// Of what.
@@ -235,10 +235,10 @@ impl fmt::Display for Missing {
 }
 
 impl Shards {
-    /// The shards in these directories, each a shard or a folder of shards.
+    /// The shards in these directories, each a shard or a folder of shards. Missing members are no error yet.
     ///
     /// # Errors
-    /// [`MergeError`] where there is none, or they do not fit together; missing members are no error yet.
+    /// [`MergeError`] where there is none, or they do not fit together.
     pub fn find(directories: &[PathBuf]) -> Result<Self, MergeError> {
         let mut found = Vec::new();
         for directory in directories {
@@ -333,7 +333,7 @@ impl Shards {
         }
     }
 
-    /// What its file was called.
+    /// Name of the scene's file.
     pub fn scene_name(&self) -> &str {
         &self.all[0].manifest.scene
     }

@@ -1,7 +1,7 @@
 //! Ensembles and sweeps in parts, each by a process of its own.
 //!
 //! - `shard`: [`Shard`], some members or settings;
-//! - `found`: [`Shards`], those that directories hold, whole or with what is missing.
+//! - `found`: [`Shards`], those in directories, whole or with gaps.
 
 mod found;
 mod shard;

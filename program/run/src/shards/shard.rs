@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use crate::ShardRecord;
 
-/// What shards are parts of.
+/// Whole that shards are parts of: an ensemble or a sweep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Whole {
     /// The members of an ensemble.
@@ -24,7 +24,7 @@ impl Whole {
         }
     }
 
-    /// What there are many of.
+    /// Word for the items of the whole: `members` or `settings`.
     pub fn items(self) -> &'static str {
         match self {
             Self::Members => "members",
@@ -82,8 +82,8 @@ pub enum ShardError {
 }
 
 impl Shard {
-    /// Shard `number`, counted from 1, of `of` that are as large as one another to a unit; where there are more shards than
-    /// units go into the whole, some have none.
+    /// Shard `number`, counted from 1, of `of` that are as large as one another to a unit. Where there are more shards
+    /// than units go into the whole, some have none.
     ///
     /// # Errors
     /// [`ShardError::Place`].
@@ -136,7 +136,7 @@ impl Shard {
         })
     }
 
-    /// What other shards hold together.
+    /// Shard of the items that other shards hold together.
     pub(super) fn joined(whole: Whole, items: Range<u64>, count: u64) -> Self {
         Self {
             whole,

@@ -1,4 +1,4 @@
-//! What a resumed sweep needs, in one file that is replaced atomically.
+//! Checkpoint of a sweep: all that a resumed one needs, in one file that is replaced atomically.
 
 use std::ops::Range;
 use std::path::Path;
@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{CHECKPOINT, Format, RunError, Vouched};
 
-/// What the file holds, and how.
+/// Format of the checkpoint of a sweep: the name of its content, and its number.
 const FORMAT: Format = Format {
     name: b"leafswp",
     number: b'1',

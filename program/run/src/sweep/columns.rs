@@ -7,8 +7,8 @@ use crate::columns::invariant_name;
 use crate::csv::{Headings, Table};
 use leafwise_scene::compose::{ComposedRun, Observable};
 
-/// The headings of `sweep.csv`, by what they are: the number of the setting, its values, how its run has ended and why, the time
-/// and drifts, the observables of its last state, and its cost.
+/// Headings of `sweep.csv`, by what they are. These are the number of the setting, its values, how its run has ended
+/// and why, the time and drifts, the observables of its last state, and its cost.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct SweepColumns {
     /// The keys of settings; a column before them holds the number.
@@ -49,7 +49,7 @@ impl SweepColumns {
         }
     }
 
-    /// What is measured of each setting.
+    /// Headings of the quantities that are measured of each setting: drifts, then observables.
     pub fn measured(&self) -> Vec<&str> {
         let all = self.drifts.iter().chain(&self.observables);
         all.map(String::as_str).collect()

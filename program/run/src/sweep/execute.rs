@@ -33,8 +33,8 @@ pub fn default_sweep_shards_directory(document: &SceneDocument) -> PathBuf {
     PathBuf::from("runs").join(format!("{}-sweep-shards", crate::stem(document)))
 }
 
-/// Runs all settings into a directory; an unfinished sweep of the same scene goes on, to the same bytes as without interruption,
-/// and a finished one is reported again.
+/// Runs all settings into a directory. An unfinished sweep of the same scene goes on, to the same bytes as without
+/// interruption. A finished one is reported again.
 ///
 /// # Errors
 /// Those of [`run`](crate::run) of the directory and of files.
@@ -75,10 +75,11 @@ pub fn run_sweep_shard(
     }
 }
 
-/// Joins shards into a directory, to the bytes of the table that one process writes.
+/// Joins shards into a directory. The bytes of the table are those that one process writes.
 ///
 /// # Errors
-/// [`MergeError`] for settings that are missing or there twice, for shards that were changed since, and those of [`run_sweep`].
+/// [`MergeError`] for settings that are missing or there twice, and for shards that were changed since. Also those of
+/// [`run_sweep`].
 pub fn merge_sweep(
     document: &SceneDocument,
     sweep: &ComposedSweep<'_>,
@@ -89,7 +90,7 @@ pub fn merge_sweep(
     join(document, (sweep, None), shards, options)
 }
 
-/// Joins shards that follow one another into a larger one: shards of shards are merged to the same bytes.
+/// Joins shards that follow one another into a larger one. Shards of shards are merged to the same bytes.
 ///
 /// # Errors
 /// As [`merge_sweep`], of the settings between the first and the last.
@@ -293,7 +294,7 @@ impl<'a> Asked<'a> {
     }
 }
 
-/// What a sweep reads of files: values of sites, and its settings.
+/// Record of the files that a sweep reads: values of sites, and its settings.
 fn read_files(sweep: &ComposedSweep<'_>) -> Option<FilesRecord> {
     let of_run = files(&sweep.base);
     let Some((file, digest)) = &sweep.settings().file else {

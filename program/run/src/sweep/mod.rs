@@ -2,11 +2,11 @@
 //!
 //! - `settings`: [`Settings`], the values of each by number;
 //! - `plan`: [`compose_sweep`], the methods that they need, each composed once;
-//! - `row`: what a run leaves in the table;
+//! - `row`: the row of a run in the table;
 //! - `columns`: [`SweepColumns`], the table's headings;
 //! - `session`: settings on threads, their rows in order;
-//! - `checkpoint`: what a resumed sweep needs;
-//! - `report`: [`SweepReport`], what is left behind; `page`: to look at;
+//! - `checkpoint`: all that a resumed sweep needs;
+//! - `report`: [`SweepReport`], results of a sweep that has ended; `page`: to look at;
 //! - `execute`: [`run_sweep`], all settings; [`run_sweep_shard`], some of them; [`merge_sweep`], these joined.
 
 mod checkpoint;

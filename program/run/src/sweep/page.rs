@@ -1,4 +1,4 @@
-//! What the report of a sweep shows.
+//! Page of a sweep's report: the data that it shows.
 
 use leafwise_expression::words::counted;
 

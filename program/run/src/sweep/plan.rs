@@ -1,4 +1,4 @@
-//! What a sweep does: the methods that its settings need, each composed once.
+//! Plan of a sweep: the methods that its settings need, each composed once.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -42,8 +42,8 @@ const TOLD_EVERY: u64 = 64;
 /// Values by keys.
 type Pairs<'a> = Vec<(&'a str, &'a str)>;
 
-/// Builds the methods of some settings, and checks every one of these: none is run before all are known to be valid. `progress` is
-/// told how many of how many were, now and then.
+/// Builds the methods of some settings, and checks every one of these. None is run before all are known to be valid.
+/// Now and then `progress` is told how many of how many were.
 ///
 /// # Errors
 /// [`RunError::Refused`] for the first setting whose scene is not valid, underlined in that scene.

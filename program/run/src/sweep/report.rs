@@ -1,4 +1,4 @@
-//! What a sweep leaves behind.
+//! Report of a sweep that has ended.
 
 use std::path::PathBuf;
 

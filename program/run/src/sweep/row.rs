@@ -1,4 +1,4 @@
-//! What the run of a setting leaves in the table.
+//! Row of the table: the results of the run of a setting.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -23,7 +23,7 @@ pub(super) struct Row {
     operations: Option<u64>,
 }
 
-/// What all runs tell and are told meanwhile.
+/// Signals to and from all runs meanwhile: a count of steps, and a flag to stop.
 #[derive(Debug, Default)]
 pub(super) struct Signals {
     pub steps: AtomicU64,

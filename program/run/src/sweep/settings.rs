@@ -29,7 +29,7 @@ enum Values {
 }
 
 impl Settings {
-    /// The settings of a scene with a `[sweep]` table; a file of them stands beside the scene.
+    /// Settings of a scene with a `[sweep]` table. A file of them stands beside the scene.
     ///
     /// # Errors
     /// A scene without the table, and a file that holds no settings.

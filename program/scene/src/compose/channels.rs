@@ -15,7 +15,7 @@ use crate::document::{Located, NoiseSpec, SceneDocument};
 pub struct RunNoise {
     /// How it enters a step.
     pub way: Noise,
-    /// What its random numbers depend on.
+    /// Seed of its random numbers, and the number that member 0 draws as.
     pub seed: Seed,
     /// H_k and σ_k.
     pub channels: Vec<Channel>,
@@ -151,7 +151,7 @@ impl RunNoise {
     }
 }
 
-/// What is wrong with a formula of a channel.
+/// Diagnostic of an invalid formula of a channel: the formula underlined in the scene, with `message` and `help`.
 pub(super) fn refusal(
     document: &SceneDocument,
     formula: &Located<String>,

@@ -8,7 +8,7 @@ use leafwise_core::{BuildError, PoissonSystem};
 use super::Refusal;
 use crate::document::{BracketSpec, SceneDocument};
 
-/// What the instruments say of a scene's tensor and Casimirs, near its initial state.
+/// Results of the checks of a scene's tensor and Casimirs, near its initial state.
 #[derive(Clone, Debug)]
 pub struct SceneChecks {
     /// The Jacobi identity; the worst entry is a triple of coordinates.

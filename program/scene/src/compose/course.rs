@@ -1,4 +1,4 @@
-//! What the walks of a run do, and the functions of the state that they look at.
+//! Course of a run's walks, and the functions of the state that they look at.
 
 use leafwise_core::system::SystemInvariants;
 use leafwise_core::{BuildError, Observe};

@@ -12,8 +12,11 @@ use super::names::{declared, function, parse};
 use super::time::{TIME, names_time};
 use crate::document::{Located, SceneDocument};
 
-/// The names of a scene with its families at the given lengths, and what it defines; `N` as a number stays
-/// the true length. `time` is the variable that the time since the initial state is, to which `t0` is added; without it definitions that name the time are left out.
+/// Names that the formulas of a scene may use, with its families at the given lengths, and its definitions. `N` as a
+/// number stays the true length.
+///
+/// The variable of index `time` is the time since the initial state, to which `t0` is added. Without this variable,
+/// definitions that name the time are left out.
 pub(super) fn scope(
     document: &SceneDocument,
     lengths: &[usize],

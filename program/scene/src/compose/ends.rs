@@ -1,4 +1,4 @@
-//! What is left out at the ends of an open lattice.
+//! Terms of H that are left out at the ends of an open lattice.
 
 use super::Refusal;
 use super::definitions::scope;
@@ -15,7 +15,8 @@ pub struct LeftOut {
     pub sites: Vec<usize>,
 }
 
-/// The terms of H that are left out at the ends of an open lattice; none where H is no combination of sums over sites.
+/// Lists the terms of H that are left out at the ends of an open lattice. The list is empty where H is no combination
+/// of sums over sites.
 ///
 /// # Errors
 /// A formula that cannot be read.

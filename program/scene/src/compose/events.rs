@@ -1,4 +1,4 @@
-//! What a run watches between its steps: where it ends, and the section that it is recorded on.
+//! Events that a run watches between its steps: the stop that ends it, and the section that it is recorded on.
 
 use leafwise_expression::Expression;
 use leafwise_expression::syntax::Scope;
@@ -12,7 +12,7 @@ use super::observables::Observable;
 use super::states::RecordedStates;
 use crate::document::{Located, Place, SceneDocument, Source, nearest};
 
-/// What is watched.
+/// Events that a run watches: its stop and its section.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Events {
     /// Where the run ends.
@@ -93,11 +93,11 @@ impl Events {
     }
 }
 
-/// A surface of a scene, `left = right`, beside the one that it may have itself; the run begins at `initial` with these
-/// `parameters`, on a long lattice or not.
+/// Surface `left = right` of a scene, given by `text`, beside the one that the scene may have itself. The run begins at
+/// `initial` with these `parameters`. Its lattice is a long one where `is_long`.
 ///
 /// # Errors
-/// A formula that is none, or that has no value where the run begins.
+/// A text that is no formula. A formula that has no value where the run begins.
 pub fn section_of(
     document: &SceneDocument,
     is_long: bool,

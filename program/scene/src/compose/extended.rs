@@ -1,17 +1,17 @@
 //! Time as a coordinate: the phase space of a scene extended by (t, e).
 //!
-//! Where H names the time, x' = {H(·, t), x} is the motion of K(x, t, e) = H(x, t) + e under the direct sum of the scene's
-//! bracket and a canonical one of t and e: t' = 1, e' = −∂H/∂t, and K, the energy balance H − ∫ ∂H/∂t dt, is constant
-//! (C. Lanczos, *The Variational Principles of Mechanics*, section VI.10). Both coordinates stand behind the scene's own,
-//! and nothing outside shows them.
+//! Where H names the time, x' = {H(·, t), x} is the motion of K(x, t, e) = H(x, t) + e. The bracket of K is the direct
+//! sum of the scene's and a canonical one of t and e: t' = 1, e' = −∂H/∂t. K is constant: it is the energy balance H −
+//! ∫ ∂H/∂t dt (C. Lanczos, *The Variational Principles of Mechanics*, section VI.10). Both coordinates stand behind the
+//! scene's own, and nothing outside shows them.
 //!
-//! A bracket that changes with time has no such sum: {e, {x, y}} = ∂{x, y}/∂t breaks the Jacobi identity. A one-form that does
-//! has: ϑ + e dt is the action ∫ ϑ·dx − H dt, whose motion knows ∂ϑ/∂t; then e' = −∂H/∂t + ∂ϑ/∂t·x'.
+//! A bracket that changes with time has no such sum: {e, {x, y}} = ∂{x, y}/∂t breaks the Jacobi identity. A one-form
+//! that does has: ϑ + e dt is the action ∫ ϑ·dx − H dt, whose motion knows ∂ϑ/∂t; then e' = −∂H/∂t + ∂ϑ/∂t·x'.
 //!
-//! A pace g > 0 makes steps variable that stay Poisson maps: K = (H + e) g with e(0) = −H(x(0)), hence K = 0, moves x by
-//! dx/dτ = g {H, x} and t by dt/dτ = g, so that equal steps of τ are steps g·τ of t (K. Zare, V. Szebehely, *Time transformations
-//! in the extended phase-space*, Celestial Mechanics 11 (1975); E. Hairer, *Variable time step integration with symplectic
-//! methods*, Applied Numerical Mathematics 25 (1997)).
+//! K = (H + e) g, with a pace g > 0, makes steps variable that stay Poisson maps. With e(0) = −H(x(0)), K = 0. Hence x
+//! moves by dx/dτ = g {H, x} and t by dt/dτ = g. Equal steps of τ are then steps g·τ of t (K. Zare, V. Szebehely, *Time
+//! transformations in the extended phase-space*, Celestial Mechanics 11 (1975); E. Hairer, *Variable time step
+//! integration with symplectic methods*, Applied Numerical Mathematics 25 (1997)).
 
 use leafwise_expression::Expression;
 use leafwise_expression::syntax::Scope;
@@ -24,7 +24,7 @@ use super::tensor::Entries;
 use super::time::{TIME, declares_time, wants_time};
 use crate::document::{Convention, Located, SceneDocument};
 
-/// What messages call the coordinate conjugate to the time: no name of a formula.
+/// Name of e, the coordinate conjugate to the time, in messages: no name of a formula.
 const ENERGY: &str = "-H";
 
 /// The two coordinates behind a scene's own.
@@ -66,12 +66,15 @@ pub enum NoStart {
 }
 
 impl Extension {
-    /// Puts (t, e) behind the coordinates of an instantiated scene whose Hamiltonian or one-form names the time or that has a
-    /// pace: K for H, an entry of the bracket or a component of the form, two names. Formulas that may name the time are read in
-    /// `scope`, which is given its name and the definitions that name it.
+    /// Extension by (t, e) of a scene whose Hamiltonian, one-form or forces name the time, or that has a pace; `None`
+    /// for others. Formulas that may name the time are read in `scope`. This is given the name of the time and the
+    /// definitions that name it.
+    ///
+    /// Then [`extend`](Self::extend) puts (t, e) behind the coordinates of the instantiated scene: K for H, an entry of
+    /// the bracket, two names. A one-form or two-form is given its components by `Forms::extend`.
     ///
     /// # Errors
-    /// What is wrong with the pace.
+    /// A pace that is `auto` or cannot be read, and definitions that cannot be read.
     pub(super) fn of(
         document: &SceneDocument,
         lengths: &[usize],
@@ -119,7 +122,7 @@ impl Extension {
         };
     }
 
-    /// A state of the extended phase space at t = 0, with K = 0 there beside a pace.
+    /// State of the extended phase space at t = 0. Beside a pace, K = 0 there.
     ///
     /// # Errors
     /// A pace that is not positive there, and an energy that is not finite.

@@ -16,11 +16,11 @@ const SAME: f64 = 1e-3;
 /// Brackets are matrices d × 2d: beyond this d the first order alone is looked at.
 const MOST: usize = 256;
 
-/// Checks that {α̂, α̂} = ε Π on the section, at a state and at another one near it; `part` is the
-/// realization's name.
+/// Checks {α̂, α̂} = ε Π on the section, at a state and at another one near it. Messages call the realization `part`.
 ///
 /// # Errors
-/// [`BuildError::DoesNotFit`] where they are not alike at all. What cannot be measured there is no error.
+/// [`BuildError::DoesNotFit`] where the brackets and ε Π are not alike at all. A state where this cannot be measured is
+/// no error.
 pub fn check_tensor(
     part: &'static str,
     system: &PoissonSystem,
@@ -65,11 +65,12 @@ const EXACT: f64 = 1e-12;
 /// differ.
 const MOMENTA: [f64; 2] = [0.25, -0.0625];
 
-/// Checks that {α̂, α̂} = ε Π off the section too, near a state, where the realization claims to be exact; `part` is its
-/// name.
+/// Checks {α̂, α̂} = ε Π off the section too, near a state, where the realization claims to be exact. Messages call it
+/// `part`.
 ///
 /// # Errors
-/// [`BuildError::DoesNotFit`] where they differ by more than round-off. What cannot be measured there is no error.
+/// [`BuildError::DoesNotFit`] where the brackets and ε Π differ by more than round-off. A state where this cannot be
+/// measured is no error.
 pub(super) fn check_exactness(
     part: &'static str,
     system: &PoissonSystem,
@@ -115,14 +116,15 @@ const LARGEST_MOVE: f64 = 1.0 / 128.0;
 /// Round-off of an increment in units of u and of the state.
 const ROUND_OFF: f64 = 256.0;
 
-/// Checks that a map begins as the flow does: (Φ_h(x) − x)/t → −Π ∇H as t = εh → 0, coordinate by
-/// coordinate; `part` is the name of the part that it is made of.
+/// Checks (Φ_h(x) − x)/t → −Π ∇H as t = εh → 0, coordinate by coordinate: the map begins as the flow does. Messages
+/// call the part that the map is made of `part`.
 ///
-/// With D(t) the quotient, 2 D(t/2) − D(t) converges faster, also where the flow rests. A coordinate
-/// belongs to another motion where these numbers have a limit, and the limit is another one.
+/// With D(t) the quotient, 2 D(t/2) − D(t) converges faster, also where the flow rests. A coordinate belongs to another
+/// motion where these numbers have a limit, and the limit is another one.
 ///
 /// # Errors
-/// [`BuildError::DoesNotFit`] where a coordinate does. What cannot be told is no error.
+/// [`BuildError::DoesNotFit`] where a coordinate belongs to another motion. Where this cannot be told, there is no
+/// error.
 pub fn check_first_order(
     part: &'static str,
     system: &PoissonSystem,
@@ -186,7 +188,7 @@ pub fn check_first_order(
     Ok(())
 }
 
-/// What the estimates of a rate show so far.
+/// Verdict on the limit of the estimates of a rate so far.
 #[derive(Clone, Copy)]
 enum Seen {
     /// None yet.

@@ -11,14 +11,14 @@ use super::domain::OutOfDomain;
 use super::names::{check_code, function, parse, refusal};
 use crate::document::{ByCoordinate, Located, MetricSpec, OneFormSpec, SceneDocument};
 
-/// What is negative, or asymmetric, by less than this of the largest entry is so by round-off.
+/// Bound on round-off, relative to the largest entry: a negative or asymmetric part below it is so by round-off.
 const ROUND_OFF: f64 = 1e-12;
 
-/// The forces of a scene whose own coordinates are `moving`, the first of `dimension`; the others, parameters of sites, the time
-/// and its energy, feel none. No family is longer than `longest`.
+/// Forces of a scene on its own coordinates, whose names are `moving`. The others of the `dimension` coordinates feel
+/// none: parameters of sites, the time and its energy. No family is longer than `longest`.
 ///
 /// # Errors
-/// The first formula that cannot be read, lists of another length than there are coordinates, and what takes no forces: a pace.
+/// The first formula that cannot be read. Lists of another length than `moving`. A pace, which takes no forces.
 pub(super) fn forces(
     document: &SceneDocument,
     scope: &Scope,

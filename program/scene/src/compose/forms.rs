@@ -12,13 +12,13 @@ use super::sum::{Summand, summands};
 use super::tensor::{Antisymmetric, Entries, entries};
 use crate::document::{BracketSpec, Located, Place, SceneDocument};
 
-/// What a tensor is made of in place of its entries, and what constrains it.
+/// One-form, two-form or summands that make a tensor in place of its entries, and constraints on it.
 #[derive(Clone, Debug, Default)]
 pub struct Forms {
     form: Form,
     /// Named by their text.
     constraints: Vec<Casimir>,
-    /// What the scene defines, for messages.
+    /// Definitions of the scene by name, for messages.
     names: Vec<(String, Expression)>,
 }
 
@@ -124,10 +124,10 @@ impl Forms {
         }
     }
 
-    /// A system with the tensor of these forms and constraints, formed about the state about which it moves.
+    /// System with the tensor of these forms and constraints, formed about the state about which it moves.
     ///
     /// # Errors
-    /// A form that is not closed or has no inverse, and constraints that are not of second class, underlined in
+    /// A form that is not closed or has no inverse. Constraints that are not of second class. Both are underlined in
     /// the scene.
     pub fn apply(
         self,

@@ -25,30 +25,29 @@ pub struct Instantiated {
     pub names: Vec<String>,
     /// {x_i, x_j} for i < j, as the scene's author wrote them.
     pub bracket: Entries,
-    /// What the tensor is made of in place of entries, and what constrains it.
+    /// Forms that make the tensor in place of entries, and the constraints on it.
     pub forms: Forms,
     /// H.
     pub hamiltonian: Expression,
-    /// What moves the system beside H.
+    /// Forces that move the system beside H.
     pub forces: Forces,
-    /// What moves it at random.
+    /// Channels of noise, which move the system at random.
     pub noise: Vec<Channel>,
     /// The Casimirs by name.
     pub casimirs: Vec<Casimir>,
-    /// What the run records.
+    /// Observables that the run records.
     pub observables: Vec<Observable>,
-    /// What it watches between its steps.
+    /// Events that the run watches between its steps.
     pub events: Events,
     /// The time and its energy behind the scene's own coordinates, where H names the time.
     pub extension: Option<Extension>,
 }
 
-/// Writes the scene's templates out with its families at `lengths`, one for each family in the
-/// order of the scene. `N` inside formulas stays the scene's own length, so that a short lattice
-/// stands for a long one.
+/// Writes the scene's templates out with its families at `lengths`, one for each family in the order of the scene.
+/// Inside formulas, `N` stays the scene's own length. A short lattice thus stands for a long one.
 ///
 /// # Errors
-/// The first formula that cannot be read, underlined in the scene.
+/// The first formula that cannot be read, underlined in the scene. Families of unequal lengths on a periodic boundary.
 pub fn instantiate(document: &SceneDocument, lengths: &[usize]) -> Result<Instantiated, Refusal> {
     check_lengths(document)?;
     let own = scope(document, lengths, None)?;

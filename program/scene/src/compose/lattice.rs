@@ -30,16 +30,17 @@ pub(super) struct SceneLattice<'a> {
     noise: Option<SiteTerms>,
 }
 
-/// The numbers a coordinate that a run keeps for a method of so many fields, at its first checkpoint: the states
-/// of the run and of the file, and of each field what the next step begins with. Two million coordinates take
-/// 19 at 2 fields, and 42 at 8, and by `hamilton-jacobi`, which keeps what following a branch needs, 41 at 4.
+/// Count of numbers per coordinate that a run keeps at its first checkpoint, for a method of so many fields. These are
+/// the states of the run and of the file, and of each field the numbers with which the next step begins. Two million
+/// coordinates take 19 at 2 fields, and 42 at 8. By `hamilton-jacobi`, which keeps the numbers that following a branch
+/// needs, they take 41 at 4.
 fn numbers_a_coordinate(fields: usize) -> usize {
     29 + 3 * fields
 }
 
-/// The same for what is looked for between steps: the state before the last step, shorter steps from there, and each sum of a
-/// condition or a surface, which is written out term by term. A million coordinates take 6 before a shorter step, and 130 for
-/// a sum over all.
+/// Count of numbers per coordinate that events between steps take. These are the state before the last step, shorter
+/// steps from there, and each sum of a condition or a surface. Such a sum is written out term by term. A million
+/// coordinates take 6 before a shorter step, and 130 for a sum over all.
 fn numbers_of_events(document: &SceneDocument, fields: usize) -> usize {
     let run = &document.run;
     let section = run.section.as_ref().map(|section| &section.at);
@@ -57,13 +58,12 @@ fn numbers_of_events(document: &SceneDocument, fields: usize) -> usize {
 const TRIAL_LENGTH: usize = 9;
 
 impl<'a> SceneLattice<'a> {
-    /// The lattice of a scene with more than [`DENSE_LIMIT`] coordinates in families, `None` for
-    /// one that is written out: a shorter one, or one of at most [`WRITTEN_LIMIT`] coordinates where the bracket, H or a
-    /// Casimir couples sites however far they are from each other.
+    /// Lattice of a scene with more than [`DENSE_LIMIT`] coordinates in families; `None` for one that is written out.
+    /// Two kinds are written out. One has [`DENSE_LIMIT`] coordinates or fewer. The other has a bracket, H or Casimir
+    /// that couples sites at any distance. It has at most [`WRITTEN_LIMIT`] coordinates.
     ///
     /// # Errors
-    /// A scene that has single variables beside such families, or the time as a coordinate; a formula that couples
-    /// too many.
+    /// Single variables beside such families, or the time as a coordinate. A formula that couples too many sites.
     pub fn of(document: &'a SceneDocument) -> Result<Option<Self>, Refusal> {
         let system = &document.system;
         if system.families.is_empty() || system.coordinates() <= DENSE_LIMIT {
@@ -225,7 +225,7 @@ impl<'a> SceneLattice<'a> {
         ])
     }
 
-    /// What the run watches and is a sum over sites.
+    /// Formulas that the run watches and that are sums over sites.
     fn sums(&self) -> Result<Vec<&'a Located<String>>, Refusal> {
         let mut sums = Vec::new();
         for formula in self.formulas() {
@@ -245,7 +245,7 @@ impl<'a> SceneLattice<'a> {
         Ok(sums)
     }
 
-    /// What the run watches: the energy, the Casimirs, then formulas of the state.
+    /// Formulas that the run watches: the energy, the Casimirs, then formulas of the state.
     fn formulas(&self) -> Vec<&'a Located<String>> {
         let system = &self.document.system;
         let named = |name: &str| {
@@ -269,10 +269,10 @@ impl<'a> SceneLattice<'a> {
     }
 }
 
-/// How far the templates of a scene look: of its bracket, H and its Casimirs.
+/// Reach of a scene's templates: how far its bracket, H and its Casimirs look from a site.
 ///
 /// # Errors
-/// The first that couples sites however far they are from each other, and what cannot be read.
+/// The first template that couples sites at any distance. A template that cannot be read.
 fn reach(document: &SceneDocument, known: TemplateReach) -> Result<TemplateReach, Refusal> {
     let system = &document.system;
     let mut reach = bracket_reach(document, known)?;
@@ -396,8 +396,8 @@ fn bracket_reach(
     }
 }
 
-/// Asks for the memory of a run at once, so that too long a lattice is an error here and not the end of
-/// the program in the middle of it. Before a method is built, it has one field at least.
+/// Asks for the memory of a run at once. Too long a lattice is then an error here, and not the end of the program in
+/// the middle of the run. Before a method is built, it has one field at least.
 pub(super) fn has_room(
     document: &SceneDocument,
     coordinates: usize,

@@ -1,6 +1,6 @@
 //! From a scene's text to a Poisson system, a method and the plan of a run.
 //!
-//! - `names`: what formulas may refer to, and their errors placed in the file;
+//! - `names`: the names that formulas may refer to, and the errors of formulas placed in the file;
 //! - `definitions`: names for formulas, in an order that lets each use the others;
 //! - `tensor`, `lie_algebra`: the ways to write a bracket;
 //! - `forces`: one-forms beside dH, and damping;
@@ -10,9 +10,9 @@
 //! - `system`: [`compose_system`], the Poisson system with its initial state;
 //! - `time`: where a scene names the time;
 //! - `extended`: the phase space with the time as a coordinate;
-//! - `events`: what a run watches between its steps; `course`: what its walks do;
+//! - `events`: the events that a run watches between its steps; `course`: the course of its walks;
 //! - `initial`: the initial state;
-//! - `observables`: what a run watches and what it records;
+//! - `observables`: the quantities that a run watches and those that it records;
 //! - `parts`: realization and dynamic approximation by name;
 //! - `lattice`, `stepping`: families too long to be written out;
 //! - `fit`: whether a part of a library fits the system;

@@ -103,8 +103,8 @@ fn field_at(run: &ComposedRun, system: &PoissonSystem) -> Option<Vec<f64>> {
     Some(value)
 }
 
-/// ẋ of some coordinates: the shortest of the expanded formula and the code written out, where it has the value of the code; in place of
-/// one with parentheses in parentheses the sum of a few terms.
+/// ẋ of some coordinates as text: the expanded formula or the code written out, the shorter one that has the value of
+/// the code. In place of a text with parentheses in parentheses stands the sum of a few terms.
 fn formulas(
     system: &SystemFormulas,
     x: &[f64],

@@ -1,4 +1,4 @@
-//! What formulas may refer to, and their errors placed in the file.
+//! Names that formulas may refer to, and the errors of formulas placed in the file.
 
 use leafwise_expression::syntax::{self, Formula, Scope, SyntaxError, SyntaxErrorKind};
 use leafwise_expression::{AlgebraError, Expression, Graph, Rational};

@@ -16,7 +16,8 @@ use super::lattice_noise::{SiteTerms, groups, site_channels};
 use super::stepping::{LatticeStepping, MapStepping, Stepping};
 use crate::document::{Place, SceneDocument};
 
-/// What the parts of a scene with noise are made for, and how its map is made of theirs.
+/// Steps of a scene with noise: the system that its parts are made for, and the noise that makes their map the map of
+/// the scene.
 pub(super) struct NoisySteps<'a> {
     pub noise: RunNoise,
     /// The system whose steps the parts make, with the increments behind its own parameters, on a long lattice behind its own
@@ -75,7 +76,8 @@ impl<'a> NoisySteps<'a> {
         }))
     }
 
-    /// Steps of `method`, made for the system that is [stepped](Self::stepped), with increments that are drawn.
+    /// Adds increments that are drawn to the steps of `method`. Its parts are made for the [stepped](Self::stepped)
+    /// system.
     ///
     /// # Errors
     /// A channel without an exact flow where the noise is split, underlined in the scene.

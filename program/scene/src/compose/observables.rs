@@ -1,4 +1,4 @@
-//! What a run records: the energy, Casimirs, or any formula of the state.
+//! Observables that a run records: the energy, Casimirs, or any formula of the state.
 
 use leafwise_core::lattice::LatticeGeometry;
 use leafwise_expression::Expression;

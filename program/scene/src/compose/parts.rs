@@ -21,17 +21,17 @@ use crate::document::{Located, Number, SceneDocument};
 
 /// The order of the dynamics that a scene leaves open.
 const DEFAULT_DYNAMICS_ORDER: i64 = 4;
-/// What values alone allow.
+/// Order of the dynamics that values alone allow: the default of a system of numbers.
 const ORDER_OF_NUMBERS: i64 = 2;
 
-/// What the scene's method is built of.
+/// Parts that the scene's method is built of: a base and a composition, with the choice of each part.
 pub(super) struct Parts {
     pub base: Base,
     pub composition: Option<(CompositionPart, PartParameters)>,
     pub choices: Vec<PartChoice>,
 }
 
-/// What is stepped, or composed.
+/// Base of the method, which is stepped or composed: realization and dynamics, or a stepper.
 pub(super) enum Base {
     /// Realization and dynamics.
     Pair(Arc<dyn RealizationData>, Arc<dyn DynamicApproximation>),
@@ -62,10 +62,11 @@ impl Parts {
 
 /// Builds the parts that `[method]` names, for a system or for the long lattice that it stands for.
 ///
-/// A part that is absent or called `auto` is chosen: Hamilton–Jacobi of order 4 (2 for a system of
-/// numbers), the map along leaves where there are forces, and the exact realization that fits the tensor and costs the fewest operations
-/// ([`Registry::exact_realization_under`]); where none does, or
-/// parameters are given with `auto`, Karasev's truncated after the dynamics' order, the smallest n for which Theorem 2 promises it.
+/// A part that is absent or called `auto` is chosen. The dynamics are Hamilton–Jacobi of order 4, or 2 for a system of
+/// numbers; where there are forces, the map along leaves. The realization is the exact one that fits the tensor and
+/// costs the fewest operations ([`Registry::exact_realization_under`]). Where none fits, or parameters are given with
+/// `auto`, it is Karasev's truncated after the dynamics' order. This order is the smallest n for which Theorem 2
+/// promises that of the dynamics.
 pub(super) fn parts(
     document: &SceneDocument,
     system: &PoissonSystem,
@@ -132,8 +133,8 @@ pub(super) fn system_choice(document: &SceneDocument, registry: &Registry) -> Op
     })
 }
 
-/// The stepper that stands in place of realization and dynamics; over a long lattice by sweeps, or
-/// written out where it has none and the lattice is not too long for that.
+/// Builds the stepper that stands in place of realization and dynamics. Over a long lattice it sweeps. For a stepper
+/// without sweeps the lattice is written out, where it is not too long for that.
 fn stepper(
     request: &Request<'_>,
     system: &PoissonSystem,

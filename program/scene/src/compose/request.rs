@@ -1,4 +1,4 @@
-//! What a scene asks of a part, and what is wrong with it.
+//! Requests of a scene for parts, and the errors of such requests.
 
 use leafwise_core::part::{ParameterDefault, ParameterSetting, PartInfo, PartKind};
 use leafwise_core::{BuildError, PartParameters, Registry};
@@ -7,7 +7,7 @@ use super::Refusal;
 use super::part_choice::PartChoice;
 use crate::document::{Located, ParameterValue, PartSpec, Place, SceneDocument, Source, nearest};
 
-/// What the scene asks of one part.
+/// Request of the scene for one part, with defaults where the scene leaves the part open.
 pub(super) struct Request<'a> {
     pub(super) document: &'a SceneDocument,
     spec: Option<&'a PartSpec>,
@@ -234,7 +234,7 @@ pub(super) fn registry_names(registry: &Registry, kind: PartKind) -> Vec<&'stati
         .collect()
 }
 
-/// What a method that other programs have is here.
+/// Help for the name of a method in other programs: its name here.
 fn elsewhere(name: &str, known: &[&str]) -> Option<&'static str> {
     let letters: String = name.chars().filter(|c| c.is_alphanumeric()).collect();
     let (meant, help) = match letters.to_lowercase().as_str() {

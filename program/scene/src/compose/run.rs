@@ -30,7 +30,7 @@ use super::stepping::{LatticeBase, LatticeStepping, MapStepping, Stepping};
 use super::system::{ComposedSystem, compose_system};
 use crate::document::{Located, Number, PartSpec, SceneDocument};
 
-/// What a run does.
+/// Plan of a run: its step, length, initial state, records and parts.
 #[derive(Clone, Debug)]
 pub struct RunPlan {
     /// ε.
@@ -46,11 +46,11 @@ pub struct RunPlan {
     /// x_0, with parameters of sites behind it, then the time and its energy where there is an
     /// [`extension`](ComposedRun::extension).
     pub initial: Vec<f64>,
-    /// What a sample holds beside time and state.
+    /// Observables that a sample holds beside time and state.
     pub observables: Vec<Observable>,
     /// Which of them is the energy of the map's shadow.
     pub shadow: Option<RecordedShadow>,
-    /// What is watched between the steps.
+    /// Events watched between the steps.
     pub events: Events,
     /// The number of the scene's own coordinates, the first of a state: behind them stand parameters of sites, the time
     /// and its energy.
@@ -269,8 +269,8 @@ pub(super) fn check_times(document: &SceneDocument) -> Result<(), Refusal> {
     }
 }
 
-/// Checks the parts of libraries and of the scene's own formulas on the system: a realization's tensor, and the first order of the map
-/// that they make, on a long lattice that of its short one.
+/// Checks the parts of libraries and of the scene's own formulas on the system. A realization is checked by its tensor.
+/// The map of the parts is checked by its first order, on a long lattice the map of its short one.
 fn check_own_parts(
     (system, near): (&PoissonSystem, &[f64]),
     method: &Stepping,
@@ -450,7 +450,7 @@ impl ComposedRun {
         })
     }
 
-    /// What forces and noise do to the energy and to the Casimirs, in words; `None` where there are none.
+    /// Work of forces and noise: how they change the energy and the Casimirs, in words. `None` where there are none.
     pub fn work_of_forces(&self) -> Option<String> {
         let forces = self.system.expressions()?.forces();
         let energy = match (forces.one_form.is_empty(), &forces.damping) {

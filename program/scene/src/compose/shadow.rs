@@ -21,7 +21,7 @@ const MOST_PRODUCTS: u64 = 1 << 26;
 /// How far behind H the search for the first term goes.
 const LAST: usize = 24;
 
-/// What the default order may cost at most, in evaluations of H.
+/// Largest cost of the default order, in evaluations of H.
 const ENERGIES: u64 = 2;
 
 /// H̃ = F_1 + t F_2 + … of a map, cut where its own order is p: its error is of order tᵖ.
@@ -37,16 +37,16 @@ pub struct ShadowEnergy {
     pub limit: Option<usize>,
     /// Σ t^{k−1} F_k.
     pub value: Expression,
-    /// What an evaluation of H takes, and one of H̃: arithmetic operations, an elementary function as ten.
+    /// Costs of an evaluation of H and of one of H̃, in arithmetic operations; an elementary function counts as ten.
     pub operations: [u64; 2],
 }
 
 /// Why there is none.
 #[derive(Debug)]
 pub struct NoShadow {
-    /// What is wrong.
+    /// Reason why there is no shadow energy, in words.
     pub message: String,
-    /// What to try.
+    /// Advice: a remedy to try.
     pub help: String,
 }
 
@@ -60,8 +60,8 @@ impl From<BuildError> for NoShadow {
 }
 
 impl ShadowEnergy {
-    /// Of a map with steps t = εh, of an order p; where none is asked for, the highest one, m + 2 or m + 4, that takes twice
-    /// the operations of H at most, and m + 2 at least.
+    /// Shadow energy of a map with steps t = εh, of an order p. Where none is asked for, p is m + 4 if H̃ of both
+    /// orders m + 2 and m + 4 takes at most twice the operations of H. Else p is m + 2.
     ///
     /// # Errors
     /// [`NoShadow`] where the map is known to have none as a formula, or p is no order of it.

@@ -25,7 +25,7 @@ pub struct StateSlice {
     offset: usize,
 }
 
-/// What of the state a run records.
+/// Coordinates of the state that a run records.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct RecordedStates {
     /// Slices of the state, in the order of their columns.
@@ -78,10 +78,10 @@ impl RecordedStates {
     }
 }
 
-/// What the scene asks to record of its state.
+/// Coordinates of its state that the scene asks to record.
 ///
 /// # Errors
-/// A name or slice that the state does not have, underlined in the scene.
+/// A name or slice that the state does not have, underlined in the scene. A coordinate that is recorded twice.
 pub(super) fn recorded_states(document: &SceneDocument) -> Result<RecordedStates, Refusal> {
     let all = variables(document);
     let dimension = document.system.coordinates();

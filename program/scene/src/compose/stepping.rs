@@ -29,11 +29,11 @@ pub struct MapStepping {
     pub method: Option<Box<Method>>,
     /// Whether it is a composition.
     pub is_composed: bool,
-    /// What its steps draw; the method then takes the increments as parameters behind the system's.
+    /// Noise that its steps draw; the method then takes the increments as parameters behind the system's.
     pub noise: Option<(RunNoise, NoisyMap)>,
 }
 
-/// What sweeps over a lattice.
+/// Map that sweeps over a lattice: realization and dynamics, or a stepper.
 #[derive(Clone)]
 pub enum LatticeBase {
     /// Realization and dynamics.
@@ -71,9 +71,9 @@ impl LatticeBase {
 /// A lattice's map and its observers.
 #[derive(Clone)]
 pub struct LatticeStepping {
-    /// What is stepped, or composed.
+    /// Base of the steps: the map that is stepped, or composed.
     pub base: LatticeBase,
-    /// What is stepped: that or a composition of it, with poles not crossed.
+    /// Map that is stepped: the base or a composition of it, with poles not crossed.
     pub stepped: Arc<dyn StepMap>,
     /// The lattice.
     pub geometry: LatticeGeometry,
@@ -117,7 +117,7 @@ impl Stepping {
         }
     }
 
-    /// What its steps draw.
+    /// Noise that its steps draw, if they do.
     pub fn noise(&self) -> Option<&RunNoise> {
         self.drawn().map(|(noise, _)| noise)
     }
@@ -140,7 +140,7 @@ impl Stepping {
         self.map().properties().order
     }
 
-    /// What the steps are made of: labels and descriptions.
+    /// Parts that the steps are made of, as labels and descriptions.
     pub fn parts(&self) -> Vec<(&'static str, String)> {
         let mut lines = match (self, self.method()) {
             (_, Some(method)) => vec![
@@ -199,7 +199,7 @@ impl Stepping {
         }
     }
 
-    /// What one iteration of the solver costs: labels and counts.
+    /// Costs of one iteration of the solver, as labels and counts.
     pub fn costs(&self) -> Vec<(&'static str, String)> {
         if let Some(method) = self.method() {
             return match method.newton() {

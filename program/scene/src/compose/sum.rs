@@ -32,10 +32,11 @@ impl Summand {
     }
 }
 
-/// The summands of a scene's bracket with its families at the given lengths; none where it is no sum.
+/// Summands of a scene's bracket, with its families at the given lengths. The list is empty where the bracket is no
+/// sum.
 ///
 /// # Errors
-/// A formula of a summand that names a variable of another one, and what is wrong with the definitions.
+/// A formula of a summand that names a variable of another one. A definition that is wrong.
 pub(super) fn summands(
     document: &SceneDocument,
     lengths: &[usize],

@@ -27,11 +27,11 @@ pub struct ComposedSystem {
     pub initial: Vec<f64>,
     /// The time as a coordinate, where H names it.
     pub extension: Option<Extension>,
-    /// What moves it at random.
+    /// Channels of noise, which move the system at random.
     pub noise: Vec<Channel>,
-    /// What the run records.
+    /// Observables that the run records.
     pub observables: Vec<Observable>,
-    /// What it watches between its steps.
+    /// Events that the run watches between its steps.
     pub events: Events,
     /// A state of `system` near the initial one: `initial` itself, or the same on the short lattice
     /// that stands for a long one.

@@ -328,9 +328,9 @@ fn log_canonical(
     Ok(entries)
 }
 
-/// Positions x, then velocities v: with the sign s = −1 of ẋ = {H, x} and s = +1 of ẋ = {x, H},
-/// {x_i, v_j} = s δ_ij, {v_1, v_2} = s B_3 and cyclic, in the plane {v_1, v_2} = s B. Under both
-/// conventions H = v²/2 + V(x) moves by x' = v, v' = v × B − ∇V.
+/// {x_i, v_j} = s δ_ij, {v_1, v_2} = s B_3 and cyclic, for positions x, then velocities v. In the plane,
+/// {v_1, v_2} = s B. The sign is s = −1 for ẋ = {H, x} and s = +1 for ẋ = {x, H}. Under both conventions H = v²/2 +
+/// V(x) moves by x' = v, v' = v × B − ∇V.
 fn magnetic_field(
     document: &SceneDocument,
     scope: &Scope,

@@ -9,11 +9,11 @@ use super::Refusal;
 use super::dense::DENSE_LIMIT;
 use crate::document::{BracketSpec, InitialSpec, Located, Place, SceneDocument};
 
-/// What formulas call the time.
+/// Name of the time in formulas.
 pub(super) const TIME: &str = "t";
 
-/// What makes the time a coordinate of a scene: a Hamiltonian, a one-form or forces that name it, or a pace; the formula and
-/// what it is.
+/// Formula that makes the time a coordinate of a scene, with its kind in words: a Hamiltonian, a one-form or a force
+/// that names it, or a pace.
 pub(super) fn wants_time(document: &SceneDocument) -> Option<(&Located<String>, &'static str)> {
     let hamiltonian = &document.system.hamiltonian;
     if names_time(document, hamiltonian) {
@@ -76,7 +76,7 @@ pub(super) fn declares_time(document: &SceneDocument) -> bool {
     declared.any(|name| name.value == TIME)
 }
 
-/// What is wrong with a formula that names the time and may not, with what to try.
+/// Message and advice for a formula that names the time and may not.
 pub(super) fn about_time(
     document: &SceneDocument,
     formula: &Located<String>,
@@ -131,7 +131,8 @@ pub(super) fn about_time(
     )
 }
 
-/// Refuses a Hamiltonian that names the time and does not change smoothly where every run begins, as sqrt(t) or ln(t).
+/// Refuses a Hamiltonian that names the time and does not change smoothly where every run begins. Such are sqrt(t) and
+/// ln(t).
 ///
 /// # Errors
 /// The Hamiltonian, where its gradient is not finite at the initial state and t = 0, and is a step later.

@@ -8,11 +8,12 @@ use super::sample_times::sample_times;
 use crate::document::SceneDocument;
 
 impl ComposedRun {
-    /// The same run at the values of a scene that differs from its own in what
-    /// [`assign`](SceneDocument::assign) sets, and in when samples are kept: its method, whose kernels take parameters and steps when
-    /// they run, is shared.
-    /// `None` where a part of it holds values: a long lattice, a system of numbers, a recorded shadow energy; and with noise,
-    /// whose strengths are checked when it is composed.
+    /// Run of the same method at the values of a scene. This scene differs from the run's own in what
+    /// [`assign`](SceneDocument::assign) sets, and in when samples are kept. The method is shared: its kernels take
+    /// parameters and steps when they run.
+    ///
+    /// Returns `None` where a part of the run holds values: a long lattice, a system of numbers, a recorded shadow
+    /// energy. Noise gives `None` too, since its strengths are checked when it is composed.
     ///
     /// # Errors
     /// An initial state that is none, and times that the run does not come to.

@@ -9,9 +9,9 @@ use super::run::InitialSpec;
 use super::scene::SceneDocument;
 
 impl SceneDocument {
-    /// Sets a parameter, the step, the number of steps or the initial state to what `--set key=value` would set it to, with the
-    /// text and every place left as they are. `false`, and nothing changed, for other keys, and for values that the reader has
-    /// to judge.
+    /// Sets a parameter, the step, the number of steps or the initial state as `--set key=value` would. The text and
+    /// every place are left as they are. Returns `false`, with nothing changed, for other keys, and for values that the
+    /// reader has to judge.
     pub fn assign(&mut self, key: &str, value: &str) -> bool {
         self.try_assign(key, value).is_some()
     }

@@ -38,7 +38,7 @@ pub struct SummandSpec {
     pub constraints: Vec<Located<String>>,
 }
 
-/// What `magnetic-field` was once called, with another sign.
+/// Former name of `magnetic-field`, which had another sign.
 const MAGNETIC: &str = "magnetic";
 
 /// Reads the value of `bracket`.

@@ -16,13 +16,13 @@ pub struct EnsembleSection {
     pub place: Place,
     /// How many members; as many as a file of states or a grid of parameters has, where not said.
     pub members: Option<Located<u64>>,
-    /// What the random numbers depend on, beside the member.
+    /// Seed of the random numbers, which depend on it and on the member.
     pub seed: u64,
     /// Where members start; all at the scene's initial state where not said.
     pub initial: Option<Located<InitialDraw>>,
     /// Parameters that differ from member to member.
     pub parameters: Vec<(Located<String>, Located<ParameterDraw>)>,
-    /// What is reduced, and every how many steps; only at the start and the end where not said.
+    /// Quantities that are reduced, and every how many steps; only at the start and the end where not said.
     pub record: RecordSpec,
     /// Whether the scene says every how many steps.
     pub has_every: bool,

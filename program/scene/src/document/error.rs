@@ -1,4 +1,4 @@
-//! What can be wrong with a scene's text.
+//! Errors of a scene's text.
 
 use thiserror::Error;
 
@@ -9,7 +9,7 @@ use crate::diagnostic::SceneDiagnostic;
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error("{cause}")]
 pub struct SceneProblem {
-    /// What is wrong.
+    /// Cause: the way in which the text is wrong.
     pub cause: SceneProblemCause,
     /// Where it is written.
     pub place: Place,
@@ -40,7 +40,7 @@ pub enum SceneProblemCause {
     /// A name that stands for nothing.
     #[error("unknown {kind} `{name}`")]
     UnknownName {
-        /// What the name should stand for.
+        /// Kind of thing that the name should stand for.
         kind: &'static str,
         /// The name as written.
         name: String,
@@ -64,7 +64,7 @@ pub enum SceneProblemCause {
     NotOne {
         /// The key.
         key: String,
-        /// What was found.
+        /// Kind of value found: a list or a table.
         found: &'static str,
     },
     /// A text that is no formula of numbers.
@@ -122,7 +122,7 @@ pub enum SceneProblemCause {
         first: String,
         /// The other, where the problem is reported.
         second: String,
-        /// What to do instead.
+        /// Advice on the change to make instead.
         advice: String,
     },
     /// A list or matrix of the wrong shape.
@@ -144,7 +144,7 @@ pub enum SceneProblemCause {
     /// A name no formula could use.
     #[error("`{name}` cannot name a {kind}")]
     InvalidName {
-        /// What it should name.
+        /// Kind of thing that it should name.
         kind: &'static str,
         /// The name as written.
         name: String,
@@ -205,7 +205,7 @@ pub enum SceneProblemCause {
 }
 
 impl SceneProblemCause {
-    /// What to write under the underlined piece.
+    /// Label to write under the underlined piece.
     pub fn label(&self) -> String {
         match self {
             Self::Syntax { .. } => "here".to_owned(),
@@ -233,7 +233,7 @@ impl SceneProblemCause {
         }
     }
 
-    /// What to try.
+    /// Advice: a remedy to try, where there is one.
     pub fn help(&self) -> Option<String> {
         match self {
             Self::UnknownName {
@@ -321,7 +321,7 @@ fn rounded(value: f64, digits: usize) -> f64 {
     format!("{value:.*e}", digits - 1).parse().unwrap_or(value)
 }
 
-/// What stands in place of a step or an end of time as other programs call them.
+/// Help for a step or an end of time as other programs call them: the key that stands in its place.
 fn time_help(key: &str, table: &str) -> Option<&'static str> {
     let letters: String = key.chars().filter(|c| c.is_alphanumeric()).collect();
     match (table, letters.to_lowercase().as_str()) {

@@ -1,4 +1,4 @@
-//! What a variable, the sites of a family or a parameter of every site begin with.
+//! Values that a variable, the sites of a family or a parameter of every site begin with.
 
 use super::error::SceneProblemCause;
 use super::located::{Located, Number, Place};

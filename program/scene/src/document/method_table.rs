@@ -17,7 +17,7 @@ pub struct PartUse {
     pub parameters: Vec<(String, ParameterSetting)>,
 }
 
-/// What makes a step.
+/// Parts that make a step: realization and dynamics, or a stepper.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MethodParts {
     /// Realization and dynamics.
@@ -34,7 +34,7 @@ pub enum MethodParts {
 /// A method without its step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MethodTable {
-    /// What makes a step.
+    /// Parts that make a step.
     pub parts: MethodParts,
     /// A symmetric composition of it.
     pub composition: Option<PartUse>,
@@ -47,7 +47,7 @@ pub enum RewriteError {
     /// The text is not TOML.
     #[error("the scene is not TOML: {message}")]
     Syntax {
-        /// What the reader says.
+        /// Message of the TOML reader.
         message: String,
     },
     /// A table is missing, or is something else.

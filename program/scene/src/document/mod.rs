@@ -2,17 +2,17 @@
 //!
 //! - `located`: values that remember where they were written;
 //! - `system`, `bracket`, `method`, `run`, `ensemble`, `sweep`, `plugin`: one table or list of the scene each;
-//! - `system_section`: what `[system]` says, be it read from the scene, a library or a system without formulas;
-//! - `forces`: what moves the system beside its Hamiltonian;
-//! - `noise`: what moves it at random;
-//! - `field`: what variables, sites of families and parameters of sites begin with;
+//! - `system_section`: the contents of `[system]`, read from the scene, a library or a system without formulas;
+//! - `forces`: forces that move the system beside its Hamiltonian;
+//! - `noise`: channels that move it at random;
+//! - `field`: values that variables, sites of families and parameters of sites begin with;
 //! - `numbers`: systems that have no formulas;
 //! - `method_table`: a method as a value, written into a scene's text;
 //! - `overrides`: `--set path=value`, applied by rewriting the text;
 //! - `assign`: values that no part is made of, set without reading the text again;
 //! - `schema`: every key that a scene may have, with the shape of its value;
 //! - `json_schema`: the same for editors;
-//! - `error`, `suggest`: what is wrong, and the nearest valid name;
+//! - `error`, `suggest`: the errors of the text, and the nearest valid name;
 //! - `reader`: typed access to parsed TOML.
 
 mod assign;

@@ -16,8 +16,8 @@ pub struct PluginSpec {
 }
 
 impl PluginSpec {
-    /// The text after overrides, and the plugins it names, read without the rest, which may be about
-    /// their parts: none where the text is so wrong that only parsing the whole of it can tell.
+    /// Text after overrides, and the plugins that it names. The rest of the text is not read, since it may be about the
+    /// plugins' parts. The list is empty where the text is so wrong that only parsing the whole of it can tell.
     pub fn of_scene(text: &str, overrides: &[(String, String)]) -> (String, Vec<Self>) {
         let mut problems = Problems::default();
         let Some(text) = apply_overrides(text, overrides, &mut problems) else {

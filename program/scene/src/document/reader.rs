@@ -35,7 +35,7 @@ impl Problems {
 /// A table with its entries in the order of the text.
 #[derive(Clone, Debug)]
 pub(super) struct Table<'a> {
-    /// What messages call it, such as `[method]`.
+    /// Name of the table in messages, such as `[method]`.
     pub title: String,
     /// Its header, or the whole inline table.
     pub place: Place,
@@ -48,7 +48,7 @@ pub(super) struct Table<'a> {
 pub(super) struct Item<'a> {
     /// The key.
     pub key: Located<String>,
-    /// What messages call the value: its key, with an index inside a list.
+    /// Name of the value in messages: its key, with an index inside a list.
     pub title: String,
     value: &'a DeValue<'a>,
     place: Place,
@@ -197,7 +197,7 @@ impl<'a> Item<'a> {
         }
     }
 
-    /// What one of a few words stands for.
+    /// Meaning of the value, one of a few words.
     pub fn word<T: Copy>(
         &self,
         kind: &'static str,

@@ -15,16 +15,16 @@ use super::system_section::SystemSection;
 pub enum InitialSpec {
     /// One number for each coordinate of the state.
     Vector(Vec<Located<Number>>),
-    /// What each variable or family begins with, as `"x[i]" = "1 + 0.1*sin(2*pi*i/N)"`.
+    /// Values that each variable or family begins with, as `"x[i]" = "1 + 0.1*sin(2*pi*i/N)"`.
     Fields(Vec<(Located<String>, FieldSpec)>),
 }
 
-/// What to keep of the run.
+/// Records to keep of the run: sample times, observables and coordinates.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RecordSpec {
     /// Every how many steps a sample is kept; at least 1.
     pub every: u64,
-    /// What time lies between two samples, in place of steps.
+    /// Interval of time between two samples, in place of steps.
     pub interval: Option<Located<Number>>,
     /// The times of all samples, in place of steps.
     pub times: Option<Located<Vec<Located<Number>>>>,
@@ -37,7 +37,7 @@ pub struct RecordSpec {
 /// One observable.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObservableSpec {
-    /// What its column is called, where the scene gives it a name.
+    /// Name of its column, where the scene gives it one.
     pub name: Option<Located<String>>,
     /// `energy`, a Casimir's name, or a formula of the state.
     pub formula: Located<String>,
@@ -79,7 +79,7 @@ pub struct RunSection {
     pub steps: Located<u64>,
     /// The time at the end, in place of a number of steps; beside a pace alone, where it is not known how many that takes.
     pub until: Option<Located<Number>>,
-    /// What the time of formulas is at the initial state, from which all other times count; 0 where the scene does not say.
+    /// Time of formulas at the initial state, from which all other times count; 0 where the scene does not say.
     pub t0: Option<Located<Number>>,
     /// The time `until` that the scene gives where `steps` equal steps come to it.
     pub comes_to: Option<Located<Number>>,
@@ -87,11 +87,11 @@ pub struct RunSection {
     pub stop: Option<Located<String>>,
     /// A surface whose crossings are recorded.
     pub section: Option<SectionSpec>,
-    /// What the random numbers of noise depend on.
+    /// Seed of the random numbers of noise.
     pub seed: u64,
     /// Which member's of the seed they are.
     pub member: u64,
-    /// What to keep.
+    /// Records to keep.
     pub record: RecordSpec,
     /// The run directory, when the scene names one.
     pub out: Option<Located<String>>,

@@ -45,7 +45,7 @@ pub struct SceneDocument {
 }
 
 impl SceneDocument {
-    /// Reads a scene; `name` is the file's name, for messages, and `registry` has the systems that it may
+    /// Reads a scene. Messages give `name`, the name of the file. The `registry` has the systems that the scene may
     /// name.
     ///
     /// # Errors
@@ -56,13 +56,12 @@ impl SceneDocument {
 
     /// Reads a scene after applying overrides such as `("method.epsilon", "0.05")`.
     ///
-    /// An override rewrites the text, so that the scene as run can be saved and every place
-    /// refers to it. A value that is not TOML is taken as a string. Setting one of several
-    /// alternatives (`time-step` against `epsilon` and `h`, `stepper` against `realization` and
-    /// `dynamics`) removes the others.
+    /// An override rewrites the text, so that the scene as run can be saved and every place refers to it. A value that
+    /// is not TOML is taken as a string. Setting one of several alternatives (`time-step` against `epsilon` and `h`,
+    /// `stepper` against `realization` and `dynamics`) removes the others.
     ///
     /// # Errors
-    /// As [`SceneDocument::parse`], and for an override whose path the format does not have.
+    /// Those of [`SceneDocument::parse`]. An override whose path the format does not have.
     pub fn parse_with(
         name: &str,
         text: &str,

@@ -358,9 +358,9 @@ pub(super) static PLUGIN: [Key; 2] = [
     key("sha256", Shape::Text, "What the file must hash to"),
 ];
 
-/// The paths of the keys, as `run.record.every`: what a test of every field has to cover. `*` stands for a name that
-/// the scene chooses; where that is all a table holds, such as the values of parameters, or the parameters of a part,
-/// it is not among them. Nor are the keys of entries of lists.
+/// Paths of the keys, as `run.record.every`, which a test of every field has to cover. A `*` in a path stands for a
+/// name that the scene chooses. Such names are left out where they are all that a table holds, as the values of
+/// parameters, or the parameters of a part. Left out too are the keys of entries of lists.
 pub fn scene_keys() -> Vec<String> {
     let mut paths = Vec::new();
     of_keys("", &SCENE, &mut paths);

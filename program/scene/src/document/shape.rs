@@ -1,4 +1,4 @@
-//! What the value of a key may be.
+//! Shapes that the value of a key may have.
 
 use leafwise_core::PartKind;
 
@@ -10,7 +10,7 @@ pub(super) struct Key {
     pub about: &'static str,
 }
 
-/// What a value may be.
+/// Shape that a value may have.
 pub(super) enum Shape {
     Text,
     /// A string, or a number that stands for itself.
@@ -37,7 +37,7 @@ pub(super) enum Shape {
 /// A parameter of a part.
 static PARAMETER: Shape = Shape::Either(&[Shape::Text, Shape::List(&Shape::Formula)]);
 
-/// What a key leads to.
+/// Shape that a key leads to, if any.
 pub(super) enum Inner<'a> {
     Known(&'a Shape),
     /// Nothing: these are the keys.
@@ -47,7 +47,7 @@ pub(super) enum Inner<'a> {
 }
 
 impl Shape {
-    /// What a key in a value of this shape leads to.
+    /// Shape that the key `name` leads to in a value of this shape.
     pub(super) fn inner(&self, name: &str) -> Inner<'_> {
         match self {
             Self::Table(table) => match table.keys.iter().find(|key| key.name == name) {

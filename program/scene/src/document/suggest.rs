@@ -1,8 +1,8 @@
 //! The nearest valid name.
 
-/// The candidate nearest to `name`, if one is near enough to be a likely misspelling:
-/// at most a third of the longer name's letters differ (one letter of two or more always may), or one name
-/// begins with the other.
+/// Candidate nearest to `name`, if one is near enough to be a likely misspelling. At most a third of the longer name's
+/// letters then differ; one letter of two or more always may. A candidate is near too where one name begins with the
+/// other.
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<String> {
     let folded = fold(name);
     candidates

@@ -17,7 +17,7 @@ pub struct SweepSection {
     pub place: Place,
     /// The settings.
     pub settings: SettingsSpec,
-    /// What is measured of each last state.
+    /// Observables measured of each last state.
     pub observables: Vec<ObservableSpec>,
     /// The run directory, when the scene names one.
     pub out: Option<Located<String>>,

@@ -20,7 +20,7 @@ use super::suggest::nearest;
 use super::system_schema::{SYSTEM, VECTORS};
 use super::system_section::{Boundary, Convention, SystemSection, VectorFamily};
 
-/// What may stand beside `library`, and it.
+/// Keys that may stand beside `library`, with `library` itself.
 const BESIDE_LIBRARY: [&str; 7] = [
     "library",
     "parameters",

@@ -2,7 +2,7 @@
 
 use super::shape::{FORMULAS, Key, NUMBERS, Shape, key, table};
 
-/// What variables, sites of families and parameters of sites begin with.
+/// Shape of the values that variables, sites of families and parameters of sites begin with.
 pub(super) const FIELDS: Shape = Shape::Names(&Shape::Either(&[
     Shape::Formula,
     NUMBERS,

@@ -51,7 +51,7 @@ pub struct SystemSection {
     pub bracket: Located<BracketSpec>,
     /// Second-class constraints, for Dirac's bracket.
     pub constraints: Vec<Located<String>>,
-    /// What happens at the ends of a family.
+    /// Boundary: how a family goes on at its ends.
     pub boundary: Option<Located<Boundary>>,
     /// The sign convention.
     pub convention: Convention,
@@ -61,9 +61,9 @@ pub struct SystemSection {
     pub hamiltonian: Located<String>,
     /// Claimed Casimirs by name.
     pub casimirs: Vec<(Located<String>, Located<String>)>,
-    /// What moves the system beside its Hamiltonian.
+    /// Forces that move the system beside its Hamiltonian.
     pub forces: ForcesSpec,
-    /// What moves it at random.
+    /// Channels of noise, which move the system at random.
     pub noise: Vec<NoiseSpec>,
     /// A library system without formulas, in place of bracket, Hamiltonian and Casimirs.
     pub numbers: Option<NumbersSystem>,

@@ -14,9 +14,9 @@ pub struct Finding {
     pub problem: String,
     /// Where the part's values come from, for a part with several ways: `expressions` or `numbers`.
     pub path: Option<&'static str>,
-    /// What was measured.
+    /// Name of the quantity that was measured.
     pub quantity: String,
-    /// What was found, in words.
+    /// Result of the measurement, in words.
     pub found: String,
     /// The number behind it.
     #[serde(serialize_with = "optional")]
@@ -24,7 +24,7 @@ pub struct Finding {
     /// The most that the number may be.
     #[serde(serialize_with = "optional")]
     pub bound: Option<f64>,
-    /// What that means for the part's declaration.
+    /// Judgement of the part's declaration that follows from the result.
     pub judgement: Judgement,
 }
 

@@ -43,8 +43,8 @@ pub(super) fn examine_stepper(
     Ok(())
 }
 
-/// A dynamic approximation over realizations of every problem: the first exact one that fits, so that the
-/// bisection's own order is seen, and those whose points are not pairs (x, p).
+/// Measures a dynamic approximation over realizations of every problem. The first of them is the first exact one that
+/// fits, so that the bisection's own order is seen. The others are those whose points are not pairs (x, p).
 ///
 /// # Errors
 /// [`BuildError`] where it is not in the registry.
@@ -102,7 +102,8 @@ pub(super) fn under_dynamics(
     }
 }
 
-/// What a map declares, and what every map must do.
+/// Measures order, structure and symmetry of a step map against its declaration. Checks that every run and every lane
+/// gives the same bits, as every map must.
 fn examine(
     registry: &Registry,
     place: Place<'_>,

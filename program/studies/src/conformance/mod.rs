@@ -18,7 +18,7 @@ use leafwise_core::{BuildError, PartKind, PartParameters, Registry};
 use crate::verify::Judgement;
 pub use finding::Finding;
 
-/// What one part shows.
+/// Findings on one part: its measurements, each judged against what the part declares.
 #[derive(Clone, Debug)]
 pub struct Conformance {
     /// The part.
@@ -40,9 +40,9 @@ impl Conformance {
     }
 }
 
-/// Measures one part of a registry against what it declares, on each of its ways to compute values: a
-/// system by itself; a realization by itself and under every dynamic approximation of the registry; a
-/// dynamic approximation over exact realizations; a step map on every problem that it serves.
+/// Measures one part of a registry against what it declares, on each of its ways to compute values. A system is
+/// measured by itself, a realization by itself and under every dynamic approximation of the registry. A dynamic
+/// approximation is measured over exact realizations, a step map on every problem that it serves.
 ///
 /// # Errors
 /// [`BuildError::UnknownPart`].

@@ -1,4 +1,4 @@
-//! What parts are tried on.
+//! Problems on which parts are tried: systems of the library, systems written here, and those of plugins.
 
 use leafwise_core::part::Family;
 use leafwise_core::registry::SystemPart;

@@ -13,8 +13,8 @@ use super::problems::{along, of_part};
 use super::{parameters, paths};
 use crate::verify::Problem;
 
-/// What round-off leaves of numbers that two ways of computing have in common: a few dozen roundings
-/// each, in units of their size.
+/// Relative round-off allowed between two ways of computing the same numbers: 256·2⁻⁵², a few dozen roundings each, in
+/// units of their size.
 const ROUND_OFF: f64 = 256.0 * f64::EPSILON;
 
 /// Examines a system on each of its paths, and the paths against each other.

@@ -7,7 +7,7 @@ use super::paper::{Claim, PaperFigure};
 /// A figure of the paper, measured.
 #[derive(Clone, Debug)]
 pub struct Reproduced {
-    /// What the paper prints.
+    /// Figure as the paper prints it: number, setting and claims.
     pub paper: &'static PaperFigure,
     /// The curves.
     pub panels: Vec<Panel>,
@@ -17,18 +17,18 @@ pub struct Reproduced {
     pub scene: Option<String>,
 }
 
-/// What was measured of a statement.
+/// Measurement of one statement of the paper, judged against the printed number and against theory.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
     /// The statement.
     pub claim: &'static Claim,
-    /// What was measured, in words.
+    /// Result of the measurement, in words.
     pub measured: String,
     /// The number in it.
     pub value: Option<f64>,
     /// How far it may lie from the true one.
     pub tolerance: Option<f64>,
-    /// What theory says, and why ours and the printed one differ where they do.
+    /// Explanation by theory, with the reason why ours and the printed number differ where they do.
     pub explanation: String,
     /// Whether ours agrees with the paper's; `None` where the paper prints nothing to compare.
     pub agrees: Option<bool>,

@@ -12,7 +12,7 @@ use super::paper::Claim;
 pub struct ErrorCurve {
     /// By any order of parameters.
     pub points: Vec<(f64, f64)>,
-    /// What rounding puts into an error.
+    /// Size of round-off in an error, in the unit of the error.
     pub round_off: f64,
 }
 

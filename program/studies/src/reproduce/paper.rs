@@ -1,4 +1,4 @@
-//! What section 5 of the paper prints: its figures, their settings and what it says of them.
+//! Section 5 of the paper as it is printed: its figures, their settings and the claims about them.
 //!
 //! A. Cabrera, D. Martín de Diego, M. Vaquero, *Approximating Symplectic Realizations: A General
 //! Framework for the Construction of Poisson Integrators*, arXiv:2409.04342.
@@ -16,11 +16,11 @@ pub struct PaperFigure {
     pub id: &'static str,
     /// The section it stands in.
     pub section: &'static str,
-    /// What it shows.
+    /// Title of the figure: the quantity that it shows and the case.
     pub title: &'static str,
-    /// What the paper sets, and what it leaves open with our choice for it.
+    /// Setting that the paper gives, and our choice for the part that it leaves open.
     pub setting: &'static str,
-    /// What the paper says of it.
+    /// Statements of the paper about the figure.
     #[serde(skip)]
     pub claims: &'static [Claim],
 }

@@ -81,7 +81,7 @@ impl RealizationPoint {
     }
 }
 
-/// What a figure of this kind shows.
+/// Setting of a figure of this kind: point, ranges of ε, window of the fit and expected slope.
 struct View {
     point: RealizationPoint,
     /// The ends of the linear pictures.
@@ -90,7 +90,7 @@ struct View {
     fit: RangeInclusive<f64>,
     /// The order by which the next term is smaller.
     gap: f64,
-    /// What theory says of the slope.
+    /// Slope that theory predicts.
     slope: f64,
     /// A unit of the printed slope's last digit.
     digit: f64,

@@ -14,7 +14,7 @@ pub(super) enum Attempt {
     },
     /// An error that explains itself, and no increment.
     Refused(StepError),
-    /// What must never be: a number that is none, or an increment beside an error.
+    /// Forbidden outcome, in words: an increment that is not finite, or a nonzero one beside an error.
     Garbage(String),
 }
 

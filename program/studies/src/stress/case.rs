@@ -13,9 +13,9 @@ pub struct Case {
     pub family: &'static str,
     /// Its name within the family.
     pub name: &'static str,
-    /// What is asked of the program.
+    /// Task that the case sets the program.
     pub asked: &'static str,
-    /// What it should answer, with the bound's reason.
+    /// Expected answer, with the reason for its bound.
     pub expected: &'static str,
     /// Runs it.
     #[serde(skip)]
@@ -36,10 +36,10 @@ impl StressOptions {
     pub const LONG: Self = Self { steps: 100_000_000 };
 }
 
-/// What a case measured.
+/// Outcome of a case: the measurement, and whether it is as expected.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Outcome {
-    /// What was measured, in words.
+    /// Measurement in words, or the error that prevented it.
     pub measured: String,
     /// Whether it is what was expected.
     #[serde(rename = "met")]

@@ -79,8 +79,8 @@ fn measure(steps: u64, n: i64, m: i64, t: f64) -> Result<Outcome, StressError> {
     })
 }
 
-/// The exponent H in √⟨(C_{k+τ} − C_k)²⟩ ∝ τ^H, fitted over τ = 16, 32, … up to a sixteenth of the
-/// samples, where sixteen windows are independent and the root of the mean is known within 18 %.
+/// Exponent H in √⟨(C_{k+τ} − C_k)²⟩ ∝ τ^H, fitted over τ = 16, 32, … up to a sixteenth of the samples. At that largest
+/// τ sixteen windows are independent, and the root of the mean is known within 18 %.
 fn growth_exponent(samples: &[f64]) -> f64 {
     let lags = (4..).map(|k| 1_usize << k);
     let points: Vec<(f64, f64)> = lags

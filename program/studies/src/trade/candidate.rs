@@ -32,11 +32,11 @@ pub struct Bench<'a> {
 }
 
 impl<'a> Bench<'a> {
-    /// A scene's system and initial state over `time`, or to the scene's own end time.
+    /// Takes a scene's system and initial state over `time`, or to the scene's own end time.
     ///
     /// # Errors
-    /// [`TradeError::Refused`] with the scene's first error, [`TradeError::NoTime`] for a run that
-    /// ends where it begins, [`TradeError::TooLong`] for one of more than 2⁴⁰ steps.
+    /// Returns [`TradeError::Refused`] with the scene's first error. Returns [`TradeError::NoTime`] for a run that ends
+    /// where it begins, and [`TradeError::TooLong`] for one of more than 2⁴⁰ steps.
     pub fn new(
         document: &'a SceneDocument,
         registry: &'a Registry,
@@ -151,7 +151,8 @@ impl<'a> Bench<'a> {
         self.time
     }
 
-    /// What steps divide: the time, or with a pace the fictitious time τ that its method takes to come there.
+    /// Length that the steps divide: the time, or with a pace the fictitious time τ that its method takes to come
+    /// there.
     pub fn extent(&self) -> f64 {
         self.extent
     }
@@ -189,7 +190,7 @@ impl<'a> Bench<'a> {
     }
 }
 
-/// What is varied to trade cost for accuracy.
+/// Quantity that is varied to trade cost for accuracy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Knob {
     /// The number of steps.
@@ -221,11 +222,11 @@ impl fmt::Display for Setting {
 pub struct Candidate {
     /// The method; an adaptive one without its tolerance.
     pub method: MethodTable,
-    /// What is varied.
+    /// Quantity that is varied: steps or tolerance.
     pub knob: Knob,
     /// One line: parts and orders.
     pub name: String,
-    /// What the method declares.
+    /// Properties that the method declares: order, structure, symmetry.
     pub properties: MapProperties,
     /// The method built; for an adaptive one at the default tolerance.
     pub run: ComposedRun,

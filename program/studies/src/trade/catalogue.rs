@@ -20,8 +20,8 @@ pub struct Entry {
 /// The orders m at which Hamilton–Jacobi is tried when none are asked for.
 const ORDERS: [usize; 6] = [2, 4, 6, 8, 10, 12];
 
-/// A higher order is not tried by itself where dS has this many monomials in its last term: their
-/// number grows by two to four each time, and the time to form them by ten to thirty.
+/// Number of monomials in dS's last term above which no higher order is tried by itself. With each order their number
+/// grows two- to fourfold, and the time to form them ten- to thirtyfold.
 const MOST_MONOMIALS: usize = 300;
 
 /// On a lattice: where an evaluation costs this many times that of order 2.
@@ -33,7 +33,7 @@ const LARGEST_DENSE: usize = 96;
 /// Why a method was not built, where whoever asked for the catalogue had no time left.
 pub(super) const UNBUILT: &str = "the time ended before it was formed";
 
-/// What the catalogue is made for.
+/// Catalogue while it is made: its scene, the orders asked for and the methods so far.
 pub(super) struct Catalogue<'a> {
     bench: &'a Bench<'a>,
     /// The orders asked for.
@@ -43,10 +43,11 @@ pub(super) struct Catalogue<'a> {
     entries: Vec<Entry>,
 }
 
-/// The methods for a scene, built: its own, every exact realization and Karasev's series under Hamilton–Jacobi,
-/// collective integrators, those of lifts among them, compositions, splitting, baselines. With `orders`, only methods of these declared
-/// orders beside the scene's own, and Hamilton–Jacobi at each of them. `progress` receives each method before
-/// it is built; it is not where that returns `false`, the scene's own apart.
+/// Builds the methods for a scene: its own, every exact realization and Karasev's series under Hamilton–Jacobi,
+/// collective integrators, those of lifts among them, compositions, splitting, baselines. With `orders`, only methods
+/// of these declared orders are kept beside the scene's own, and Hamilton–Jacobi is built at each of them. Calls
+/// `progress` with each method before it is built. Where that returns `false`, the method is not built, the scene's own
+/// apart.
 pub fn catalogue(
     bench: &Bench<'_>,
     orders: Option<&[usize]>,
@@ -190,7 +191,7 @@ impl Catalogue<'_> {
         kept
     }
 
-    /// What Hamilton–Jacobi is made from: H, and before it H less multiples of Casimirs where that is
+    /// Hamiltonians that Hamilton–Jacobi is made from: H, and before it H less multiples of Casimirs where that is
     /// shorter.
     fn hamiltonians(&self) -> &'static [Made] {
         let own = self.bench.own();
@@ -352,7 +353,7 @@ fn with(part: &PartInfo, settings: &Settings) -> PartUse {
     settings.fold(named, |part, (name, value)| part.with(name, *value))
 }
 
-/// What a Hamilton–Jacobi series is made from.
+/// Hamiltonian that a Hamilton–Jacobi series is made from: H, or H less multiples of Casimirs.
 #[derive(Clone, Copy)]
 enum Made {
     OfH,
@@ -406,9 +407,9 @@ fn monomials(candidate: &Candidate) -> usize {
     }
 }
 
-/// The orders of three pieces, one of each two that are the other's reverse: χ and χ* are then exchanged, and a symmetric
-/// composition of them errs by about as much. Two pieces have one such order; four have twelve, which would cost more
-/// to try than they gain.
+/// Orders of three pieces, one of each two that are the reverse of each other. Reversal exchanges χ and χ*, and a
+/// symmetric composition of them errs by about as much. Two pieces have one such order; four have twelve, which would
+/// cost more to try than they gain.
 const ORDERS_OF_THREE: [&str; 3] = ["1 2 3", "1 3 2", "2 1 3"];
 
 /// Operations of one evaluation on a lattice.

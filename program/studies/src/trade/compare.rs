@@ -16,7 +16,7 @@ use super::plateau::{Plateau, SMALL};
 use super::reference::{Judged, Reference};
 use super::trial::{TrialFailure, run_counted, run_trial, time_run};
 
-/// What is compared.
+/// Options of a comparison: methods, grid, budget, timing and where runs are judged.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CompareOptions {
     /// Methods beside the standard ones.
@@ -27,8 +27,8 @@ pub struct CompareOptions {
     pub orders: Option<Vec<usize>>,
     /// The numbers of steps; the standard grid otherwise.
     pub steps: Option<Grid>,
-    /// What one run may cost in operations; otherwise [`LEAST_BUDGET`], or four runs of the
-    /// scene's own method where that is more.
+    /// Largest number of operations that one run may cost. The default is [`LEAST_BUDGET`], or four runs of the scene's
+    /// own method where that is more.
     pub budget: Option<u64>,
     /// How often a run is timed; 0 for not at all.
     pub repetitions: usize,
@@ -36,7 +36,7 @@ pub struct CompareOptions {
     pub judged: Judged,
 }
 
-/// What a run may cost at least, in operations: some ten milliseconds.
+/// Least budget of one run, in operations: some ten milliseconds.
 pub const LEAST_BUDGET: u64 = 10_000_000;
 
 /// A method that was compared.
@@ -51,12 +51,12 @@ pub struct ComparedMethod {
     pub order: usize,
     /// The declared structure.
     pub structure: Structure,
-    /// What is varied.
+    /// Quantity that is varied: steps or tolerance.
     #[serde(skip)]
     pub knob: Knob,
     /// Whether it is the scene's own.
     pub is_own: bool,
-    /// What its stepper is akin to, where it has one that says so.
+    /// Family of its stepper, where it has one that names its family.
     #[serde(skip)]
     pub family: Option<Family>,
 }
@@ -70,7 +70,7 @@ pub struct Point {
     pub setting: Setting,
     /// εh.
     pub time_step: f64,
-    /// What was measured, or why nothing was.
+    /// Measurements of the run, or the reason why there are none.
     pub outcome: Result<Measured, TrialFailure>,
 }
 
@@ -81,13 +81,13 @@ pub struct Comparison {
     pub time: f64,
     /// The names of the invariants.
     pub invariants: Vec<String>,
-    /// What errors are measured against.
+    /// Reference solution that errors are measured against.
     pub reference: Reference,
     /// How long the motion can be known to eight digits, where its end is not.
     pub horizon: Option<Horizon>,
-    /// What one run was allowed to cost.
+    /// Budget of one run, in operations.
     pub budget: u64,
-    /// What the fronts compare runs by.
+    /// Cost by which the fronts compare runs: operations or time.
     pub cost: Cost,
     /// The methods.
     pub methods: Vec<ComparedMethod>,
@@ -97,13 +97,13 @@ pub struct Comparison {
     pub refused: Vec<(String, String)>,
 }
 
-/// Measures every method at every setting. `progress` receives the method, its number and the number of
-/// methods before each one; it ends the comparison by returning `false`. While methods are built their
-/// number is not known, and both are 0.
+/// Measures every method at every setting. Calls `progress` before each method with the method, its number and the
+/// number of methods. While methods are built their number is not known, and both numbers are 0. After that, returning
+/// `false` ends the comparison.
 ///
 /// # Errors
-/// [`TradeError::NoReference`]; [`TradeError::NoMethods`] where none of the methods asked for fits;
-/// failures of single configurations are points with their reason.
+/// Returns [`TradeError::NoReference`], and [`TradeError::NoMethods`] where none of the methods asked for fits.
+/// Failures of single configurations are points with their reason.
 pub fn compare(
     bench: &Bench<'_>,
     options: &CompareOptions,
@@ -356,7 +356,7 @@ fn mark_fronts(points: &mut [Point], reference: &Reference, cost: Cost) {
     }
 }
 
-/// What a method's stepper is akin to.
+/// Family of a method's stepper; `None` for a pair, and for a stepper that names none.
 fn family(registry: &Registry, method: &MethodTable) -> Option<Family> {
     match &method.parts {
         MethodParts::Stepper(stepper) => registry.stepper(&stepper.name).ok()?.info.family,

@@ -16,7 +16,7 @@ pub(super) struct Curve {
     is_paced: bool,
     /// State after state.
     states: Vec<f64>,
-    /// What interpolation may add to the error.
+    /// Error that interpolation may add.
     pub error: f64,
     /// max ‖x*(t)‖.
     pub norm: f64,
@@ -40,8 +40,9 @@ const MOST_SECANTS: usize = 20;
 const MOST_NUMBERS: usize = 1 << 24;
 
 impl Curve {
-    /// Runs a method over `time` in at least `steps` steps, in ever smaller ones until interpolation errs by
-    /// no more than `wanted`, no more numbers can be kept or the next run would cost more than `budget`.
+    /// Runs a method over `time` in at least `steps` steps, in ever smaller ones until interpolation errs by no more
+    /// than `wanted`. Stops before that where no more numbers can be kept or the next run would cost more than
+    /// `budget`.
     ///
     /// # Errors
     /// Why a step fails, in words.

@@ -44,7 +44,7 @@ pub enum TradeError {
     /// A method that cannot be read.
     #[error("`{text}` is not a method: {reason}")]
     Method {
-        /// What was given.
+        /// Text that was given.
         text: String,
         /// Why not.
         reason: String,
@@ -52,7 +52,7 @@ pub enum TradeError {
     /// A list of steps that cannot be read.
     #[error("`{text}` is not a list of steps: {reason}")]
     Steps {
-        /// What was given.
+        /// Text that was given.
         text: String,
         /// Why not.
         reason: String,

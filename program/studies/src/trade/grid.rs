@@ -58,9 +58,9 @@ impl Grid {
         }
     }
 
-    /// The grid of a reference solution: steps halved from twice the scene's on, tolerances lowered
-    /// tenfold from 10⁻¹¹ on, as far as the method takes them, within the scene's steps: what an adaptive method looks at
-    /// in each of them it does not step over.
+    /// Grid of a reference solution. Steps are halved from twice the scene's on; tolerances are lowered tenfold from
+    /// 10⁻¹¹ on, as far as the method takes them. Within the scene's steps an adaptive method chooses its own: it does
+    /// not step over anything that it looks at in each of them.
     pub(super) fn of_reference(candidate: &Candidate, steps: u64) -> Self {
         match candidate.knob {
             Knob::Steps => Self::Geometric {

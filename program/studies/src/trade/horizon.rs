@@ -13,9 +13,8 @@ use super::reference::{Judged, ROUND_OFF, Reference};
 /// How long a motion can be followed in double precision, where its end cannot be known as well as
 /// is wanted.
 ///
-/// Two methods of high accuracy in double precision part by at least round-off that the motion has
-/// magnified: a more accurate reference would not help, since each method that is judged by it
-/// rounds too.
+/// Two methods of high accuracy in double precision part by at least round-off that the motion has magnified. A more
+/// accurate reference would not help, since each method that is judged by it rounds too.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Horizon {
     /// The end time.
@@ -159,7 +158,7 @@ fn growth(bench: &Bench<'_>, reference: &Reference) -> Option<f64> {
 }
 
 impl fmt::Display for Horizon {
-    /// What is known, why no more, and what to try.
+    /// Writes how long the motion is known, why no longer, and a remedy to try.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.wanted <= self.round_off {
             return write!(

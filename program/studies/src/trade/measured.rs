@@ -1,4 +1,4 @@
-//! What a run costs and what it keeps.
+//! Measurements of a run: its cost, its errors and the invariants and structure that it keeps.
 
 use std::fmt;
 
@@ -12,7 +12,7 @@ use super::norm::distance;
 use super::reference::Reference;
 use super::trial::{Trial, Wall, tensor_defect};
 
-/// What a run costs and what it keeps.
+/// Measurements of a run: its cost, its errors and the invariants and structure that it keeps.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Measured {
     /// Operations of the whole run, as
@@ -52,7 +52,7 @@ pub struct Measured {
     pub front: Front,
 }
 
-/// What runs of several methods are compared by.
+/// Measure of cost by which runs of several methods are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cost {
     /// Counted operations, where any method counts its own.
@@ -109,7 +109,7 @@ pub struct Front {
 }
 
 impl Measured {
-    /// What a run of `run` says, `structure` being what the method declares.
+    /// Evaluates a trial of `run` against the reference; `structure` is the declared one of the method.
     pub(super) fn of(
         trial: &Trial,
         run: &ComposedRun,

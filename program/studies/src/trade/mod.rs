@@ -1,16 +1,16 @@
 //! The trade between speed and accuracy, measured on a scene.
 //!
-//! A *candidate* is a method that fits the scene; its *setting* is the number of steps to the end
-//! time, or the tolerance of a method that chooses its own steps. A *trial* is one run: its cost
-//! in counted operations ([`SolverStatistics::operations`]), its largest distance from a reference
-//! solution at its steps, or the distance at the end, and the largest drift of every invariant.
+//! A *candidate* is a method that fits the scene. Its *setting* is the number of steps to the end time, or the
+//! tolerance of a method that chooses its own steps. A *trial* is one run. It has a cost in counted operations
+//! ([`SolverStatistics::operations`]) and a largest drift of every invariant. Its error is the largest distance from a
+//! reference solution at its steps, or the distance at the end.
 //!
 //! - [`compare`]: every method over a grid of settings, with the fronts that no other point beats;
 //! - [`Tuner`]: the cheapest method and step that hold what is asked;
 //! - [`Reference`]: the motion by two methods of high accuracy, with an estimate of its error;
 //! - [`Horizon`]: where the end cannot be known, how long the motion can, and why no longer;
 //! - [`comparison_page`], [`comparison_figures`]: a comparison as a page, its figures as files;
-//! - `candidate`, `catalogue`, `parse`, `grid`, `norm`, `cost`, `curve`, `trial`, `measured`, `plateau`,
+//! - `candidate`, `catalogue`, `parse`, `grid`, `norm`, `arrival`, `curve`, `trial`, `measured`, `plateau`,
 //!   `front`: the pieces;
 //! - `tolerances`, `track`, `search`, `stage`: those of the tuner.
 //!

@@ -47,9 +47,9 @@ impl Judged {
 pub struct Reference {
     /// x at the end time.
     pub state: Vec<f64>,
-    /// An estimate of its error where runs are judged: the largest of the distances to the other method's
-    /// states, of what the last refinement of the better method changed at the end, and of what interpolation
-    /// between its steps may add.
+    /// Estimate of the state's error where runs are judged: the largest of three numbers. The first is the largest
+    /// distance to the other method's states. The second is the change at the end by the better method's last
+    /// refinement. The third is the error that interpolation between its steps may add.
     pub error: f64,
     /// The methods that agree, the better one first, with their settings.
     pub methods: Vec<String>,
@@ -64,7 +64,7 @@ pub struct Reference {
 /// Errors below this many times the reference's own cannot be told from it.
 const FLOOR: f64 = 10.0;
 
-/// What one run of a reference may cost.
+/// Budget of one run of a reference, in operations.
 const BUDGET: u64 = 1_000_000_000;
 
 /// Refinements that are tried: steps halved, tolerances lowered tenfold.
@@ -74,9 +74,9 @@ const MOST_REFINEMENTS: u32 = 9;
 pub(super) const ROUND_OFF: f64 = 4.0;
 
 impl Reference {
-    /// Computes the reference: two methods of different families, each refined until it no longer
-    /// changes at the end. Where they come to different ends all the same, one of them has stepped over something: the
-    /// two of three that are nearest to each other are taken then.
+    /// Computes the reference by two methods of different families, each refined until it no longer changes at the end.
+    /// Where they come to different ends all the same, one of them has stepped over something. A third is computed
+    /// then, and the two that are nearest to each other are taken.
     ///
     /// # Errors
     /// [`TradeError::NoReference`] when no method reaches the end.
@@ -135,7 +135,7 @@ impl Reference {
         }
     }
 
-    /// What runs are compared with at every step.
+    /// Curve x*(t) that runs are compared with at every step; `None` where they are judged at the end alone.
     pub(super) fn curve(&self) -> Option<&Curve> {
         self.curve.as_ref()
     }
@@ -237,8 +237,9 @@ impl Refined {
 /// The largest system of stage equations that a Gauss method of eight stages is tried on.
 const LARGEST_GAUSS: usize = 12;
 
-/// Methods of order 8 and more, of families that share no code: Taylor series, which reach round-off in the fewest
-/// operations, implicit collocation, compositions of Poisson maps, an adaptive explicit pair.
+/// Methods of order 8 and more for a reference, of families that share no code. These are Taylor series, which reach
+/// round-off in the fewest operations, implicit collocation, compositions of Poisson maps, and an adaptive explicit
+/// pair.
 fn families(bench: &Bench<'_>) -> Vec<MethodTable> {
     let registry = bench.registry();
     let stepper = |family| {

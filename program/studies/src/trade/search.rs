@@ -21,11 +21,11 @@ pub(super) struct Search<'a> {
     pub reference: &'a Reference,
     pub limits: &'a Limits,
     pub tracks: Vec<Track<'a>>,
-    /// What one run may cost.
+    /// Budget of one run: the largest cost that it may have.
     pub budget: u64,
     /// Runs made.
     pub runs: u64,
-    /// What they cost, those included that were stopped or failed.
+    /// Total cost of the runs, including those that were stopped or failed.
     pub spent: u64,
 }
 

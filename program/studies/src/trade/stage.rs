@@ -1,6 +1,6 @@
 //! How far a tuner has come.
 
-/// What a tuner is about to do.
+/// Stage of a tuner, told before it begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage<'a> {
     /// To build a method: forming series and code takes the longest for high orders.

@@ -1,11 +1,11 @@
-//! What is asked of a run.
+//! Tolerances that a run has to meet.
 
 use super::candidate::Bench;
 use super::error::TradeError;
 use super::reference::Reference;
 use super::trial::Trial;
 
-/// What is asked of a run.
+/// Tolerances that a run has to meet, each optional.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tolerances {
     /// The largest ‖x − x*‖ where runs are judged: at every step, or at the end.
@@ -36,9 +36,9 @@ pub(super) struct Limits {
 pub(super) struct Violation {
     /// The largest ratio of what was measured to what is allowed: at most 1 where all is met.
     pub ratio: f64,
-    /// What it is the ratio of: `None` for the state, else the invariant's place.
+    /// Place of the invariant that has this ratio; `None` for the state.
     pub invariant: Option<usize>,
-    /// What was measured of it, relative to its size.
+    /// Measured error or drift, relative to the size of the state or invariant.
     pub relative: f64,
 }
 

@@ -60,7 +60,7 @@ const PROBE_RATIO: f64 = 1.0 / 1024.0;
 /// The next error of a method may fall by this much more than its order says.
 const OPTIMISM: f64 = 1.0;
 
-/// What is smaller than this part of its size follows the order.
+/// Bound of the range in which the order is seen: an error or drift below this part of its size follows it.
 const ASYMPTOTIC: f64 = 1e-2;
 
 impl<'a> Track<'a> {
@@ -173,8 +173,8 @@ impl<'a> Track<'a> {
         met.min_by_key(|t| t.trial.cost())
     }
 
-    /// A setting between a run that misses what is asked and the cheapest that meets it, or behind
-    /// the former where none does: where the error model says that it is just met.
+    /// Setting between a run that misses what is asked and the cheapest that meets it, where the error model says that
+    /// it is just met. Where no run meets it, the setting lies behind the one that misses.
     pub fn between(&self, poisson: bool) -> Option<Setting> {
         let best = self.cheapest(poisson).map(|t| t.setting);
         let below =
@@ -218,8 +218,8 @@ impl<'a> Track<'a> {
         is_new.then_some(setting)
     }
 
-    /// What the other runs say of a setting: its error and its cost, by straight lines in a log–log
-    /// picture through the nearest on either side, through the two nearest where one side has none.
+    /// Predicts error and cost of a setting from the other runs, by straight lines in a log–log picture. They pass
+    /// through the nearest runs on either side, or through the two nearest where one side has none.
     pub fn predicted(&self, setting: Setting, error: impl Fn(&Tried) -> f64) -> Option<(f64, f64)> {
         let at = libm::log(value(setting));
         let mut others: Vec<&Tried> = self.tried.iter().filter(|t| t.setting != setting).collect();
@@ -241,7 +241,7 @@ impl<'a> Track<'a> {
 /// The model aims at this part of what is allowed.
 const MARGIN: f64 = 0.97;
 
-/// What is varied, as a number that rises with the cost.
+/// Number that rises with the cost of a setting: its steps, or the inverse of its tolerance.
 fn value(setting: Setting) -> f64 {
     match setting.tolerance {
         None => setting.steps as f64,

@@ -41,7 +41,7 @@ pub enum TrialFailure {
     /// The run costs more than it was allowed to.
     #[error("it takes more than {budget:.1e} operations: stopped at step {step} of {steps}")]
     OverBudget {
-        /// What was allowed.
+        /// Budget of the run, in operations.
         budget: f64,
         /// The steps taken.
         step: u64,
@@ -56,7 +56,7 @@ impl TrialFailure {
         matches!(self, Self::OverBudget { .. })
     }
 
-    /// What failures of one kind share: the variant, and that of the solver's error.
+    /// Key that failures of one kind share: the variant, and that of the solver's error.
     pub fn kind(&self) -> impl PartialEq + use<> {
         let error = match self {
             Self::Step { error, .. } => Some(discriminant(error)),
@@ -66,12 +66,12 @@ impl TrialFailure {
     }
 }
 
-/// What a run left behind.
+/// Result of a run: its end state, its work, its drifts and its largest error.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trial {
     /// x at the end.
     pub state: Vec<f64>,
-    /// What the map has stepped to: x, and the time with its energy where H names it.
+    /// State that the map has stepped to: x, and the time with its energy where H names it.
     pub(super) stepped: Vec<f64>,
     /// The solver's work.
     pub statistics: SolverStatistics,
@@ -222,8 +222,8 @@ pub fn time_run(
 /// The largest dimension of a dense tangent map.
 const LARGEST_TANGENT: usize = 128;
 
-/// The tensor defect ‖DΦ Π DΦᵀ − Π∘Φ‖ of one cold step from each state, the largest, relative to
-/// the tensor and the stretch of DΦ; `None` where the map offers no tangent.
+/// ‖DΦ Π DΦᵀ − Π∘Φ‖, the tensor defect of one cold step, relative to the tensor and the stretch of DΦ: the largest over
+/// the states. Returns `None` where the map offers no tangent or a step fails, on a lattice, and above dimension 128.
 pub fn tensor_defect(run: &ComposedRun, time_step: f64, states: &[&[f64]]) -> Option<f64> {
     let is_dense = !matches!(run.method, Stepping::Lattice(_));
     if !is_dense || run.dimension() > LARGEST_TANGENT {

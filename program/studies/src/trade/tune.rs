@@ -18,21 +18,21 @@ use super::tolerances::{Limits, Tolerances};
 use super::track::{End, Track, Tried};
 use super::trial::{run_counted, run_trial, time_run};
 
-/// What is tried.
+/// Options of a tuner: the methods to try, the budget of a run and where runs are judged.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TuneOptions {
     /// Methods beside all that fit the scene.
     pub with: Vec<MethodTable>,
     /// These methods alone, where there are any.
     pub only: Vec<MethodTable>,
-    /// What one run may cost in operations; [`MOST_OPERATIONS`] otherwise, or ten runs of the
+    /// Largest number of operations that one run may cost. The default is [`MOST_OPERATIONS`], or ten runs of the
     /// scene's own method where that is more.
     pub budget: Option<u64>,
     /// Where runs are judged.
     pub judged: Judged,
 }
 
-/// What one run may cost, in operations: about a second.
+/// Usual budget of one run, in operations: about a second.
 pub const MOST_OPERATIONS: u64 = 500_000_000;
 
 /// The methods that fit a scene and the state that they are judged by.
@@ -56,17 +56,17 @@ pub struct Recommendation {
     pub setting: Setting,
     /// εh.
     pub time_step: f64,
-    /// What the runs beside it foretold: error and cost; `None` with fewer than two.
+    /// Prediction of error and cost from the runs beside it; `None` with fewer than two.
     pub predicted: Option<Predicted>,
-    /// What the method declares to keep.
+    /// Structure that the method declares to keep.
     pub structure: Structure,
-    /// What was measured, stepped as `leafwise run` will.
+    /// Measurements of the run, stepped as `leafwise run` will.
     pub measured: Measured,
     /// The scene with this method.
     pub scene: String,
 }
 
-/// What was foretold of a run.
+/// Prediction for a run: its error and its cost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Predicted {
     /// The error where runs are judged.
@@ -88,13 +88,13 @@ pub struct Reached {
     pub drift: Vec<f64>,
     /// The largest ratio of what was measured to what is asked.
     pub ratio: f64,
-    /// What is missed by that ratio: `state`, or an invariant's name.
+    /// Name of the quantity that is missed by that ratio: `state`, or an invariant's name.
     pub missed: String,
     /// Why it does not come nearer.
     pub limit: Limit,
 }
 
-/// What keeps a method from what is asked.
+/// Obstacle that keeps a method from what is asked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Limit {
@@ -113,11 +113,10 @@ pub enum Limit {
     Structure,
 }
 
-/// What was found.
+/// Result of tuning: the methods recommended, the next best, and the effort of the search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tuning {
-    /// What was asked, in the units of the scene: of the state, and of each invariant that was
-    /// asked for.
+    /// Tolerances that were asked for, as given: of the state, the energy and the Casimirs.
     pub asked: Tolerances,
     /// The cheapest Poisson map that holds it.
     pub poisson: Option<Recommendation>,
@@ -133,7 +132,7 @@ pub struct Tuning {
     pub methods: usize,
     /// Runs made.
     pub runs: u64,
-    /// What they cost together, in the unit of [`Tuner::cost`], those included that were stopped or failed.
+    /// Total cost of the runs in the unit of [`Tuner::cost`], including those that were stopped or failed.
     pub spent: u64,
     /// Why there is no Poisson map that holds what is asked, where there is none.
     pub limit: Option<Limit>,
@@ -160,9 +159,8 @@ pub struct RunnerUp {
 const RUNNERS_UP: usize = 5;
 
 impl<'a> Tuner<'a> {
-    /// Builds every method that fits the scene and computes the reference. `progress` receives each stage
-    /// before it; while it returns `false`, no method is built but the scene's own:
-    /// [`unbuilt`](Self::unbuilt).
+    /// Builds every method that fits the scene and computes the reference. Calls `progress` before each stage. While
+    /// that returns `false`, no method is built but the scene's own: see [`unbuilt`](Self::unbuilt).
     ///
     /// # Errors
     /// [`TradeError::NoReference`], [`TradeError::NoMethods`].
@@ -245,13 +243,12 @@ impl<'a> Tuner<'a> {
             .extend(names.map(|name| (name, reason.to_owned())));
     }
 
-    /// What runs are compared by: [`Cost::Operations`], or [`Cost::Evaluations`] where no method
-    /// counts its own.
+    /// Cost by which runs are compared: [`Cost::Operations`], or [`Cost::Evaluations`] where no method counts its own.
     pub fn cost(&self) -> Cost {
         self.cost
     }
 
-    /// What errors are measured against.
+    /// Reference solution that errors are measured against.
     pub fn reference(&self) -> &Reference {
         &self.reference
     }
@@ -274,13 +271,13 @@ impl<'a> Tuner<'a> {
         reasons.filter(|reason| *reason == UNBUILT).count()
     }
 
-    /// What one run may cost.
+    /// Budget of one run: the largest cost that it may have.
     pub fn budget(&self) -> u64 {
         self.budget
     }
 
-    /// Finds the cheapest methods that hold `asked`. `progress` receives each run before it; it ends the
-    /// search by returning `false`: the cheapest of what was tried is then returned, and not timed.
+    /// Finds the cheapest methods that hold `asked`. Calls `progress` before each run; returning `false` ends the
+    /// search. The cheapest of those tried is then returned, and not timed.
     ///
     /// # Errors
     /// [`TradeError::NoCasimirs`]; [`TradeError::Build`] for an invariant without code.

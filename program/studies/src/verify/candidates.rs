@@ -1,4 +1,4 @@
-//! What a survey measures: every pair of realization and dynamics, stepper and composition.
+//! Candidates of a survey: every pair of realization and dynamics, every stepper and composition.
 
 use std::fmt;
 use std::sync::Arc;
@@ -89,11 +89,11 @@ impl Candidate {
             .collect()
     }
 
-    /// The step map for a problem's system.
+    /// Builds the step map for a problem's system.
     ///
     /// # Errors
-    /// [`BuildError`] where the parts do not fit; those of a library are looked at: a realization of
-    /// another tensor, and formulas of another motion, are no broken declarations.
+    /// Returns [`BuildError`] where the parts do not fit. Parts of a library are checked too: a realization of another
+    /// tensor and formulas of another motion are refused, and are no broken declarations.
     pub fn build(
         &self,
         registry: &Registry,
@@ -142,7 +142,7 @@ impl Candidate {
     }
 }
 
-/// What a part is tried with: its defaults, or several orders and every choice it offers.
+/// Settings that a part is tried with: its defaults, or with `full` several orders and every choice it offers.
 fn settings(part: &PartInfo, full: bool) -> Vec<Chosen> {
     let name = part.name;
     let takes = |key: &str| {
@@ -180,7 +180,7 @@ fn pair(
     Ok(Arc::new(Method::compose(system, realization, dynamics)?))
 }
 
-/// What compositions are measured over: dynamics of order 2 over an exact realization.
+/// Base map over which compositions are measured: dynamics of order 2 over an exact realization.
 fn base(registry: &Registry, system: &PoissonSystem) -> Result<Arc<dyn StepMap>, BuildError> {
     let dynamics = match system.has_forces() {
         true => Chosen::defaults(registry.of_forces()?.name),

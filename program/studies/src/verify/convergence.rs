@@ -30,8 +30,8 @@ pub(super) const ROUND_OFF: [f64; 2] = [8.0 * f64::EPSILON, 4096.0 * f64::EPSILO
 pub(super) const LARGEST_ERROR: f64 = 0.1;
 
 impl Convergence {
-    /// Runs `map` over `horizon` at every step size, against the state `flow` there; steps so large
-    /// that the map fails are left out, and nothing is run after two errors at round-off.
+    /// Runs `map` over `horizon` at every step size, against the state `flow` there. Steps so large that the map fails
+    /// are left out. Nothing is run after two errors at round-off.
     ///
     /// # Errors
     /// The map's [`StepError`] when no step size succeeds.

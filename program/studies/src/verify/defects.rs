@@ -20,7 +20,7 @@ pub(super) struct Defects {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct StepDefect {
     pub defect: f64,
-    /// What of it may be the error of differences; 0 for an exact tangent.
+    /// Largest part of the defect that may be the error of differences; 0 for an exact tangent.
     floor: f64,
 }
 
@@ -38,9 +38,9 @@ const SIZES: u32 = 72;
 const PLATEAU: [f64; 2] = [8.0 * f64::EPSILON, Defect::ROUND_OFF];
 
 impl Defects {
-    /// One step at every size below the smallest that fails: beyond it, if solves succeed at all,
-    /// they are next to singular or on another branch, and their round-off is not that of a step.
-    /// Nothing is measured after four defects at round-off, or at what differences leave.
+    /// Measures one step at every size below the smallest that fails. Beyond it, if solves succeed at all, they are
+    /// next to singular or on another branch, and their round-off is not that of a step. Nothing is measured after four
+    /// defects at round-off, or at what differences leave.
     pub fn measure(problem: &Problem, map: &dyn StepMap) -> Self {
         let mut points = Vec::new();
         let mut of_order = Vec::new();
@@ -94,8 +94,8 @@ impl Defects {
     }
 }
 
-/// The defect of one step of t from x, and how large it is relative to round-off, by differences where the map offers no tangent
-/// and declares a structure; `None` where the step fails or there is nothing to measure by.
+/// Tensor defect of one step of t from x, and its size relative to round-off. Differences measure it where the map
+/// offers no tangent and declares a structure. Returns `None` where the step fails or there is nothing to measure by.
 fn defect(problem: &Problem, map: &dyn StepMap, x: &[f64], t: f64) -> Option<(Defect, StepDefect)> {
     let values = problem.system.parameter_values();
     let mut instrument = TensorDefect::new(&problem.system, map, &values, 1.0, t).ok()?;

@@ -9,7 +9,7 @@ use leafwise_core::{StepError, StepMap, Walk};
 
 use super::problem::Problem;
 
-/// What a run of a thousand steps shows.
+/// Drift of invariants over a thousand steps, and the cost of a step.
 pub(super) struct Drift {
     /// The largest relative deviation of the energy.
     pub energy: f64,

@@ -1,4 +1,4 @@
-//! What comes of a declaration.
+//! Judgements of declarations by measurements.
 
 use serde::Serialize;
 

@@ -1,8 +1,8 @@
 //! How well a map keeps its shadow energy.
 //!
-//! A self-adjoint map of order m is the flow of H̃ = H + t^m F_{m+1} + t^{m+2} F_{m+3} + …: what is cut behind F_{m+1} changes by
-//! O(t^{m+2}) over a fixed time, whose coefficient is the difference of F_{m+3} between its ends. Over a realization of order n no
-//! H̃ is kept to more than order 2⌊n/2⌋ + 2.
+//! The shadow energy H̃ = H + t^m F_{m+1} + t^{m+2} F_{m+3} + … has a self-adjoint map of order m as its flow. The
+//! terms cut behind F_{m+1} change by O(t^{m+2}) over a fixed time. The coefficient of that change is the difference of
+//! F_{m+3} between the ends of that time. Over a realization of order n no H̃ is kept to more than order 2⌊n/2⌋ + 2.
 
 use leafwise_core::system::SystemObservables;
 use leafwise_core::{MapProperties, Observe, StepMap, Structure, Walk};
@@ -20,9 +20,9 @@ use super::problem::Problem;
 pub struct KeptEnergy {
     /// m + 2, or less over a realization that is not exact.
     pub declared: usize,
-    /// What was measured.
+    /// Measured order.
     pub order: MeasuredOrder,
-    /// What comes of it.
+    /// Judgement of the declared order by the measured one.
     pub judgement: Judgement,
 }
 

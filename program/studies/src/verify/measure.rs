@@ -13,7 +13,7 @@ use super::kept_energy::KeptEnergy;
 use super::order::MeasuredOrder;
 use super::problem::Problem;
 
-/// What was measured of a step map.
+/// Measurements of a step map on a problem, with their judgements.
 #[derive(Clone, Debug, Serialize)]
 pub struct Measured {
     /// The order in t.
@@ -64,7 +64,7 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// What comes of every declaration.
+    /// Judgements of every declaration: order, structure, symmetry, and the kept shadow energy where it is measured.
     pub fn all_judgements(&self) -> impl Iterator<Item = Judgement> {
         let shadow = self.shadow_energy.as_ref().map(|kept| kept.judgement);
         self.judgements.into_iter().chain(shadow)
@@ -144,7 +144,7 @@ fn judge_symmetry(declared: MapProperties, defect: f64) -> Judgement {
     }
 }
 
-/// What is measured at one step size.
+/// Measurements at one step size.
 struct Run {
     time_step: f64,
     too_large: Option<StepError>,
@@ -154,8 +154,8 @@ struct Run {
     tensor_defect: Option<StepDefect>,
 }
 
-/// What a step from any state of an orbit may have of a tensor defect, in units of what the first may: elsewhere solves may
-/// be worse conditioned.
+/// Bound on the tensor defect of a step from any state of an orbit, in units of the bound on that from the first:
+/// elsewhere solves may be worse conditioned.
 const ALONG: f64 = 64.0;
 
 impl Run {

@@ -1,4 +1,4 @@
-//! What every part really does, measured against what it declares.
+//! Measurement of every part against what it declares.
 //!
 //! - `problem`: a library system with its initial state and a reference flow.
 //! - `candidates`: every pair of realization and dynamics, every stepper and composition.

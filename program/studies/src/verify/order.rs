@@ -1,4 +1,4 @@
-//! What is known of an order.
+//! Measured orders, and their judgement against declared ones.
 
 use leafwise_core::diagnostics::{fit_order, least_slope};
 use leafwise_scene::json::optional;
@@ -46,9 +46,8 @@ impl MeasuredOrder {
         }
     }
 
-    /// Whether it is at least `declared`. Orders are whole numbers: a fit that holds the declared one
-    /// has to tell it from the one below; one that holds neither, and a lower bound, have to be
-    /// nearer to it.
+    /// Whether it is at least `declared`. Orders are whole numbers. A fit that holds the declared one has to tell it
+    /// from the one below. A fit that holds neither, and a lower bound, have to be nearer to the declared one.
     pub(crate) fn judge(self, declared: usize) -> Judgement {
         let declared = declared as f64;
         if let (Some(exponent), Some(tolerance)) = (self.exponent, self.tolerance) {

@@ -57,8 +57,8 @@ impl Problem {
         })
     }
 
-    /// The same with the scene's own method, composition and all; without it on a lattice, whose sweeps are
-    /// no map of the coordinates that are measured here.
+    /// The same with the scene's own method, composition and all. On a lattice it stays without: the sweeps are no map
+    /// of the coordinates that are measured here.
     ///
     /// # Errors
     /// [`ProblemError::Refused`] where the method does not fit.

@@ -14,7 +14,7 @@ use super::judgement::Judgement;
 use super::measure::{Measured, measure};
 use super::problem::{FlowError, Own, Problem};
 
-/// What a survey covers, and how.
+/// Options of a survey: the orders that it covers, and its threads.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SurveyOptions {
     /// Every order of every part, not only the defaults.
@@ -37,9 +37,9 @@ pub struct Row {
     pub declared_order: usize,
     /// The declared structure, in words.
     pub declared_structure: String,
-    /// What was measured.
+    /// Measurements of the map; `None` where they fail.
     pub measured: Option<Measured>,
-    /// Why nothing was.
+    /// Reason why nothing was measured.
     pub failure: Option<String>,
     /// How long measuring took.
     pub seconds: f64,
@@ -68,7 +68,7 @@ pub struct Refused {
     pub problem: String,
     /// The parts.
     pub combination: String,
-    /// What is missing.
+    /// Reason for the refusal: what is missing, in words.
     pub reason: String,
     /// Who refuses: a part, or the whole combination.
     #[serde(skip)]
@@ -136,7 +136,7 @@ impl Survey {
         self.rows.iter().all(Row::is_met)
     }
 
-    /// What does not fit, a problem and a reason at a time.
+    /// Groups the combinations that do not fit, a problem and a reason at a time.
     pub fn refusals(&self) -> Vec<Refusal<'_>> {
         let mut refusals: Vec<Refusal<'_>> = Vec::new();
         for refused in &self.refused {
@@ -157,7 +157,7 @@ impl Survey {
     }
 }
 
-/// What a survey tells while it goes on.
+/// Receiver of the progress of a survey while it goes on.
 pub trait Progress {
     /// A problem is about to be measured with `combinations` of parts.
     fn problem(&mut self, name: &str, combinations: usize);
@@ -170,14 +170,14 @@ pub trait Progress {
 /// Global errors are measured over so many of a problem's steps.
 const HORIZON: f64 = 20.0;
 
-/// What became of a combination.
+/// Outcome of a combination: refused, or measured as a row.
 enum Outcome {
     Refused(Refused),
     Row(Box<Row>),
 }
 
-/// Measures every step map that the registry's parts make on each problem. Rows come in one order
-/// whatever the number of threads, each as soon as it and all before it are measured.
+/// Measures every step map that the registry's parts make on each problem. Rows come in one order whatever the number
+/// of threads. Each comes as soon as it and all before it are measured.
 ///
 /// # Errors
 /// [`FlowError`] when a problem's reference flow cannot be computed.

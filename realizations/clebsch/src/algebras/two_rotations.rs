@@ -1,6 +1,6 @@
 //! so(4)* = so(3)* × so(3)* by two of Hopf's maps a and b: y = (a + b, a − b).
 //!
-//! {y_i, y_j} = ε y_k within the first three, {y_i, y_{3+j}} = ε y_{3+k}, {y_{3+i}, y_{3+j}} = ε y_k.
+//! Brackets are {y_i, y_j} = ε y_k within the first three, {y_i, y_{3+j}} = ε y_{3+k}, {y_{3+i}, y_{3+j}} = ε y_k.
 
 use std::sync::Arc;
 

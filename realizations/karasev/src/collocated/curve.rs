@@ -19,8 +19,9 @@ const MOST_NEWTON: usize = 30;
 /// The trailing Legendre coefficient, relative, whose square is round-off.
 const SHORT_TAIL: f64 = 1e-9;
 
-/// A component of εV smaller than this part of its coordinate and of what the others put into it is measured as if it were as
-/// large; where that is not known, one of V smaller than this part of the largest.
+/// Least size by which a component of V is measured. For Newton's method, |εV_i| counts as at least this part of its
+/// coordinate and of the contributions of others to it. Where these are not known, |V_i| counts as at least this part
+/// of the largest component of V.
 const LEAST_COMPONENT: f64 = 1e-5;
 
 /// The curve at q nodes, and V there.

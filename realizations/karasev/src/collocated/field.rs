@@ -45,7 +45,8 @@ impl Field {
         })
     }
 
-    /// What is evaluated, for reports; nothing of a system given by numbers.
+    /// Compiled kernels of the field with their names, for reports; none of a system given by
+    /// numbers.
     pub(super) fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
         match &self.source {
             Source::Kernels { value, slopes, .. } => vec![

@@ -1,6 +1,6 @@
 //! The whole K-HJ step as one solve.
 //!
-//! Unknown is the curve with its end Y(1) = x_k fixed, by its Legendre coefficients: with v_m those of Π(Y)p,
+//! Unknown is the curve with its end Y(1) = x_k fixed, by its Legendre coefficients. With v_m those of Π(Y)p,
 //! p = dŜ(x̂), its mean is x̂ = x_k − (ε/2)(v_0 + v_1/3). Then x_{k+1} = x_k − ε v_0: no inner solve for α.
 
 use std::sync::Arc;

@@ -1,9 +1,9 @@
 //! Karasev's realization by collocation at Gauss nodes: numerically exact, from values of Π(y)p
 //! alone.
 //!
-//! Y is represented by its values at q Gauss–Legendre nodes,
-//! Y_j = x + ε Σ_k A_jk Π(Y_k) p with A the zero-mean antiderivative of the Lagrange basis; the
-//! bracket defect of α is O(ε^{2q}) (paper, the remark "Other approximations of K_ε", section 3.2).
+//! Y is represented by its values at q Gauss–Legendre nodes, Y_j = x + ε Σ_k A_jk Π(Y_k) p. Here A
+//! is the zero-mean antiderivative of the Lagrange basis. The bracket defect of α is O(ε^{2q})
+//! (paper, the remark "Other approximations of K_ε", section 3.2).
 //!
 //! - [`rule`]: nodes, weights and the matrices A.
 //! - `field`: Π(y)p and its derivatives as kernels.

@@ -62,8 +62,8 @@ impl CollocationRule {
         self.weights.len()
     }
 
-    /// The Legendre coefficients of nodal values with d components each, in place of the values: P_m is even or odd
-    /// about the middle, so that sums and differences of mirrored nodes will do.
+    /// Writes the Legendre coefficients of nodal `values` with d components each into `coefficients`. P_m is even or
+    /// odd about the middle, so that sums and differences of mirrored nodes will do. These overwrite the values.
     pub fn to_coefficients(&self, values: &mut [f64], coefficients: &mut [f64], d: usize) {
         let q = self.points();
         for j in 0..q / 2 {

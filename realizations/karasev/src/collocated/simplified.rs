@@ -1,21 +1,20 @@
 //! Corrections of a curve by Newton's method with the derivatives of V at one point.
 //!
-//! Let r_m and a_m be the Legendre coefficients of a residual and of its correction, w_m those of
-//! δV = V_y δY + Π δp. The equations of the curve are, for m ≥ 1,
-//! a_m = r_m + (ε/2)(w_{m−1}/(2m−1) − w_{m+1}/(2m+3)), and a_0 = r_0 where its mean is fixed,
-//! a_0 = r_0 − (ε/2)(w_0 + w_1/3) where its end Y(1) is.
+//! Let r_m and a_m be the Legendre coefficients of a residual and of its correction, w_m those of δV = V_y δY + Π δp.
+//! The equations of the curve are, for m ≥ 1, a_m = r_m + (ε/2)(w_{m−1}/(2m−1) − w_{m+1}/(2m+3)). For m = 0 they are
+//! a_0 = r_0 where its mean is fixed, and a_0 = r_0 − (ε/2)(w_0 + w_1/3) where its end Y(1) is.
 //!
-//! With K = (ε/2) V_y and N = K + (ε/2) Π Dθ of one point, (ε/2) w_0 = N a_0 and (ε/2) w_m = K a_m. From the
-//! last coefficient to the first r_m ← r_m − K r_{m+1}/(2m+3); then (1 + N + K N/3) a_0 = r_0 − K r_1/3; then
-//! a_1 = r_1 + N a_0 and a_m = r_m + K a_{m−1}/(2m−1). What this leaves out is K²/15 of a correction at most
-//! (simplified Newton iterations: Hairer, Wanner, *Solving Ordinary Differential Equations II*, section IV.8).
+//! With K = (ε/2) V_y and N = K + (ε/2) Π Dθ of one point, (ε/2) w_0 = N a_0 and (ε/2) w_m = K a_m. From the last
+//! coefficient to the first, r_m ← r_m − K r_{m+1}/(2m+3). Then (1 + N + K N/3) a_0 = r_0 − K r_1/3 is solved. Finally
+//! a_1 = r_1 + N a_0 and a_m = r_m + K a_{m−1}/(2m−1). The terms left out are K²/15 of a correction at most (simplified
+//! Newton iterations: Hairer, Wanner, *Solving Ordinary Differential Equations II*, section IV.8).
 
 use leafwise_core::StepError;
 use leafwise_core::solver::{DenseFactors, elimination_operations, substitution_operations};
 
 use super::field::FieldEvaluator;
 
-/// What of a curve is fixed while its nodes are corrected.
+/// Part of a curve that stays fixed while its nodes are corrected.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Fixed<'a> {
     /// Its mean, with p.

@@ -116,13 +116,12 @@ impl CurveTangent {
 
     /// D²(λ·α̂), row-major 2d × 2d.
     ///
-    /// α̂ = x + ε Σ_k e_k V_k with e_k = W_k(0). With multipliers μ_j of the curve's equations,
-    /// (1 − ε A⊗V_y)ᵀ μ = (ε e_k V_yᵀ λ)_k, the first-order terms cancel and what is left is
-    /// Σ_k ν_k·D²V_k, ν_k = ε (e_k λ + Σ_j A_jk μ_j), along dY_k and dp.
+    /// Here α̂ = x + ε Σ_k e_k V_k with e_k = W_k(0). Multipliers μ_j of the curve's equations solve (1 − ε A⊗V_y)ᵀ μ =
+    /// (ε e_k V_yᵀ λ)_k. The first-order terms then cancel. The rest is Σ_k ν_k·D²V_k along dY_k and dp. Its factors
+    /// are ν_k = ε (e_k λ + Σ_j A_jk μ_j).
     ///
     /// # Errors
-    /// [`StepError::NoTangent`] before a point was solved, or for a system without second
-    /// derivatives.
+    /// [`StepError::NoTangent`] before a point was solved, or for a system without second derivatives.
     pub(super) fn source_hessian(
         &mut self,
         curve: &mut Curve,

@@ -124,7 +124,7 @@ impl Program {
     }
 }
 
-/// What comes after a correction; an evaluation with a Jacobian where it is no number, or does not fall.
+/// Next evaluation after a correction; one with a Jacobian where it is no number, or does not fall.
 #[inline(always)]
 fn judge<const W: usize>(
     lane: &mut Lane,

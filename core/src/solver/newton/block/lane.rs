@@ -3,11 +3,11 @@
 use crate::solver::judge::Watch;
 use crate::solver::newton::convergence::{Convergence, Next};
 
-/// What a lane's solve is about.
+/// State of a lane's solve: its convergence, its next evaluation, and its Jacobians.
 #[derive(Clone, Copy)]
 pub(super) struct Lane {
     pub(super) convergence: Convergence,
-    /// What is evaluated next.
+    /// Next evaluation.
     pub(super) next: Next,
     /// Whether there are Jacobians.
     pub(super) anchored: bool,

@@ -1,4 +1,4 @@
-//! What concerns some of the lanes alone.
+//! Masks of lanes: operations on some of the lanes alone.
 
 use leafwise_expression::kernel::apart;
 

@@ -29,10 +29,9 @@ use crate::solver::judge::{WANDERING, at_least, inside_chart, larger, relative};
 /// thousand times the size of a chart fifty.
 const MOST_EVALUATIONS: u32 = 100;
 
-/// A Jacobian is taken anew where a component has fallen below this part of what it was when the
-/// Jacobian was taken. What the others put into a component may be in proportion to it, as in a
-/// Lotka–Volterra system; an old Jacobian then judges the component by what it was, and puts the
-/// others' round-off into it in proportion to that.
+/// A Jacobian is taken anew where a component has fallen below this part of what it was when the Jacobian was taken.
+/// What the others put into a component may be in proportion to it, as in a Lotka–Volterra system. An old Jacobian
+/// then judges the component by what it was, and puts the others' round-off into it in proportion to that.
 const HALVED: f64 = 0.5;
 
 /// A component that moves by less than this part of its scale is noise, not smaller.
@@ -64,12 +63,12 @@ pub(super) struct Block<const W: usize, const D: usize, V, M> {
     factors: Factors<W, M>,
     slope: M,
     change: M,
-    /// What a correction of each component is judged against.
+    /// Scale that a correction of each component is judged against.
     scale: V,
     /// How much of each component's change serves as a scale, and the smallest change of an iterate.
     allowed: V,
     smallest: V,
-    /// What the others put into a component, Σ_j |D − 1|_ij |y_j|.
+    /// Σ_j |D − 1|_ij |y_j|: the size that the others put into a component.
     reached: V,
     /// The largest entries of the guard's two sides where the maps were last evaluated.
     guard: [Row<W>; 2],
@@ -386,7 +385,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
         }
     }
 
-    /// What a lane does after a correction.
+    /// Judges a lane's correction: returns its next evaluation, or why its solve fails.
     #[inline(always)]
     fn judge_lane(
         &mut self,

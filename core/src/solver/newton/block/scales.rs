@@ -1,4 +1,4 @@
-//! What corrections are judged against.
+//! Scales that corrections are judged against.
 
 use super::Block;
 use super::masks::{Row, select};
@@ -74,9 +74,9 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
         }
     }
 
-    /// The size of a lane's correction, each component beside what the scales of all that are settled and that it is coupled with, at
-    /// first hand and at later ones, put into it: Σ_k |D − 1|ᵏ s. One that begins to move at a high order in the step has the size of
-    /// that motion.
+    /// Size of a lane's correction, each component beside Σ_k |D − 1|ᵏ s. The sum is what the scales s of all that
+    /// are settled and that it is coupled with, at first hand and at later ones, put into it. One that begins to move
+    /// at a high order in the step has the size of that motion.
     #[cold]
     pub(super) fn size_in_all(
         [correction, scale, slope]: [&[Row<W>]; 3],

@@ -9,7 +9,7 @@ use crate::solver::newton::convergence::Convergence;
 use crate::solver::newton::kernel::NewtonKernel;
 use crate::solver::{SolverStatistics, StepCheck, add};
 
-/// What a stepper asks of its blocks, whatever their dimension.
+/// Block of lanes as a stepper uses it, whatever its dimension.
 pub(in crate::solver::newton) trait LaneBlock: Send {
     /// Steps from x + low, `from` telling which columns of these structures of arrays are the
     /// block's.
@@ -35,7 +35,7 @@ pub(in crate::solver::newton) trait LaneBlock: Send {
     fn solution(&self, lane: usize) -> Vec<f64>;
     /// Both Jacobians at the solution of a lane's last step, row-major.
     fn jacobians(&mut self, lane: usize) -> (Vec<f64>, Vec<f64>);
-    /// What a lane does after a step that failed: it forgets its solution and its Jacobians.
+    /// Forgets a lane's solution and its Jacobians, after a step that failed.
     fn forget(&mut self, lane: usize);
     /// Forgets earlier steps.
     fn restart(&mut self);
@@ -44,7 +44,7 @@ pub(in crate::solver::newton) trait LaneBlock: Send {
     /// Takes other parameters, `from` telling which columns of this structure of arrays are the block's: forgets earlier
     /// solutions and, where they change a coefficient, Jacobians.
     fn set_parameters(&mut self, from: Columns, parameters: &[f64]);
-    /// What the next step of a lane depends on. The Jacobians are evaluated again where they were
+    /// Writes the memory of a lane, on which its next step depends. The Jacobians are evaluated again where they were
     /// taken.
     fn memory(&self, lane: usize, into: &mut Vec<f64>);
     /// How many numbers [`memory`](Self::memory) writes.

@@ -72,8 +72,8 @@ impl Width {
         }
     }
 
-    /// The same for code with formulas in the place of calls, whose results want registers: flows of rigid bodies and of
-    /// Lotka–Volterra systems are the fastest by sixteen, and by thirty-two slower than with calls.
+    /// The same for code with formulas in the place of calls, whose results want registers. Flows of rigid bodies and
+    /// of Lotka–Volterra systems are the fastest by sixteen, and by thirty-two slower than with calls.
     pub(in crate::kernel::jit) fn for_formulas(self) -> Self {
         match self {
             Self::ThirtyTwo => Self::Sixteen,
@@ -177,7 +177,7 @@ const COPY: u8 = 0x28;
 const FIRST_MAP: u8 = 1;
 const SECOND_MAP: u8 = 2;
 
-/// What stands in an instruction's prefix beside the opcode.
+/// Fields of an instruction's prefix, and the opcode.
 #[derive(Clone, Copy)]
 struct Prefix {
     /// 1 for packed numbers, 3 for a single one.

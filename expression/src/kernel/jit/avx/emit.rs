@@ -1,7 +1,7 @@
 //! A planned program as bytes: `fn(slots, scratch, first, end) -> reached`, all `*mut f64`, in the System V convention.
 //!
-//! The last two are places of the array that it moves along, if any: from the first on it takes so many places at a time until
-//! it is at the end, or where its results are not right.
+//! The last two arguments are places of the array that it moves along, if any. From the first on it takes so many
+//! places at a time until it is at the end, or where its results are not right.
 
 use std::ops::Range;
 
@@ -17,9 +17,9 @@ use crate::kernel::jit::registers::{Plan, Step};
 /// Bytes of a number.
 const NUMBER: i32 = size_of::<f64>() as i32;
 
-/// The scratch memory starts with −0 in as many lanes as there may be at a time, then has two groups of so
-/// many lanes for the operands of calls, one of all bits but a number's sign, then the program's own numbers and the
-/// places of the plan.
+/// The scratch memory starts with −0 in as many lanes as there may be at a time. Two groups of so many lanes for the
+/// operands of calls follow, and one of all bits but a number's sign. The program's own numbers and the places of the
+/// plan come last.
 const SIGNS: i32 = 0;
 const FIRST_OPERAND: i32 = 32 * NUMBER;
 const SECOND_OPERAND: i32 = 64 * NUMBER;

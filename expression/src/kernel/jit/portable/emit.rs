@@ -1,6 +1,6 @@
 //! A planned program as a function of the compiler's intermediate code, for any machine it knows:
-//! `fn(slots, scratch, first, end) -> reached`, one number or two an instruction, of which the last three mean nothing: it
-//! moves along no array.
+//! `fn(slots, scratch, first, end) -> reached`, one number or two an instruction. The arguments `first` and `end` and
+//! the result mean nothing: the function moves along no array.
 
 use cranelift_codegen::ir::condcodes::{FloatCC, IntCC};
 use cranelift_codegen::ir::{

@@ -50,7 +50,7 @@ struct PointFields<'a> {
     outcome: Outcome<'a>,
 }
 
-/// What was measured, or why nothing was.
+/// Result at one setting: measured values, or the reason why nothing was measured.
 #[derive(Serialize)]
 #[serde(untagged)]
 enum Outcome<'a> {

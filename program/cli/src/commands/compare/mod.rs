@@ -74,7 +74,7 @@ pub fn execute(
     })
 }
 
-/// What a directory of results holds.
+/// Files of a directory of results: page, table and JSON object.
 const PAGE: &str = "compare.html";
 const TABLE: &str = "compare.csv";
 const OBJECT: &str = "compare.json";

@@ -18,7 +18,7 @@ use crate::console::Console;
 use crate::failure::Failure;
 use crate::plugins::own_program;
 
-/// What the measuring process writes at its end, before its exit code.
+/// Beginning of the last line that the measuring process writes, before its exit code.
 const COMPLETED: &str = "leafwise-plugin-check: ";
 
 /// A part is measured within seconds; what says nothing for so long hangs.

@@ -28,7 +28,7 @@ struct Entry {
     said: Said,
 }
 
-/// What a file beside a library says, or why it cannot be read.
+/// Content of the file beside a library, or the reason why it cannot be read.
 #[derive(Serialize)]
 #[serde(rename_all = "snake_case")]
 enum Said {

@@ -1,5 +1,4 @@
-//! What `leafwise plugin check` does in a process of its own: a library tried, and its parts measured
-//! against what they declare.
+//! Measuring process of `leafwise plugin check`: it tries a library, and measures its parts against what they declare.
 
 use std::path::Path;
 
@@ -128,7 +127,8 @@ fn count(reports: &[(Conformance, &Tried)], judgement: Judgement) -> usize {
     findings.filter(|f| f.judgement == judgement).count()
 }
 
-/// What the library says of itself.
+/// Lines on a library, as it declares itself: path, id and version, SHA-256 and ABI, then licence and toolchain where
+/// it names them.
 fn head(plugin: &LoadedPlugin) -> Vec<String> {
     let declaration = &plugin.declaration;
     let mut rows = vec![
@@ -161,7 +161,7 @@ fn body(report: &Conformance, tried: &Tried) -> Vec<String> {
     words(&rows)
 }
 
-/// What the library would have been refused for.
+/// Row on the contract of calls: a library that breaks it would have been refused.
 fn contract(tried: &Tried) -> Vec<String> {
     let (mark, on) = if tried.problems.is_empty() {
         let why = match tried.refusals.as_slice() {
@@ -183,7 +183,8 @@ fn contract(tried: &Tried) -> Vec<String> {
     ]
 }
 
-/// What instances share, and may be harmless.
+/// Row on the library's static data, which instances share and which may be harmless; `None` where no function writes
+/// any.
 fn static_data(tried: &Tried) -> Option<Vec<String>> {
     let functions = &tried.writing_static_data;
     (!functions.is_empty()).then(|| {

@@ -34,14 +34,14 @@ struct Statement<'a> {
     holds: bool,
 }
 
-/// What the paper prints.
+/// Value that the paper prints: its text, and its number where it has one.
 #[derive(Serialize)]
 struct Printed {
     text: &'static str,
     value: Option<f64>,
 }
 
-/// What was measured.
+/// Value that was measured: its text, then its number and tolerance where it has them.
 #[derive(Serialize)]
 struct Measured<'a> {
     text: &'a str,

@@ -16,7 +16,7 @@ const OVER: f64 = 1.1;
 pub(super) struct Clock {
     within: Option<f64>,
     start: Instant,
-    /// What is being formed, since when.
+    /// Method that is being formed, and since when.
     forming: Option<(String, Instant)>,
     longest: Option<(String, Duration)>,
     /// How long the last one took.
@@ -63,7 +63,8 @@ impl Clock {
         is_allowed
     }
 
-    /// What a search that was ended leaves out, in words.
+    /// Message about a search that its time limit has ended: methods that were not formed, and how long the search took
+    /// where that is far over. Returns `None` for a complete search, and without a limit.
     pub(super) fn ended(&self, tuner: &Tuner<'_>, tuning: &Tuning) -> Option<String> {
         let within = self.within.filter(|_| !tuning.is_complete)?;
         let unbuilt = match (tuner.unbuilt(), &self.longest) {

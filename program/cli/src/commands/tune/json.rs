@@ -33,7 +33,8 @@ pub(super) struct Told<'a> {
     written_run: Option<WrittenRun>,
 }
 
-/// What was asked.
+/// Request: the largest errors of state, energy and Casimirs, how they are judged, and whether the method is to be a
+/// Poisson map.
 #[derive(Serialize)]
 struct Asked {
     error: Option<Double>,
@@ -56,7 +57,7 @@ struct Recommended<'a> {
     measured: &'a Measured,
 }
 
-/// What was foretold of a run: error and cost, which has the name of its unit.
+/// Prediction for a run: its error, and its cost under the name of its unit.
 #[derive(Serialize)]
 struct Predicted {
     error: Double,

@@ -24,7 +24,7 @@ use crate::failure::{Failure, exit};
 use crate::files::{check_writable, replace_unchanged};
 use crate::plugins::Parts;
 
-/// What there is to print.
+/// Findings of a search, with all that printing them needs.
 struct Found<'a> {
     document: &'a SceneDocument,
     bench: &'a Bench<'a>,

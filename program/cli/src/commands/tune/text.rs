@@ -1,4 +1,4 @@
-//! What was found, at the terminal.
+//! Text of `leafwise tune` at the terminal: the recommendation, or what keeps every method from it.
 
 use leafwise::core::Structure;
 use leafwise::scene::document::RunSection;
@@ -152,7 +152,8 @@ fn measured(found: &Found<'_>, recommended: &Recommendation) -> Vec<Vec<String>>
     rows
 }
 
-/// What a method that keeps the tensor to an order keeps of it at its step.
+/// Tensor defect and Casimir drift, in words, of a method that keeps the tensor to an order and is a Poisson map in
+/// doubles. Returns `None` for any other method.
 fn how_poisson(recommended: &Recommendation) -> Option<String> {
     let measured = &recommended.measured;
     let (Structure::Order(order), Some(defect), true) = (
@@ -282,7 +283,7 @@ fn nearest(found: &Found<'_>, reached: &Reached) -> [String; 2] {
     ]
 }
 
-/// What keeps a method from what is asked, and what to try.
+/// Advice where no method holds what is asked: the obstacle, and what to try.
 pub(super) fn advice(limit: Limit) -> &'static str {
     match limit {
         Limit::Reference => {

@@ -26,7 +26,7 @@ struct Row<'a> {
     seconds: Double,
 }
 
-/// What it declares.
+/// Declaration of a step map: its order and its structure.
 #[derive(Serialize)]
 struct Declared<'a> {
     order: usize,

@@ -93,7 +93,7 @@ fn problems(arguments: &VerifyArguments, parts: &mut Parts) -> Result<Vec<Proble
         .collect()
 }
 
-/// What stands after the rows: what does not fit, a reason a line, and the verdict.
+/// Prints the text below the rows: what does not fit, a reason a line, and the verdict.
 fn conclude(survey: &Survey, seconds: f64, console: &mut Console<'_>) {
     let refusals = survey.refusals();
     for of_problem in refusals.chunk_by(|a, b| a.problem == b.problem) {

@@ -12,7 +12,7 @@ pub struct LieAlgebra {
     pub coordinates: &'static [&'static str],
     /// The nonzero entries.
     pub bracket: &'static [StructureEntry],
-    /// What it is, in one line.
+    /// Description of the algebra, in one line.
     pub summary: &'static str,
 }
 
