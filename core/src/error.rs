@@ -75,8 +75,8 @@ pub enum BuildError {
     /// A step whose functions are differentiated by more variables than their code is formed for.
     #[error(
         "a step of it takes the derivatives by all {variables} variables, whose code is formed for at most {most}; \
-         take a stepper that solves nothing, such as splitting or rk4, or write chains of coordinates as `families` \
-         of a lattice, which is formed site by site"
+         take a stepper that solves nothing, or write chains of coordinates as `families` of a lattice, which is formed \
+         site by site"
     )]
     TooManyVariables {
         /// Their number.
@@ -87,8 +87,8 @@ pub enum BuildError {
     /// Equations of a step that are solved together, more than elimination is made for.
     #[error(
         "a step solves {equations} equations together by elimination, which is made for at most {most}; take a \
-         stepper that solves none, such as splitting or rk4, or fewer stages, or write chains of coordinates as \
-         `families` of a lattice, which is solved site by site"
+         stepper that solves none, or fewer stages, or write chains of coordinates as `families` of a lattice, which is \
+         solved site by site"
     )]
     TooManyEquations {
         /// Their number.
@@ -136,14 +136,15 @@ pub enum BuildError {
     },
     /// A composition of a map whose factors it needs.
     #[error(
-        "{composition} takes a step apart into a map of order 1 and its adjoint, which {map} does not offer; \
-         compose splitting with it, or take a composition of self-adjoint maps, such as suzuki-4 or kahan-li-6"
+        "{composition} takes a step apart into a map of order 1 and its adjoint, which {map} does not offer"
     )]
     NoFactors {
         /// The composition.
         composition: &'static str,
         /// The map.
         map: String,
+        /// Whether that is self-adjoint, as other compositions ask.
+        is_self_adjoint: bool,
     },
     /// A composition of a splitting into other pieces than it needs.
     #[error("the composition needs {asked}, and {map} does not offer them: {reason}")]
@@ -188,7 +189,7 @@ pub enum BuildError {
         reason: String,
     },
     /// A part that needs more of a system of numbers than it offers.
-    #[error("{part} needs {missing}, and {system} offers only numbers; what serves it: {instead}")]
+    #[error("{part} needs {missing}, and {system} offers only numbers")]
     NotOffered {
         /// The part's name.
         part: &'static str,
@@ -196,18 +197,22 @@ pub enum BuildError {
         system: String,
         /// What the part would need.
         missing: &'static str,
-        /// The parts that need no more than the system has.
-        instead: String,
     },
     /// A part that integrates ẋ = {H, x} alone, and a system with forces beside dH.
-    #[error(
-        "{part} integrates x' = {{H, x}} alone, and this system has forces; what serves it: {instead}"
-    )]
+    #[error("{part} integrates x' = {{H, x}} alone, and this system has forces")]
     Forces {
         /// The part.
         part: String,
-        /// The parts that take forces.
-        instead: String,
+    },
+    /// A dynamic approximation that needs α̂ and β̂, over coordinates in which the tensor is constant.
+    #[error(
+        "{dynamics} cannot be combined with {realization}: it is coordinates in which the tensor is constant"
+    )]
+    LiftAlone {
+        /// The dynamic approximation.
+        dynamics: String,
+        /// The coordinates.
+        realization: String,
     },
     /// Two parts that cannot be combined.
     #[error("{dynamics} cannot be combined with {realization}: {reason}")]

@@ -47,6 +47,7 @@ mod generating_shadow;
 pub mod gradient;
 pub mod graph_bisection;
 mod hint;
+mod instead;
 pub mod lattice;
 pub mod lift;
 pub mod lifted_realization;
