@@ -324,7 +324,7 @@ fn parts_of_hamiltonian_motions_refuse_forces_and_name_what_takes_them() {
             matches!(error, BuildError::Forces { .. }),
             "{name}: {error}"
         );
-        let text = error.to_string();
+        let text = registry.explain(&error);
         assert!(text.contains("one-form") && text.contains("rk4"), "{text}");
     };
     for info in registry.parts() {

@@ -6,7 +6,6 @@ use std::sync::Arc;
 use leafwise::core::diagnostics::measure_drift;
 use leafwise::core::part::PartKind;
 use leafwise::core::system::SystemInvariants;
-use leafwise::core::system::numbers::serves_numbers;
 use leafwise::core::{
     BuildError, DynamicApproximation, Method, PartParameters, PoissonSystem, RealizationData,
     Registry, StepMap, Walk,
@@ -177,10 +176,23 @@ fn refusal(name: &str, kind: PartKind, system: &PoissonSystem) -> Option<BuildEr
     }
 }
 
+/// What refusals of systems of numbers name.
+fn serving(registry: &Registry) -> String {
+    let refused = BuildError::NotOffered {
+        part: "acme/part",
+        system: "test/numbers".to_owned(),
+        missing: "formulas of the system",
+    };
+    let serving = registry.instead(&refused).expect("parts");
+    assert!(serving.starts_with("what serves it: "), "{serving}");
+    serving
+}
+
 #[test]
 fn parts_that_need_formulas_say_so_and_what_serves_instead() {
     let system = opaque::with_derivatives(&library("rigid-body").system);
-    for info in Registry::with_builtin().parts() {
+    let registry = Registry::with_builtin();
+    for info in registry.parts() {
         let Some(error) = refusal(info.name, info.kind, &system) else {
             continue;
         };
@@ -190,12 +202,11 @@ fn parts_that_need_formulas_say_so_and_what_serves_instead() {
             info.name
         );
         assert_eq!(
-            error.to_string(),
+            registry.explain(&error),
             format!(
-                "{} needs formulas of the system, and test/numbers offers only numbers; what serves \
-                 it: {}",
+                "{} needs formulas of the system, and test/numbers offers only numbers; {}",
                 info.name,
-                serves_numbers()
+                serving(&registry)
             )
         );
     }
@@ -204,11 +215,12 @@ fn parts_that_need_formulas_say_so_and_what_serves_instead() {
 #[test]
 fn what_refusals_name_is_what_serves() {
     let system = opaque::with_derivatives(&library("rigid-body").system);
-    let serving = serves_numbers();
+    let registry = Registry::with_builtin();
+    let serving = serving(&registry);
     let words: Vec<&str> = serving
         .split(|c: char| !c.is_alphanumeric() && c != '-')
         .collect();
-    for info in Registry::with_builtin().parts() {
+    for info in registry.parts() {
         if matches!(info.kind, PartKind::System | PartKind::Composition)
             || info.name == "collective"
         {
@@ -226,10 +238,6 @@ fn hamilton_jacobi_above_order_two_needs_formulas() {
         .expect_err("no formulas, no S_3");
     assert_eq!(
         refused.to_string(),
-        format!(
-            "hamilton-jacobi needs formulas of the system for an order above 2, and test/values \
-             offers only numbers; what serves it: {}",
-            serves_numbers()
-        )
+        "hamilton-jacobi needs formulas of the system for an order above 2, and test/values offers only numbers"
     );
 }

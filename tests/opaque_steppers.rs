@@ -27,11 +27,10 @@ fn build(
         .fold(PartParameters::new(), |all, &(key, value)| {
             all.with(key, value)
         });
-    Registry::with_builtin()
-        .stepper(name)
-        .expect("a built-in stepper")
-        .build(system, &parameters)
-        .map_err(|error| error.to_string())
+    let registry = Registry::with_builtin();
+    let part = registry.stepper(name).expect("a built-in stepper");
+    let built = part.build(system, &parameters);
+    built.map_err(|error| registry.explain(&error))
 }
 
 /// Two ways to the same map differ by round-off of a few hundred operations a step; along these

@@ -29,7 +29,7 @@ const CASES: [&str; 2] = [
 ];
 
 /// Words that are names of parts too, and examples in messages.
-const OTHER_MEANINGS: [(&str, &str); 15] = [
+const OTHER_MEANINGS: [(&str, &str); 11] = [
     ("program/scene/src/document/bracket.rs", "one-form"),
     ("program/scene/src/document/system_schema.rs", "one-form"),
     ("program/scene/src/compose/shape.rs", "constant"),
@@ -42,10 +42,6 @@ const OTHER_MEANINGS: [(&str, &str); 15] = [
     ("program/scene/src/document/method.rs", "hamilton-jacobi"),
     ("program/scene/src/document/method.rs", "implicit-midpoint"),
     ("plugins/loader/src/smoke/problems.rs", "log-canonical"),
-    ("program/scene/src/compose/request.rs", "splitting"),
-    ("program/scene/src/compose/request.rs", "rk4"),
-    ("program/scene/src/compose/request.rs", "dormand-prince45"),
-    ("program/scene/src/compose/request.rs", "dop853"),
     ("program/run/src/advice/step.rs", "dop853"),
     ("program/run/src/advice/step.rs", "taylor"),
 ];

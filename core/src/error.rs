@@ -1,10 +1,12 @@
 //! Typed failures: where, what, and what to try.
 
+use std::fmt;
 use std::ops::Range;
 
 use leafwise_expression::AlgebraError;
 use thiserror::Error;
 
+use crate::hint::Hint;
 use crate::solver::Pieces;
 
 /// Why a part or a method could not be built.
@@ -73,8 +75,8 @@ pub enum BuildError {
     /// A step whose functions are differentiated by more variables than their code is formed for.
     #[error(
         "a step of it takes the derivatives by all {variables} variables, whose code is formed for at most {most}; \
-         take a stepper that solves nothing, such as splitting or rk4, or write chains of coordinates as `families` \
-         of a lattice, which is formed site by site"
+         take a stepper that solves nothing, or write chains of coordinates as `families` of a lattice, which is formed \
+         site by site"
     )]
     TooManyVariables {
         /// Their number.
@@ -85,8 +87,8 @@ pub enum BuildError {
     /// Equations of a step that are solved together, more than elimination is made for.
     #[error(
         "a step solves {equations} equations together by elimination, which is made for at most {most}; take a \
-         stepper that solves none, such as splitting or rk4, or fewer stages, or write chains of coordinates as \
-         `families` of a lattice, which is solved site by site"
+         stepper that solves none, or fewer stages, or write chains of coordinates as `families` of a lattice, which is \
+         solved site by site"
     )]
     TooManyEquations {
         /// Their number.
@@ -134,14 +136,15 @@ pub enum BuildError {
     },
     /// A composition of a map whose factors it needs.
     #[error(
-        "{composition} takes a step apart into a map of order 1 and its adjoint, which {map} does not offer; \
-         compose splitting with it, or take a composition of self-adjoint maps, such as suzuki-4 or kahan-li-6"
+        "{composition} takes a step apart into a map of order 1 and its adjoint, which {map} does not offer"
     )]
     NoFactors {
         /// The composition.
         composition: &'static str,
         /// The map.
         map: String,
+        /// Whether that is self-adjoint, as other compositions ask.
+        is_self_adjoint: bool,
     },
     /// A composition of a splitting into other pieces than it needs.
     #[error("the composition needs {asked}, and {map} does not offer them: {reason}")]
@@ -186,7 +189,7 @@ pub enum BuildError {
         reason: String,
     },
     /// A part that needs more of a system of numbers than it offers.
-    #[error("{part} needs {missing}, and {system} offers only numbers; what serves it: {instead}")]
+    #[error("{part} needs {missing}, and {system} offers only numbers")]
     NotOffered {
         /// The part's name.
         part: &'static str,
@@ -194,18 +197,22 @@ pub enum BuildError {
         system: String,
         /// Data of the system that the part would need, in words.
         missing: &'static str,
-        /// The parts that need no more than the system has.
-        instead: String,
     },
     /// A part that integrates ẋ = {H, x} alone, and a system with forces beside dH.
-    #[error(
-        "{part} integrates x' = {{H, x}} alone, and this system has forces; what serves it: {instead}"
-    )]
+    #[error("{part} integrates x' = {{H, x}} alone, and this system has forces")]
     Forces {
         /// The part.
         part: String,
-        /// The parts that take forces.
-        instead: String,
+    },
+    /// A dynamic approximation that needs α̂ and β̂, over coordinates in which the tensor is constant.
+    #[error(
+        "{dynamics} cannot be combined with {realization}: it is coordinates in which the tensor is constant"
+    )]
+    LiftAlone {
+        /// The dynamic approximation.
+        dynamics: String,
+        /// The coordinates.
+        realization: String,
     },
     /// Two parts that cannot be combined.
     #[error("{dynamics} cannot be combined with {realization}: {reason}")]
@@ -220,6 +227,88 @@ pub enum BuildError {
 }
 
 impl StepError {
+    /// An increment with a component that is not finite.
+    pub const OF_INCREMENT: Self = Self::NonFinite {
+        what: "the increment",
+    };
+
+    /// Advice, where the failure itself tells any.
+    pub fn hint(&self) -> Option<Hint> {
+        match self {
+            Self::NoConvergence { .. } => Some(Hint::ReduceStepOrRaiseOrder),
+            Self::LeftChart { .. } | Self::OutsideDomain { .. } => Some(Hint::ReduceStep),
+            Self::OtherBranch { .. } | Self::LostSign { .. } | Self::Pole { .. } => {
+                Some(Hint::ReduceTimeStep)
+            }
+            Self::Singularity { .. } => Some(Hint::EndBefore),
+            Self::NonFinite { .. } => Some(Hint::CheckInitialOrReduceStep),
+            Self::OutsideImage { hint, .. } => Some(Hint::OfPart(hint)),
+            Self::NoTangent | Self::Part { .. } => None,
+        }
+    }
+
+    /// The cause in words, without the [hint](Self::hint).
+    pub fn cause(&self) -> impl fmt::Display {
+        fmt::from_fn(move |f| self.write_cause(f))
+    }
+
+    fn write_cause(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoConvergence {
+                evaluations,
+                correction,
+            } => write!(
+                f,
+                "no convergence after {evaluations} evaluations (last correction {correction:.1e} relative to the state)"
+            ),
+            Self::LeftChart { ratio } => write!(
+                f,
+                "the step left the realization's chart: the last term of its series over the first, or a radius over \
+                 its limit, is {ratio:.1e}"
+            ),
+            Self::OtherBranch { reached } => write!(
+                f,
+                "the solution of the step's equation that begins at the state was lost after {:.0} % of the way; \
+                 another solution is no step of the flow",
+                100.0 * reached
+            ),
+            Self::LostSign { coordinate } => write!(
+                f,
+                "coordinate {coordinate}, whose sign the tensor keeps, fell below 1e-12 of itself in one step: its \
+                 digits are lost in the sum"
+            ),
+            Self::Pole {
+                denominator,
+                before,
+                after,
+            } => write!(
+                f,
+                "the step crosses a pole of the equations of motion, where {denominator} = 0: it goes from {before:.3e} \
+                 to {after:.3e}, and the flow does not cross it"
+            ),
+            Self::Singularity { percent } => write!(
+                f,
+                "the motion runs into a singularity after {percent:.0} % of the step, where its Taylor series' radius \
+                 of convergence falls to 0"
+            ),
+            Self::NoTangent => f.write_str(
+                "the map offers no exact tangent, so its tensor defect cannot be measured",
+            ),
+            Self::Part { part, message } | Self::OutsideDomain { part, message, .. } => {
+                write!(f, "{part} failed: {message}")
+            }
+            Self::OutsideImage { part, reason, .. } => write!(
+                f,
+                "the coordinates of {part} do not reach the state: {reason}"
+            ),
+            Self::NonFinite { what } => write!(
+                f,
+                "{what} is not finite: the state left the formulas' domain (ln of a negative number, a division by \
+                 zero, a power without derivatives at 0) or overflowed"
+            ),
+        }
+    }
+
     /// Whether it says that a solve failed, not that a function has no value: another path to the
     /// solution may then lead there.
     pub fn is_of_a_solve(&self) -> bool {
@@ -227,15 +316,24 @@ impl StepError {
     }
 }
 
+impl fmt::Display for StepError {
+    /// The cause, and behind a semicolon the hint where there is one.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.write_cause(f)?;
+        match self.hint() {
+            Some(hint) => write!(f, "; {hint}"),
+            None => Ok(()),
+        }
+    }
+}
+
+impl std::error::Error for StepError {}
+
 /// Why a step could not be taken. The state before the step is intact.
-#[derive(Clone, Debug, PartialEq, Error)]
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum StepError {
     /// The solver for β̂(L(y)) = x did not converge.
-    #[error(
-        "no convergence after {evaluations} evaluations (last correction {correction:.1e} relative \
-         to the state); reduce epsilon*h or raise the realization's order"
-    )]
     NoConvergence {
         /// Evaluations spent on this step.
         evaluations: usize,
@@ -244,40 +342,23 @@ pub enum StepError {
     },
     /// The solution lies outside the realization's chart: its series no longer decays, or its
     /// closed form ends.
-    #[error(
-        "the step left the realization's chart: the last term of its series over the first, or a \
-         radius over its limit, is {ratio:.1e}; reduce epsilon*h"
-    )]
     LeftChart {
         /// Size of the last term over that of the first; distance from the section over the radius.
         ratio: f64,
     },
     /// A solution that is not the one connected with the state before the step, or none that is:
     /// there the map is not near the flow.
-    #[error(
-        "the solution of the step's equation that begins at the state was lost after {percent:.0} % of the way; \
-         another solution is no step of the flow; reduce the time step",
-        percent = 100.0 * reached
-    )]
     OtherBranch {
         /// The part of the way from the state to a solution that could be followed.
         reached: f64,
     },
     /// A coordinate whose sign the tensor keeps fell so far in one step that its digits are lost.
-    #[error(
-        "coordinate {coordinate}, whose sign the tensor keeps, fell below 1e-12 of itself in one step: its \
-         digits are lost in the sum; reduce the time step"
-    )]
     LostSign {
         /// Which, from 1.
         coordinate: usize,
     },
     /// A denominator of the equations of motion changed its sign in one step: the flow does not cross
     /// its pole.
-    #[error(
-        "the step crosses a pole of the equations of motion, where {denominator} = 0: it goes from {before:.3e} to \
-         {after:.3e}, and the flow does not cross it; reduce the time step"
-    )]
     Pole {
         /// The denominator, or one of its factors, by its name where the system has one for it.
         denominator: String,
@@ -287,19 +368,13 @@ pub enum StepError {
         after: f64,
     },
     /// A motion whose Taylor series converges for shorter and shorter times: it ends.
-    #[error(
-        "the motion runs into a singularity after {percent:.0} % of the step, where its Taylor series' radius of \
-         convergence falls to 0; end the run before, or take a Poisson map of smaller steps if it only comes close"
-    )]
     Singularity {
         /// The part of the step before it.
         percent: f64,
     },
     /// A diagnostic asked for the tangent of a map that offers none.
-    #[error("the map offers no exact tangent, so its tensor defect cannot be measured")]
     NoTangent,
     /// A part outside the program could not evaluate one of its functions.
-    #[error("{part} failed: {message}")]
     Part {
         /// Its name.
         part: String,
@@ -307,7 +382,6 @@ pub enum StepError {
         message: String,
     },
     /// The state lies outside the domain of a part outside the program.
-    #[error("{part} failed: {message}; reduce epsilon*h")]
     OutsideDomain {
         /// Its name.
         part: String,
@@ -317,20 +391,86 @@ pub enum StepError {
         message: String,
     },
     /// A state that no point of a realization's coordinates lies over.
-    #[error("the coordinates of {part} do not reach the state: {reason}")]
     OutsideImage {
         /// The realization.
         part: &'static str,
-        /// Why, and what to try.
+        /// Why.
         reason: &'static str,
+        /// What to try.
+        hint: &'static str,
     },
     /// A value that is not finite.
-    #[error(
-        "{what} is not finite: the state left the formulas' domain (ln of a negative number, a \
-         division by zero, a power without derivatives at 0) or overflowed; check `initial` or reduce epsilon*h"
-    )]
     NonFinite {
         /// Quantity that was being computed, in words.
         what: &'static str,
     },
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Hint, StepError};
+
+    #[test]
+    fn a_failed_step_tells_its_cause_and_its_hint_apart() {
+        let ratio = 2.0;
+        let (part, message) = ("acme/chart".to_owned(), "ends: x1; x2".to_owned());
+        let outside = StepError::OutsideDomain {
+            part: part.clone(),
+            ratio,
+            message: message.clone(),
+        };
+        let cases = [
+            (
+                StepError::NoConvergence {
+                    evaluations: 20,
+                    correction: 1e-3,
+                },
+                Some(Hint::ReduceStepOrRaiseOrder),
+            ),
+            (StepError::LeftChart { ratio }, Some(Hint::ReduceStep)),
+            (
+                StepError::OtherBranch { reached: 0.5 },
+                Some(Hint::ReduceTimeStep),
+            ),
+            (
+                StepError::LostSign { coordinate: 1 },
+                Some(Hint::ReduceTimeStep),
+            ),
+            (
+                StepError::Pole {
+                    denominator: "q".to_owned(),
+                    before: 1.0,
+                    after: -1.0,
+                },
+                Some(Hint::ReduceTimeStep),
+            ),
+            (
+                StepError::Singularity { percent: 50.0 },
+                Some(Hint::EndBefore),
+            ),
+            (StepError::NoTangent, None),
+            (StepError::Part { part, message }, None),
+            (outside, Some(Hint::ReduceStep)),
+            (
+                StepError::OutsideImage {
+                    part: "clebsch",
+                    reason: "no point lies over it",
+                    hint: "take another realization",
+                },
+                Some(Hint::OfPart("take another realization")),
+            ),
+            (
+                StepError::OF_INCREMENT,
+                Some(Hint::CheckInitialOrReduceStep),
+            ),
+        ];
+        for (error, hint) in cases {
+            assert_eq!(error.hint(), hint, "{error}");
+            let told = match hint {
+                Some(hint) => format!("{}; {hint}", error.cause()),
+                None => error.cause().to_string(),
+            };
+            assert_eq!(error.to_string(), told);
+        }
+    }
 }

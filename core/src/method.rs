@@ -166,11 +166,9 @@ impl Method {
                 let kernel =
                     kernel.and_then(|()| NewtonKernel::compile(&mut graph, &ends, parameters));
                 let kernel = kernel.map_err(|error| match error {
-                    BuildError::Algebra(too_long @ AlgebraError::CodeTooLong { .. }) => {
-                        missing(&format!(
-                            "{too_long}; take lower orders, or a stepper such as rk4 or splitting"
-                        ))
-                    }
+                    BuildError::Algebra(too_long @ AlgebraError::CodeTooLong { .. }) => missing(
+                        &format!("{too_long}; take lower orders, or a stepper in place of both"),
+                    ),
                     other => other,
                 })?;
                 let start = start_of_solves(
@@ -354,12 +352,9 @@ fn check_lift(
     let has_maps = realization.code().is_some() || realization.lift().is_none();
     match has_maps || dynamics.serves_lifts() {
         true => Ok(()),
-        false => Err(BuildError::Incompatible {
+        false => Err(BuildError::LiftAlone {
             dynamics: dynamics.describe(),
             realization: realization.describe(),
-            reason:
-                "it is coordinates in which the tensor is constant, for the dynamics collective"
-                    .to_owned(),
         }),
     }
 }

@@ -194,6 +194,15 @@ pub struct ServesNumbers {
     pub limit: &'static str,
 }
 
+/// Names that a part has in other programs and in textbooks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Elsewhere {
+    /// Each of them; only letters and digits count, large or small.
+    pub names: &'static [&'static str],
+    /// The method in words, behind `stepper = "rk4" is`.
+    pub is: &'static str,
+}
+
 /// Declaration of a part: its name, kind, promises, domain, literature and parameters, and how choices and comparisons
 /// use it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -246,6 +255,9 @@ pub struct PartInfo {
     /// The settings that a full survey tries; its defaults alone where there are none.
     #[serde(skip)]
     pub surveyed: &'static [Settings],
+    /// How it is called elsewhere.
+    #[serde(skip)]
+    pub elsewhere: Option<Elsewhere>,
 }
 
 impl PartInfo {
@@ -270,6 +282,7 @@ impl PartInfo {
             compared: None,
             reference: None,
             surveyed: &[],
+            elsewhere: None,
         }
     }
 
@@ -402,18 +415,6 @@ impl PartParameters {
         }
     }
 }
-
-/// The parts of the crates that are linked into the program, by what they declare.
-pub fn linked() -> impl Iterator<Item = &'static PartInfo> {
-    inventory::iter::<Declared>().map(|declared| (declared.0)())
-}
-
-/// Declaration of a linked part, as a function that returns it; see [`built_in!`](crate::built_in).
-#[doc(hidden)]
-#[derive(Clone, Copy, Debug)]
-pub struct Declared(pub fn() -> &'static PartInfo);
-
-inventory::collect!(Declared);
 
 fn unknown_parameter(info: &PartInfo, parameter: &str) -> BuildError {
     let names: Vec<_> = info.parameters.iter().map(|p| p.name).collect();

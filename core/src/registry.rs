@@ -41,9 +41,6 @@ macro_rules! built_in {
                 version: env!("CARGO_PKG_VERSION"),
             }
         }
-        $crate::registry::inventory::submit! {
-            $crate::part::Declared(|| $crate::registry::Part::from($part).info())
-        }
     };
 }
 

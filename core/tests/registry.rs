@@ -2,11 +2,12 @@
 
 use std::path::PathBuf;
 
-use leafwise_core::part::{ParameterSetting, PartInfo, PartKind};
+use leafwise_core::part::{Compared, Family, ParameterSetting, PartInfo, PartKind, ServesNumbers};
 use leafwise_core::part_description::{ParameterDescription, PartDescription};
-use leafwise_core::registry::SystemPart;
+use leafwise_core::registry::{CompositionPart, DynamicsPart, StepperPart, SystemPart};
 use leafwise_core::{
-    Convention, Origin, Part, PartParameters, PoissonSystem, Registry, RegistryError,
+    BuildError, Convention, Origin, Part, PartParameters, Pieces, PoissonSystem, Registry,
+    RegistryError,
 };
 use leafwise_expression::{Expression, Rational};
 
@@ -146,4 +147,123 @@ fn an_unknown_name_suggests_one_of_its_kind() {
         panic!("a system is no stepper");
     };
     assert_eq!(error.to_string(), "no stepper is called `acme/spring`");
+}
+
+/// One refusal of each kind that parts of a registry may cure.
+fn refusals() -> [BuildError; 6] {
+    let (dynamics, realization) = ("m = 2".to_owned(), "a lift".to_owned());
+    [
+        BuildError::NotOffered {
+            part: "acme/part",
+            system: "acme/spring".to_owned(),
+            missing: "formulas of the system",
+        },
+        BuildError::Forces {
+            part: "acme/part".to_owned(),
+        },
+        BuildError::TooManyVariables {
+            variables: 9,
+            most: 8,
+        },
+        BuildError::TooManyEquations {
+            equations: 9,
+            most: 8,
+        },
+        BuildError::NoFactors {
+            composition: "acme/fine",
+            map: "a map".to_owned(),
+            is_self_adjoint: true,
+        },
+        BuildError::LiftAlone {
+            dynamics,
+            realization,
+        },
+    ]
+}
+
+fn stepper(name: &'static str, family: Family) -> Part {
+    let info = Box::leak(Box::new(PartInfo {
+        name,
+        family: Some(family),
+        compared: Some(Compared::at(1)),
+        takes_forces: family == Family::Explicit,
+        serves_numbers: (family == Family::Explicit)
+            .then_some(ServesNumbers { rank: 1, limit: "" }),
+        ..PartInfo::of(PartKind::Stepper)
+    }));
+    StepperPart::new(info, |_, _| unreachable!("it is named alone")).into()
+}
+
+fn composition(name: &'static str, factors: Option<Pieces>) -> Part {
+    let info = Box::leak(Box::new(PartInfo {
+        name,
+        compared: Some(Compared::at(1)),
+        ..PartInfo::of(PartKind::Composition)
+    }));
+    CompositionPart::new(info, 4, factors, |_, _| unreachable!("it is named alone")).into()
+}
+
+fn dynamics(name: &'static str) -> Part {
+    let info = Box::leak(Box::new(PartInfo {
+        name,
+        compared: Some(Compared {
+            over_lifts: &[&[]],
+            ..Compared::at(1)
+        }),
+        ..PartInfo::of(PartKind::Dynamics)
+    }));
+    DynamicsPart::new(info, |_| unreachable!("it is named alone")).into()
+}
+
+/// The same crates are linked whatever a registry holds.
+#[test]
+fn refusals_name_parts_of_the_registry_alone() {
+    let empty = Registry::empty();
+    let mut registry = Registry::empty();
+    for part in [
+        stepper("acme/classical", Family::Explicit),
+        stepper("acme/implicit", Family::Implicit),
+        stepper("acme/flows", Family::Splitting),
+        composition("acme/stages", None),
+        composition("acme/fine", Some(Pieces::Any)),
+        dynamics("acme/gentle"),
+    ] {
+        registry.register(part, library()).expect("a fresh name");
+    }
+    let nothing = "what serves it: no part of this program";
+    let serving = "what serves it: the steppers acme/classical";
+    let solving = "steppers that solve nothing: acme/flows, acme/classical";
+    let composing = "compose acme/flows with it, or take a composition of self-adjoint maps, such as acme/stages";
+    let expected = [
+        (Some(nothing), Some(serving)),
+        (Some(nothing), Some(serving)),
+        (None, Some(solving)),
+        (None, Some(solving)),
+        (None, Some(composing)),
+        (None, Some("dynamics that step there: acme/gentle")),
+    ];
+    for (error, (without, with)) in refusals().iter().zip(expected) {
+        for (registry, instead) in [(&empty, without), (&registry, with)] {
+            assert_eq!(registry.instead(error).as_deref(), instead, "{error}");
+            let told = registry.explain(error);
+            let added = instead.map_or(String::new(), |instead| format!("; {instead}"));
+            assert_eq!(told, format!("{error}{added}"));
+        }
+        assert!(!error.to_string().contains("acme/flows"), "{error}");
+    }
+}
+
+/// Other compositions ask for a self-adjoint map too: they are named where it is one.
+#[test]
+fn compositions_are_named_to_a_map_that_they_take() {
+    let mut registry = Registry::empty();
+    let part = composition("acme/stages", None);
+    registry.register(part, library()).expect("a fresh name");
+    let refused = |is_self_adjoint: bool| BuildError::NoFactors {
+        composition: "acme/fine",
+        map: "a map".to_owned(),
+        is_self_adjoint,
+    };
+    assert!(registry.explain(&refused(true)).contains("acme/stages"));
+    assert_eq!(registry.instead(&refused(false)), None);
 }

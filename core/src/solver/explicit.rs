@@ -245,9 +245,7 @@ impl Stepper for ExplicitStepper {
                 Ok(())
             } else {
                 places().for_each(|at| increment[at] = 0.0);
-                Err(StepError::NonFinite {
-                    what: "the increment",
-                })
+                Err(StepError::OF_INCREMENT)
             };
             self.statistics.count(self.evaluations, outcome.is_ok());
         }

@@ -181,9 +181,7 @@ fn step<T: Trajectories>(
     for (at, taken) in taken.iter_mut().enumerate() {
         let own = &mut increment[at * d..][..d];
         if !own.iter().all(|v| v.is_finite()) {
-            taken.fail(StepError::NonFinite {
-                what: "the increment",
-            });
+            taken.fail(StepError::OF_INCREMENT);
         }
         if taken.outcome.is_err() {
             trajectories.restart(at);

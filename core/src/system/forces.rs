@@ -10,7 +10,6 @@
 use leafwise_expression::Expression;
 
 use crate::error::BuildError;
-use crate::part::{PartKind, linked};
 
 /// η = Σ_i η_i dx_i + λ g ẋ_H.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -100,26 +99,5 @@ impl Forces {
         damping
             .flat_map(|damping| damping.metric.lengths())
             .try_for_each(|found| of("a row of the metric of the damping", found))
-    }
-}
-
-/// The linked parts that take forces, in words.
-pub(super) fn takes_forces() -> String {
-    let all = |kind: PartKind| -> Vec<&str> {
-        let parts = linked().filter(|info| info.kind == kind && info.takes_forces);
-        let mut names: Vec<&str> = parts.map(|info| info.name).collect();
-        names.sort_unstable();
-        names
-    };
-    let [dynamics, steppers] = [PartKind::Dynamics, PartKind::Stepper].map(all);
-    match (dynamics.as_slice(), steppers.as_slice()) {
-        ([], []) => "nothing that is linked into this program".to_owned(),
-        (dynamics, []) => format!("the dynamics {}", dynamics.join(", ")),
-        ([], steppers) => format!("the steppers {}", steppers.join(", ")),
-        (dynamics, steppers) => format!(
-            "the dynamics {}, which keeps every Casimir, and the steppers {}",
-            dynamics.join(", "),
-            steppers.join(", ")
-        ),
     }
 }

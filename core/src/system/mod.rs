@@ -191,8 +191,7 @@ impl PoissonSystem {
     /// The formulas, for a part that needs them.
     ///
     /// # Errors
-    /// [`BuildError::NotOffered`] for a system of numbers: it names `part`, what it would need and
-    /// what serves the system instead.
+    /// [`BuildError::NotOffered`] for a system of numbers: it names `part` and what it would need.
     pub fn formulas(&self, part: &'static str) -> Result<&SystemFormulas, BuildError> {
         match &self.definition {
             Definition::Formulas(system) => Ok(system),
@@ -236,12 +235,11 @@ impl PoissonSystem {
     /// Refuses a system with forces, for a part that integrates ẋ = {H, x} alone.
     ///
     /// # Errors
-    /// [`BuildError::Forces`], which names the parts that serve it.
+    /// [`BuildError::Forces`].
     pub fn without_forces(&self, part: &str) -> Result<(), BuildError> {
         if self.has_forces() {
             return Err(BuildError::Forces {
                 part: part.to_owned(),
-                instead: forces::takes_forces(),
             });
         }
         Ok(())

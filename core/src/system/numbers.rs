@@ -4,34 +4,6 @@ use std::sync::Arc;
 
 use super::Parameter;
 use crate::error::{BuildError, StepError};
-use crate::part::{PartKind, linked};
-
-/// Parts of this program that serve a system of numbers, in words, for refusals of those that do not.
-pub fn serves_numbers() -> String {
-    let all = |kind: PartKind| -> Vec<String> {
-        let mut serving: Vec<(u32, String)> = linked()
-            .filter(|info| info.kind == kind)
-            .filter_map(|info| {
-                let serves = info.serves_numbers?;
-                let text = format!("{} {}", info.name, serves.limit);
-                Some((serves.rank, text.trim_end().to_owned()))
-            })
-            .collect();
-        serving.sort();
-        serving.into_iter().map(|(_, text)| text).collect()
-    };
-    let [realizations, dynamics, steppers] =
-        [PartKind::Realization, PartKind::Dynamics, PartKind::Stepper].map(all);
-    if realizations.is_empty() || dynamics.is_empty() || steppers.is_empty() {
-        return "nothing that is linked into this program".to_owned();
-    }
-    format!(
-        "{} with {}, and the steppers {}",
-        realizations.join(" or "),
-        dynamics.join(" or with "),
-        steppers.join(", ")
-    )
-}
 
 /// A Poisson system known by its values: (M ≅ ℝᵈ, π, H) as functions to call.
 #[derive(Clone, Debug)]
@@ -55,7 +27,6 @@ impl OpaqueSystem {
             part,
             system: self.name.clone(),
             missing,
-            instead: serves_numbers(),
         }
     }
 }

@@ -24,13 +24,15 @@ impl Composed {
     /// [`BuildError::NoFactors`] when the scheme takes factors and `base` offers none. Fails with
     /// [`BuildError::Pieces`] when the pieces of `base` are not those that the scheme was solved for.
     pub fn new(base: Arc<dyn StepMap>, scheme: Scheme) -> Result<Self, BuildError> {
+        let is_self_adjoint = base.properties().self_adjoint == Some(true);
         if scheme.takes_factors() && base.factors().is_none() {
             return Err(BuildError::NoFactors {
                 composition: scheme.info.name,
                 map: base.describe(),
+                is_self_adjoint,
             });
         }
-        if base.properties().self_adjoint != Some(true) {
+        if !is_self_adjoint {
             return Err(BuildError::NotComposable {
                 composition: scheme.info.name,
                 map: base.describe(),

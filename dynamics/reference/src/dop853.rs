@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use leafwise_core::part::{Compared, Family, PartInfo, PartKind, PartParameters, ServesNumbers};
+use leafwise_core::part::{
+    Compared, Elsewhere, Family, PartInfo, PartKind, PartParameters, ServesNumbers,
+};
 use leafwise_core::registry::StepperPart;
 use leafwise_core::{BuildError, PoissonSystem, StepMap};
 
@@ -22,6 +24,10 @@ static INFO: PartInfo = PartInfo {
     serves_numbers: Some(ServesNumbers { rank: 2, limit: "" }),
     compared: Some(Compared::at(3)),
     reference: Some(&[]),
+    elsewhere: Some(Elsewhere {
+        names: &["dop", "rk8", "rk78", "dopri8"],
+        is: "the method of Dormand and Prince of order 8",
+    }),
     ..PartInfo::of(PartKind::Stepper)
 };
 

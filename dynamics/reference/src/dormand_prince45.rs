@@ -3,7 +3,9 @@
 
 use std::sync::Arc;
 
-use leafwise_core::part::{Compared, Family, PartInfo, PartKind, PartParameters, ServesNumbers};
+use leafwise_core::part::{
+    Compared, Elsewhere, Family, PartInfo, PartKind, PartParameters, ServesNumbers,
+};
 use leafwise_core::registry::StepperPart;
 use leafwise_core::{BuildError, PoissonSystem, StepMap};
 
@@ -22,6 +24,10 @@ static INFO: PartInfo = PartInfo {
     takes_forces: true,
     serves_numbers: Some(ServesNumbers { rank: 3, limit: "" }),
     compared: Some(Compared::at(4)),
+    elsewhere: Some(Elsewhere {
+        names: &["rk45", "ode45", "dopri", "dopri5", "dp45"],
+        is: "the pair of Dormand and Prince of orders 5 and 4",
+    }),
     ..PartInfo::of(PartKind::Stepper)
 };
 

@@ -3,7 +3,9 @@
 
 use std::sync::Arc;
 
-use leafwise_core::part::{Compared, Family, PartInfo, PartKind, PartParameters, ServesNumbers};
+use leafwise_core::part::{
+    Compared, Elsewhere, Family, PartInfo, PartKind, PartParameters, ServesNumbers,
+};
 use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
 use leafwise_core::solver::{CodeStepMap, ExplicitMap, StepReport, Trajectories};
@@ -26,6 +28,10 @@ static INFO: PartInfo = PartInfo {
     takes_forces: true,
     serves_numbers: Some(ServesNumbers { rank: 1, limit: "" }),
     compared: Some(Compared::at(5)),
+    elsewhere: Some(Elsewhere {
+        names: &["runge-kutta", "runge-kutta-4", "classical-runge-kutta"],
+        is: "the classical method of Runge and Kutta",
+    }),
     ..PartInfo::of(PartKind::Stepper)
 };
 

@@ -279,8 +279,10 @@ fn a_state_without_a_series_is_refused() {
 fn numbers_and_tolerances_out_of_range_are_refused() {
     let numbers = rigid_body().without_formulas("numbers").expect("numbers");
     let error = try_map("taylor", &numbers, &none()).err();
-    let is_typed = matches!(&error, Some(BuildError::NotOffered { instead, .. }) if instead.contains("dop853"));
-    assert!(is_typed, "{error:?}");
+    assert!(
+        matches!(error, Some(BuildError::NotOffered { .. })),
+        "{error:?}"
+    );
     for tolerance in [0.0, 1e-17, 0.2, f64::NAN] {
         let given = none().with("tolerance", tolerance);
         let error = try_map("taylor", &rigid_body(), &given).err();

@@ -4,7 +4,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use leafwise_core::lattice::{LatticeMap, LatticeSource};
 use leafwise_core::part::{
-    Compared, Family, ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters,
+    Compared, Elsewhere, Family, ParameterDefault, ParameterInfo, PartInfo, PartKind,
+    PartParameters,
 };
 use leafwise_core::registry::StepperPart;
 use leafwise_core::solver::{ExplicitMap, MapProperties, Pieces, StepMap, Stepper, Structure};
@@ -50,6 +51,19 @@ static INFO: PartInfo = PartInfo {
         ..Compared::at(1)
     }),
     reference: Some(&[]),
+    elsewhere: Some(Elsewhere {
+        names: &[
+            "verlet",
+            "velocity-verlet",
+            "stormer-verlet",
+            "störmer-verlet",
+            "leapfrog",
+            "kdk",
+            "dkd",
+            "strang",
+        ],
+        is: "Störmer and Verlet's method, leapfrog, where H = T(p) + V(q)",
+    }),
     ..PartInfo::of(PartKind::Stepper)
 };
 

@@ -1,7 +1,7 @@
 //! How a run ends.
 
 use leafwise_core::part::ParameterSetting;
-use leafwise_core::{PartKind, SolverStatistics, StepError};
+use leafwise_core::{Hint, PartKind, SolverStatistics, StepError};
 use leafwise_scene::compose::{ComposedRun, PartChoice};
 use leafwise_walk::{Ended, Fault};
 use serde::Serialize;
@@ -28,19 +28,12 @@ pub struct Failure {
     pub hint: String,
 }
 
-/// The hint of a solver that knows nothing of its parts.
-const OF_A_REALIZATION: &str = "reduce epsilon*h or raise the realization's order";
-
 impl Failure {
     /// The failure of a lane that has ended by a fault.
     pub(crate) fn of(fault: &Fault, ended: &Ended, run: &ComposedRun) -> Self {
         let (steps, time, state) = (ended.steps, ended.time, run.own(&ended.state));
         match fault {
-            Fault::Step(error) => {
-                let mut failure = Self::of_step(error, steps, time, state);
-                failure.of_parts(&run.plan.parts);
-                failure
-            }
+            Fault::Step(error) => Self::of_step(error, &run.plan.parts, steps, time, state),
             Fault::Undefined(text) => Self::of_observable(&format!("`{text}`"), steps, time, state),
             Fault::Outside => Self::of_observable(invariant_name(run, 0), steps, time, state),
             fault => Self {
@@ -54,49 +47,29 @@ impl Failure {
         }
     }
 
-    /// The failure of a step from `state`.
-    pub(crate) fn of_step(error: &StepError, steps: u64, time: f64, state: &[f64]) -> Self {
-        let text = error.to_string();
-        // The solver's messages end in what to try, after a semicolon.
-        let (message, hint) = text
-            .split_once("; ")
-            .unwrap_or((text.as_str(), "reduce epsilon*h"));
+    /// The failure of a step from `state` with these parts.
+    pub(crate) fn of_step(
+        error: &StepError,
+        parts: &[PartChoice],
+        steps: u64,
+        time: f64,
+        state: &[f64],
+    ) -> Self {
+        let (message, hint) = match overturns(error, parts) {
+            true => (
+                "the increment is not finite: in one step a body that is taken whole turns further than its flow is formed \
+                 for, about half a nutation or 64 radians, or the state left the formulas' domain"
+                    .to_owned(),
+                "reduce epsilon*h, or take the axes of bodies one by one: bodies = \"axes\"".to_owned(),
+            ),
+            false => (error.cause().to_string(), hint(error, parts).to_string()),
+        };
         Self {
-            message: message.to_owned(),
+            message,
             step: steps + 1,
             time,
             state: state.to_vec(),
-            hint: hint.to_owned(),
-        }
-    }
-
-    /// Fits message and hint to these parts. A stepper has no realization, an exact realization no order that could be
-    /// raised, and a body that is taken whole turns exactly over short steps alone.
-    pub(crate) fn of_parts(&mut self, parts: &[PartChoice]) {
-        let stepper = parts.iter().find(|part| part.kind == PartKind::Stepper);
-        let mut realizations = parts.iter().filter(|p| p.kind == PartKind::Realization);
-        let has_order =
-            realizations.any(|part| part.parameters.iter().any(|(name, _)| *name == "order"));
-        let instead = match stepper {
-            Some(stepper) if stepper.tolerance().is_some() => {
-                "raise its tolerance or reduce epsilon*h"
-            }
-            None if has_order => OF_A_REALIZATION,
-            _ => "reduce epsilon*h",
-        };
-        self.hint = self.hint.replace(OF_A_REALIZATION, instead);
-        let Some(stepper) = stepper else {
-            return;
-        };
-        let whole = ParameterSetting::Text("whole".to_owned());
-        if stepper.parameters.contains(&("bodies", whole))
-            && self.message.starts_with("the increment is not finite")
-        {
-            self.message = "the increment is not finite: in one step a body that is taken whole turns further than its flow \
-                            is formed for, about half a nutation or 64 radians, or the state left the formulas' domain"
-                .to_owned();
-            "reduce epsilon*h, or take the axes of bodies one by one: bodies = \"axes\""
-                .clone_into(&mut self.hint);
+            hint,
         }
     }
 
@@ -122,6 +95,35 @@ impl Failure {
             hint: hint.to_owned(),
         }
     }
+}
+
+/// Advice with these parts: a stepper has no realization, and an exact realization no order that could be raised.
+fn hint(error: &StepError, parts: &[PartChoice]) -> Hint {
+    let stated = error.hint().unwrap_or(Hint::ReduceStep);
+    if stated != Hint::ReduceStepOrRaiseOrder {
+        return stated;
+    }
+    let mut realizations = parts.iter().filter(|p| p.kind == PartKind::Realization);
+    match stepper(parts) {
+        Some(stepper) if stepper.tolerance().is_some() => Hint::RaiseToleranceOrReduceStep,
+        None if realizations
+            .any(|part| part.parameters.iter().any(|(name, _)| *name == "order")) =>
+        {
+            stated
+        }
+        _ => Hint::ReduceStep,
+    }
+}
+
+/// Whether a body that is taken whole may have turned too far: it turns exactly over short steps alone.
+fn overturns(error: &StepError, parts: &[PartChoice]) -> bool {
+    let whole = ("bodies", ParameterSetting::Text("whole".to_owned()));
+    *error == StepError::OF_INCREMENT
+        && stepper(parts).is_some_and(|stepper| stepper.parameters.contains(&whole))
+}
+
+fn stepper(parts: &[PartChoice]) -> Option<&PartChoice> {
+    parts.iter().find(|part| part.kind == PartKind::Stepper)
 }
 
 /// How a run ended.
@@ -240,5 +242,79 @@ impl RunReport {
         let all = self.invariants.iter();
         all.map(|invariant| (invariant.name.as_str(), invariant))
             .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use leafwise_core::part::ParameterSetting;
+    use leafwise_core::{PartKind, StepError};
+    use leafwise_scene::compose::PartChoice;
+
+    use super::Failure;
+
+    fn part(kind: PartKind, parameters: Vec<(&'static str, ParameterSetting)>) -> PartChoice {
+        PartChoice {
+            kind,
+            name: "acme/part",
+            parameters,
+            is_automatic: false,
+            reason: None,
+            origin: None,
+            path: None,
+        }
+    }
+
+    fn told(error: &StepError, parts: &[PartChoice]) -> (String, String) {
+        let failure = Failure::of_step(error, parts, 0, 0.0, &[]);
+        (failure.message, failure.hint)
+    }
+
+    #[test]
+    fn only_what_the_parts_have_is_advised() {
+        let error = StepError::NoConvergence {
+            evaluations: 20,
+            correction: 1e-3,
+        };
+        let exact = part(PartKind::Realization, Vec::new());
+        let series = part(PartKind::Realization, vec![("order", 4.into())]);
+        let plain = part(PartKind::Stepper, Vec::new());
+        let adaptive = part(PartKind::Stepper, vec![("tolerance", 1e-6.into())]);
+        let message = error.cause().to_string();
+        for (part, hint) in [
+            (exact, "reduce epsilon*h"),
+            (series, "reduce epsilon*h or raise the realization's order"),
+            (plain, "reduce epsilon*h"),
+            (adaptive, "raise its tolerance or reduce epsilon*h"),
+        ] {
+            assert_eq!(told(&error, &[part]), (message.clone(), hint.to_owned()));
+        }
+    }
+
+    #[test]
+    fn a_body_taken_whole_is_named_where_the_increment_fails() {
+        let whole = [part(PartKind::Stepper, vec![("bodies", "whole".into())])];
+        let axes = [part(PartKind::Stepper, vec![("bodies", "axes".into())])];
+        let other = StepError::NonFinite { what: "the field" };
+        let (message, hint) = told(&StepError::OF_INCREMENT, &whole);
+        assert!(message.contains("a body that is taken whole"), "{message}");
+        assert!(hint.contains("bodies = \"axes\""), "{hint}");
+        for (error, parts) in [(&StepError::OF_INCREMENT, &axes), (&other, &whole)] {
+            let (message, hint) = told(error, parts);
+            assert_eq!(message, error.cause().to_string());
+            assert_eq!(hint, "check `initial` or reduce epsilon*h");
+        }
+    }
+
+    /// Words of a part outside the program stay together, whatever stands in them.
+    #[test]
+    fn the_words_of_a_part_are_not_taken_for_a_hint() {
+        let error = StepError::Part {
+            part: "acme/part".to_owned(),
+            message: "no root; the table ends at 3".to_owned(),
+        };
+        let (message, hint) = told(&error, &[]);
+        assert_eq!(message, error.to_string());
+        assert_eq!(hint, "reduce epsilon*h");
     }
 }

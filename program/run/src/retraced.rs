@@ -160,8 +160,7 @@ impl Retraced {
     fn failure(&self, error: &leafwise_core::StepError) -> Retrace {
         let (steps, time) = (self.walk.steps(), self.walk.time());
         let state = self.run.own(self.walk.state());
-        let mut failure = Failure::of_step(error, steps, time, state);
-        failure.of_parts(&self.run.plan.parts);
-        Retrace::Failed(failure)
+        let parts = &self.run.plan.parts;
+        Retrace::Failed(Failure::of_step(error, parts, steps, time, state))
     }
 }

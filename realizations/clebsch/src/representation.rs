@@ -114,8 +114,8 @@ pub fn algebra(
             true => Ok(()),
             false => Err(StepError::OutsideImage {
                 part: NAME,
-                reason: "no point of the representation's coordinates was found over it; raise `copies`, or take another \
-                         representation",
+                reason: "no point of the representation's coordinates was found over it",
+                hint: "raise `copies`, or take another representation",
             }),
         })
     };

@@ -249,9 +249,7 @@ impl Differential for Explicit {
         let (own, rest) = self.both.split_at(d);
         let (by_state, by_parameters) = rest.split_at(d);
         if !own.iter().all(|value| value.is_finite()) {
-            return Err(StepError::NonFinite {
-                what: "the increment",
-            });
+            return Err(StepError::OF_INCREMENT);
         }
         increment.copy_from_slice(own);
         covector.copy_from_slice(by_state);

@@ -160,9 +160,7 @@ impl Solve {
             self.displacement[i] = self.y[i] - x[i];
         }
         if !increment.iter().all(|v| v.is_finite()) {
-            return Err(StepError::NonFinite {
-                what: "the increment",
-            });
+            return Err(StepError::OF_INCREMENT);
         }
         if !is_between(x, &self.y, increment) {
             return Err(StepError::OtherBranch { reached: 0.0 });

@@ -139,9 +139,7 @@ impl Stepper for Sweeps {
                 self.statistics.failures += 1;
                 let own = increment.iter_mut().skip(lane).step_by(lanes);
                 own.for_each(|value| *value = 0.0);
-                Err(StepError::NonFinite {
-                    what: "the increment",
-                })
+                Err(StepError::OF_INCREMENT)
             };
             self.statistics.steps += 1;
             self.statistics.evaluations += self.evaluations;

@@ -116,6 +116,8 @@ pub(super) unsafe fn batches(
             });
             let (point, error) = found.unwrap_or((None, error));
             let point = point.and_then(|point| i64::try_from(point).ok());
+            // The step is the caller's: it knows what to try.
+            let cause = error.cause().to_string();
             let (status, ratio) = match error {
                 StepError::LeftChart { ratio } | StepError::OutsideDomain { ratio, .. } => {
                     (LW_DISCARD, ratio)
@@ -125,7 +127,7 @@ pub(super) unsafe fn batches(
                 _ => (LW_ERROR, 0.0),
             };
             // SAFETY: passed on to the caller.
-            return unsafe { fail(err, status, point.unwrap_or(-1), ratio, &error.to_string()) };
+            return unsafe { fail(err, status, point.unwrap_or(-1), ratio, &cause) };
         }
         // SAFETY: the output has room for these points.
         unsafe { write(&call.output, shape.output, first, &buffers.output) };

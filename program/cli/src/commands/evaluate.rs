@@ -29,11 +29,8 @@ impl From<StepError> for Unevaluated {
     fn from(error: StepError) -> Self {
         match error {
             StepError::LeftChart { ratio } => Self::outside(ratio),
-            // What to try with a step, after a semicolon, does not help here.
-            other => {
-                let text = other.to_string();
-                Self(text.split("; ").next().unwrap_or_default().to_owned())
-            }
+            // What to try with a step does not help here.
+            other => Self(other.cause().to_string()),
         }
     }
 }

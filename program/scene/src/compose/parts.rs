@@ -76,7 +76,7 @@ pub(super) fn parts(
     let mut choices = Vec::new();
     let base = match &document.method.stepper {
         Some(spec) => {
-            let request = Request::new(document, Some(spec), "", 0);
+            let request = Request::new(document, registry, Some(spec), "", 0);
             stepper(&request, system, lattice, registry, &mut choices)?
         }
         None => pair(document, system, lattice.is_some(), registry, &mut choices)?,
@@ -84,12 +84,12 @@ pub(super) fn parts(
     let composition = match &document.method.composition {
         None => None,
         Some(spec) => {
-            let request = Request::new(document, Some(spec), "", 0);
+            let request = Request::new(document, registry, Some(spec), "", 0);
             let part = registry
                 .composition(request.name())
-                .map_err(|_| request.unknown(PartKind::Composition, registry))?;
+                .map_err(|_| request.unknown(PartKind::Composition))?;
             let given = request.parameters(part.info)?;
-            choices.push(request.choice(part.info, &given, None, registry));
+            choices.push(request.choice(part.info, &given, None));
             Some((part, given))
         }
     };
@@ -144,7 +144,7 @@ fn stepper(
 ) -> Result<Base, Refusal> {
     let part = registry
         .stepper(request.name())
-        .map_err(|_| request.unknown(PartKind::Stepper, registry))?;
+        .map_err(|_| request.unknown(PartKind::Stepper))?;
     let given = request.parameters(part.info)?;
     let refused = |error| request.refused(&error);
     let base = match lattice {
@@ -182,7 +182,7 @@ fn stepper(
             }
         },
     };
-    choices.push(request.choice(part.info, &given, part.info.path(&given), registry));
+    choices.push(request.choice(part.info, &given, part.info.path(&given)));
     Ok(base)
 }
 
@@ -203,19 +203,26 @@ fn pair(
     } else {
         (of_order(registry, PartKind::Dynamics), ORDER_OF_NUMBERS)
     };
-    let request = Request::new(document, document.method.dynamics.as_ref(), default, order);
+    let request = Request::new(
+        document,
+        registry,
+        document.method.dynamics.as_ref(),
+        default,
+        order,
+    );
     let part = registry
         .dynamics(request.name())
-        .map_err(|_| request.unknown(PartKind::Dynamics, registry))?;
+        .map_err(|_| request.unknown(PartKind::Dynamics))?;
     let given = request.parameters(part.info)?;
     let dynamics = part
         .build(&given)
         .map_err(|error| request.refused(&error))?;
-    let dynamics_choice = request.choice(part.info, &given, part.info.path(&given), registry);
+    let dynamics_choice = request.choice(part.info, &given, part.info.path(&given));
 
     let order = i64::try_from(dynamics.order()).unwrap_or(DEFAULT_DYNAMICS_ORDER);
     let request = Request::new(
         document,
+        registry,
         document.method.realization.as_ref(),
         of_order(registry, PartKind::Realization),
         order,
@@ -232,7 +239,7 @@ fn pair(
     }
     let part = registry
         .realization(request.name())
-        .map_err(|_| request.unknown(PartKind::Realization, registry))?;
+        .map_err(|_| request.unknown(PartKind::Realization))?;
     let given = request.parameters(part.info)?;
     let realization = part.build(system, &given).map_err(|error| {
         let mut refusal = request.refused(&error);
@@ -241,7 +248,7 @@ fn pair(
         }
         refusal
     })?;
-    choices.push(request.choice(part.info, &given, part.info.path(&given), registry));
+    choices.push(request.choice(part.info, &given, part.info.path(&given)));
     choices.push(dynamics_choice);
     Ok(Base::Pair(realization, dynamics))
 }

@@ -10,6 +10,7 @@ use crate::document::{Located, ParameterValue, PartSpec, Place, SceneDocument, S
 /// Request of the scene for one part, with defaults where the scene leaves the part open.
 pub(super) struct Request<'a> {
     pub(super) document: &'a SceneDocument,
+    registry: &'a Registry,
     spec: Option<&'a PartSpec>,
     default: &'static str,
     default_order: i64,
@@ -18,12 +19,14 @@ pub(super) struct Request<'a> {
 impl<'a> Request<'a> {
     pub(super) fn new(
         document: &'a SceneDocument,
+        registry: &'a Registry,
         spec: Option<&'a PartSpec>,
         default: &'static str,
         default_order: i64,
     ) -> Self {
         Self {
             document,
+            registry,
             spec,
             default,
             default_order,
@@ -56,10 +59,9 @@ impl<'a> Request<'a> {
         }
     }
 
-    pub(super) fn unknown(&self, kind: PartKind, registry: &Registry) -> Refusal {
-        let known = registry_names(registry, kind);
+    pub(super) fn unknown(&self, kind: PartKind) -> Refusal {
         match self.spec {
-            Some(spec) => unknown_part(self.document, &spec.name, kind, &known),
+            Some(spec) => unknown_part(self.document, &spec.name, kind, self.registry),
             None => Box::new(self.document.diagnostic(
                 &self.place(),
                 format!("no {} is called `{}`", kind.noun(), self.default),
@@ -79,9 +81,7 @@ impl<'a> Request<'a> {
             if !known.contains(&key.value.as_str()) {
                 let help = match nearest(&key.value, known.iter().copied()) {
                     Some(name) => format!("did you mean `{name}`?"),
-                    None if key.value == "composition" => {
-                        "it stands beside the stepper: composition = \"suzuki-4\"".to_owned()
-                    }
+                    None if key.value == "composition" => self.beside_the_stepper(),
                     None if known.is_empty() => "it takes none".to_owned(),
                     None => format!("it takes: {}", known.join(", ")),
                 };
@@ -129,6 +129,18 @@ impl<'a> Request<'a> {
         Ok(given)
     }
 
+    /// Where a composition stands, with the first one that comparisons try.
+    fn beside_the_stepper(&self) -> String {
+        let compared = self.registry.compared(PartKind::Composition);
+        let example = compared
+            .first()
+            .map(|info| format!(": composition = \"{}\"", info.name));
+        format!(
+            "it stands beside the stepper{}",
+            example.unwrap_or_default()
+        )
+    }
+
     pub(super) fn refused(&self, error: &BuildError) -> Refusal {
         let written = self.spec.into_iter().flat_map(|spec| &spec.parameters);
         if let BuildError::Parameter {
@@ -155,9 +167,10 @@ impl<'a> Request<'a> {
         {
             return refusal;
         }
+        let message = self.registry.explain(error);
         Box::new(
             self.document
-                .diagnostic(&self.place(), error.to_string(), "this part", None),
+                .diagnostic(&self.place(), message, "this part", None),
         )
     }
 
@@ -166,7 +179,6 @@ impl<'a> Request<'a> {
         info: &'static PartInfo,
         given: &PartParameters,
         path: Option<&'static str>,
-        registry: &Registry,
     ) -> PartChoice {
         let parameters = info
             .parameters
@@ -186,7 +198,7 @@ impl<'a> Request<'a> {
             parameters,
             is_automatic: self.named().is_none(),
             reason: None,
-            origin: registry.origin(info.name).cloned(),
+            origin: self.registry.origin(info.name).cloned(),
             path,
         }
     }
@@ -235,40 +247,34 @@ pub(super) fn registry_names(registry: &Registry, kind: PartKind) -> Vec<&'stati
 }
 
 /// Help for the name of a method in other programs: its name here.
-fn elsewhere(name: &str, known: &[&str]) -> Option<&'static str> {
-    let letters: String = name.chars().filter(|c| c.is_alphanumeric()).collect();
-    let (meant, help) = match letters.to_lowercase().as_str() {
-        "verlet" | "velocityverlet" | "stormerverlet" | "störmerverlet" | "leapfrog" | "kdk"
-        | "dkd" | "strang" => (
-            "splitting",
-            "stepper = \"splitting\" is Störmer and Verlet's method, leapfrog, where H = T(p) + V(q)",
-        ),
-        "rungekutta" | "rungekutta4" | "classicalrungekutta" => (
-            "rk4",
-            "stepper = \"rk4\" is the classical method of Runge and Kutta",
-        ),
-        "rk45" | "ode45" | "dopri" | "dopri5" | "dp45" => (
-            "dormand-prince45",
-            "stepper = \"dormand-prince45\" is the pair of Dormand and Prince of orders 5 and 4",
-        ),
-        "dop" | "rk8" | "rk78" | "dopri8" => (
-            "dop853",
-            "stepper = \"dop853\" is the method of Dormand and Prince of order 8",
-        ),
-        _ => return None,
+fn elsewhere(name: &str, kind: PartKind, registry: &Registry) -> Option<String> {
+    let letters = |name: &str| -> String {
+        let letters = name.chars().filter(|c| c.is_alphanumeric());
+        letters.collect::<String>().to_lowercase()
     };
-    known.contains(&meant).then_some(help)
+    let asked = letters(name);
+    let mut parts = registry
+        .parts()
+        .into_iter()
+        .filter(|info| info.kind == kind);
+    parts.find_map(|info| {
+        let elsewhere = info.elsewhere?;
+        let is_meant = elsewhere.names.iter().any(|known| letters(known) == asked);
+        is_meant.then(|| format!("{} = \"{}\" is {}", kind.noun(), info.name, elsewhere.is))
+    })
 }
 
 fn unknown_part(
     document: &SceneDocument,
     name: &Located<String>,
     kind: PartKind,
-    known: &[&str],
+    registry: &Registry,
 ) -> Refusal {
+    let known = registry_names(registry, kind);
     let near = nearest(&name.value, known.iter().copied());
-    let help = match elsewhere(&name.value, known).map(Err).or(near.map(Ok)) {
-        Some(Err(help)) => help.to_owned(),
+    let elsewhere = elsewhere(&name.value, kind, registry);
+    let help = match elsewhere.map(Err).or(near.map(Ok)) {
+        Some(Err(help)) => help,
         Some(Ok(near)) => format!("did you mean `{near}`?"),
         None if name.value.contains('/') => format!(
             "a name with a `/` is that of a plugin's part: name its library at the top of the scene, \

@@ -156,8 +156,10 @@ fn compose_at_its_values(
     }
     let is_long = lattice.is_some();
     let refused = |composed: &ComposedSystem, error: &BuildError| {
-        let mut refusal = method_refusal(document, error);
-        if let (BuildError::Incompatible { .. }, Some(dynamics)) = (error, &dynamics) {
+        let mut refusal = method_refusal(document, registry, error);
+        if let (BuildError::Incompatible { .. } | BuildError::LiftAlone { .. }, Some(dynamics)) =
+            (error, &dynamics)
+        {
             refusal.help = Some(what_fits(
                 &composed.system,
                 registry,
@@ -490,7 +492,7 @@ impl ComposedRun {
 }
 
 /// Parts that do not fit each other or the system.
-fn method_refusal(document: &SceneDocument, error: &BuildError) -> Refusal {
+fn method_refusal(document: &SceneDocument, registry: &Registry, error: &BuildError) -> Refusal {
     let hamiltonian = &document.system.hamiltonian;
     let formula = document.place_in_formula(hamiltonian, 0..hamiltonian.value.len());
     let part = |spec: &Option<PartSpec>| spec.as_ref().map(|spec| spec.name.place());
@@ -527,5 +529,5 @@ fn method_refusal(document: &SceneDocument, error: &BuildError) -> Refusal {
             .or_else(|| part(&document.method.realization))
             .unwrap_or(formula),
     };
-    Box::new(document.diagnostic(&place, error.to_string(), "here", None))
+    Box::new(document.diagnostic(&place, registry.explain(error), "here", None))
 }

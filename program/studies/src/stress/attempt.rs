@@ -51,8 +51,6 @@ pub(super) fn increment(
     match attempt(map, parameters, step, x) {
         Attempt::Solved { increment, .. } => Ok(increment),
         Attempt::Refused(error) => Err(error),
-        Attempt::Garbage(_) => Err(StepError::NonFinite {
-            what: "the increment",
-        }),
+        Attempt::Garbage(_) => Err(StepError::OF_INCREMENT),
     }
 }

@@ -79,33 +79,37 @@ pub struct Refused {
 }
 
 impl Refused {
-    fn new(problem: &str, combination: String, error: &BuildError) -> Self {
+    fn new(registry: &Registry, problem: &str, combination: String, error: &BuildError) -> Self {
         let (who, cause) = match error {
             BuildError::NotOffered {
                 part,
                 system,
                 missing,
-                instead,
             } => (
                 (*part).to_owned(),
-                format!(
-                    "{missing} are needed, and {system} offers only numbers; what serves it: {instead}"
-                ),
+                format!("{missing} are needed, and {system} offers only numbers"),
             ),
-            BuildError::Forces { part, .. } => (
+            BuildError::Forces { part } => (
                 part.clone(),
                 "it integrates x' = {H, x} alone, and this system has forces".to_owned(),
             ),
             BuildError::DoesNotFit { part, reason } => ((*part).to_owned(), reason.clone()),
             BuildError::Incompatible { reason, .. } => (combination.clone(), reason.clone()),
+            BuildError::LiftAlone { .. } => (
+                combination.clone(),
+                "it is coordinates in which the tensor is constant".to_owned(),
+            ),
             other => (combination.clone(), other.to_string()),
         };
         Self {
             problem: problem.to_owned(),
-            reason: error.to_string(),
+            reason: registry.explain(error),
             combination,
             who,
-            cause,
+            cause: match registry.instead(error) {
+                Some(instead) => format!("{cause}; {instead}"),
+                None => cause,
+            },
         }
     }
 }
@@ -271,7 +275,12 @@ fn outcome(
 ) -> Outcome {
     match candidate.build(registry, problem) {
         Ok(map) => row(problem, map.as_ref(), false, flow, horizon),
-        Err(error) => Outcome::Refused(Refused::new(&problem.name, candidate.to_string(), &error)),
+        Err(error) => Outcome::Refused(Refused::new(
+            registry,
+            &problem.name,
+            candidate.to_string(),
+            &error,
+        )),
     }
 }
 
@@ -296,17 +305,17 @@ fn row(problem: &Problem, map: &dyn StepMap, is_own: bool, flow: &[f64], horizon
 
 #[cfg(test)]
 mod tests {
-    use leafwise_core::BuildError;
+    use leafwise_core::{BuildError, Registry};
 
     use super::{Refused, Survey, in_order};
 
     #[test]
     fn what_lacks_the_same_is_reported_together() {
+        let registry = Registry::empty();
         let lacks = |part: &'static str| BuildError::NotOffered {
             part,
             system: "acme/top".to_owned(),
             missing: "formulas of the system",
-            instead: "rk4".to_owned(),
         };
         let tensor = |part: &'static str| BuildError::DoesNotFit {
             part,
@@ -318,7 +327,7 @@ mod tests {
             reason: "it offers no code".to_owned(),
         };
         let refused = |problem: &str, combination: &str, error: &BuildError| {
-            Refused::new(problem, combination.to_owned(), error)
+            Refused::new(&registry, problem, combination.to_owned(), error)
         };
         let survey = Survey {
             rows: Vec::new(),
@@ -336,7 +345,7 @@ mod tests {
             .map(|refusal| (refusal.problem, refusal.who.join(", "), refusal.cause))
             .collect();
         let lacking = "formulas of the system are needed, and acme/top offers only numbers; what \
-                       serves it: rk4";
+                       serves it: no part of this program";
         let expected = [
             ("top", "constant, splitting", lacking),
             ("top", "acme/chart + hamilton-jacobi", "it offers no code"),
@@ -345,7 +354,10 @@ mod tests {
         assert_eq!(told, expected.map(|(a, b, c)| (a, b.to_owned(), c)));
         // Nothing is left out of the list itself.
         assert_eq!(survey.refused[1].combination, "constant + hamilton-jacobi");
-        assert_eq!(survey.refused[1].reason, lacks("constant").to_string());
+        assert_eq!(
+            survey.refused[1].reason,
+            registry.explain(&lacks("constant"))
+        );
     }
 
     #[test]

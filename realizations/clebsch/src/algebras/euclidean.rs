@@ -44,8 +44,8 @@ fn section(y: &[f64], z: &mut [f64]) -> Result<(), StepError> {
             true => Ok(()),
             false => Err(StepError::OutsideImage {
                 part: NAME,
-                reason: "the vector of e(3)* is 0 and the momentum is not; leave the vector out of the system, as a \
-                         body that turns freely, or take another realization",
+                reason: "the vector of e(3)* is 0 and the momentum is not",
+                hint: "leave the vector out of the system, as a body that turns freely, or take another realization",
             }),
         };
     }

@@ -244,9 +244,7 @@ impl FusedTrajectory {
             *increment = -self.curve.whole(self.epsilon, i);
         }
         if !increment.iter().all(|v| v.is_finite()) {
-            return Err(StepError::NonFinite {
-                what: "the increment",
-            });
+            return Err(StepError::OF_INCREMENT);
         }
         if is_between(x, &self.centre, increment) {
             Ok(())

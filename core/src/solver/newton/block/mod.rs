@@ -469,9 +469,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
         let mut took = [true; W];
         for w in 0..W {
             if self.outcome[w].is_ok() && zero[w].is_nan() {
-                self.outcome[w] = Err(StepError::NonFinite {
-                    what: "the increment",
-                });
+                self.outcome[w] = Err(StepError::OF_INCREMENT);
             }
             if self.outcome[w].is_err() {
                 took[w] = false;

@@ -1,6 +1,6 @@
 //! What is said of slips, and that what is advised cures them.
 
-use leafwise_core::Registry;
+use leafwise_core::{Origin, Registry};
 use leafwise_reference as _;
 use leafwise_splitting as _;
 
@@ -420,4 +420,32 @@ fn values_beyond_doubles_are_no_texts() {
             "{refused}"
         );
     }
+}
+
+/// A crate that is linked adds no word of its own: the registry in use does.
+#[test]
+fn a_refusal_names_parts_of_the_registry_alone() {
+    let all = Registry::with_builtin();
+    let mut few = Registry::empty();
+    for name in ["splitting", "rk4"] {
+        let part = all.stepper(name).expect("a built-in stepper");
+        let origin = Origin::built_in("acme", "0.1.0");
+        few.register(part.into(), origin).expect("a fresh name");
+    }
+    let forced = changed(&[("[method]", "forces = [\"0.1*p\", \"0\"]\n[method]")]);
+    let message = |registry: &Registry| {
+        let document = SceneDocument::parse("scene.toml", &forced, registry).expect("a scene");
+        let refused = compose(&document, registry);
+        refused
+            .map(drop)
+            .expect_err("splitting takes no forces")
+            .message
+    };
+    let refusal = "splitting integrates x' = {H, x} alone, and this system has forces; what serves it: the steppers ";
+    assert_eq!(message(&few), format!("{refusal}rk4"));
+    let told = message(&all);
+    assert!(
+        told.starts_with(refusal) && told.contains("dop853"),
+        "{told}"
+    );
 }
