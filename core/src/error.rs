@@ -396,7 +396,7 @@ pub enum StepError {
         part: &'static str,
         /// Why.
         reason: &'static str,
-        /// What to try.
+        /// Hint on what to try.
         hint: &'static str,
     },
     /// A value that is not finite.

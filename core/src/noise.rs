@@ -173,8 +173,8 @@ impl NoisyMap {
         }
     }
 
-    /// Steps of the map of a lattice whose last coordinates are the increments w of these groups, group after group and site
-    /// after site, in the order of the [parameters](Noise::parameters) of so many channels.
+    /// Steps of the map of a lattice whose last coordinates are increments w: group after group, and site after site in each.
+    /// Groups stand in the order of the [parameters](Noise::parameters) of so many channels.
     pub fn of_sites(
         map: Arc<dyn StepMap>,
         noise: Noise,

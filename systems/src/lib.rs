@@ -12,8 +12,8 @@
 //! # Ok::<(), leafwise_systems::SystemError>(())
 //! ```
 //!
-//! Signs follow each text's `convention`: `{H,x}`, the paper's x' = {H, x}, or `{x,H}`, which
-//! most of the literature writes.
+//! Signs follow each text's `convention`. The paper's x' = {H, x} is `{H,x}`; most
+//! of the literature writes `{x,H}`.
 //!
 //! - [`about`](About): title, summary, literature and orbit of a system.
 //! - [`defaults`](Defaults): the initial state and time step to start from.

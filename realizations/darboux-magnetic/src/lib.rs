@@ -52,7 +52,8 @@ static INFO: PartInfo = PartInfo {
 ///
 /// - α_x = x − δ.
 /// - α_p = p + ½ ε s a + Σ_j s_i s_j ∂_i A_j δ_j + A_i(x − δ) − A_i(x).
-/// - With G and E below, α_p = p + ½ ε s a + G + E and β_p = p − ½ ε s a − G + E.
+/// - With G and E below, α_p = p + ½ ε s a + G + E.
+/// - β_p = p − ½ ε s a − G + E.
 /// - G_i = Σ_j s_i s_j ∂_i A_j δ_j − ½ (A_i(x + δ) − A_i(x − δ)), odd in δ.
 /// - E_i = ½ (A_i(x + δ) + A_i(x − δ)) − A_i(x), even in δ.
 ///

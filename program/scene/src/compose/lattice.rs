@@ -297,8 +297,8 @@ fn reach(document: &SceneDocument, known: TemplateReach) -> Result<TemplateReach
 /// The same with the forces.
 ///
 /// # Errors
-/// Lists, whose entries would be as many as there are coordinates; a rate that depends on the state, which couples every site to
-/// all; and as for the bracket.
+/// A list, whose entries would be as many as there are coordinates. A rate that depends on the state, which couples every site
+/// to all. As for the bracket.
 fn force_reach(
     document: &SceneDocument,
     mut reach: TemplateReach,

@@ -20,8 +20,8 @@ use crate::document::{Place, SceneDocument};
 /// the scene.
 pub(super) struct NoisySteps<'a> {
     pub noise: RunNoise,
-    /// The system whose steps the parts make, with the increments behind its own parameters, on a long lattice behind its own
-    /// coordinates: H_w where they enter with H, else H alone.
+    /// System whose steps the parts make: of H_w where increments enter with H, else of H alone. Increments stand behind its own
+    /// parameters, on a long lattice behind its own coordinates.
     pub stepped: PoissonSystem,
     /// The long lattice that the system stands for.
     pub lattice: Option<SceneLattice<'a>>,

@@ -79,7 +79,7 @@ pub struct LatticeStepping {
     pub geometry: LatticeGeometry,
     /// The short lattice that is written out for it.
     pub written: LatticeGeometry,
-    /// What its steps draw.
+    /// Noise that its steps draw.
     pub noise: Option<(RunNoise, NoisyMap)>,
     /// Whether it is a composition.
     pub is_composed: bool,
