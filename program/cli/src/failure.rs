@@ -192,13 +192,13 @@ impl Failure {
             }
         }
         if json {
-            console.json(&self.told());
+            console.json(&self.json());
         }
         self.code()
     }
 
     /// The object of a command that did not do what it was asked.
-    pub(crate) fn told(&self) -> Told<'_> {
+    pub(crate) fn json(&self) -> FailureJson<'_> {
         let problem = |problem: &SceneDiagnostic| {
             let (line, column) = problem.line_column();
             Problem {
@@ -209,7 +209,7 @@ impl Failure {
                 help: problem.help.clone(),
             }
         };
-        Told {
+        FailureJson {
             outcome: match self.code() {
                 exit::RUN_FAILED => "failed",
                 _ => "refused",
@@ -231,7 +231,7 @@ impl Failure {
 
 /// A failure for programs.
 #[derive(Serialize)]
-pub(crate) struct Told<'a> {
+pub(crate) struct FailureJson<'a> {
     outcome: &'static str,
     error: Reason<'a>,
 }

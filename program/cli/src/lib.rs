@@ -83,7 +83,7 @@ fn tell(error: &clap::Error, console: &mut Console<'_>, asks_for_json: bool) -> 
                 message,
                 help: None,
             }
-            .told(),
+            .json(),
         );
     }
     exit::USAGE

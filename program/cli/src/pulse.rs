@@ -30,7 +30,7 @@ pub struct Pulse {
 /// When lines are due, and what they say.
 #[derive(Debug, Default)]
 struct Beats {
-    told: u32,
+    shown: u32,
     /// The part that was done when it was first known, and since when.
     begun: Option<(Duration, f64)>,
 }
@@ -67,10 +67,10 @@ impl Beats {
     ) -> Option<String> {
         let part = part.filter(|part| part.is_finite());
         let begun = part.map(|part| *self.begun.get_or_insert((elapsed, part)));
-        if elapsed < EVERY * (self.told + 1) {
+        if elapsed < EVERY * (self.shown + 1) {
             return None;
         }
-        self.told = u32::try_from(elapsed.as_secs() / EVERY.as_secs()).unwrap_or(u32::MAX - 1);
+        self.shown = u32::try_from(elapsed.as_secs() / EVERY.as_secs()).unwrap_or(u32::MAX - 1);
         let mut line = String::from("  ");
         if let Some(part) = part {
             line.push_str(&format!("{:.0} %, ", 100.0 * part.clamp(0.0, 1.0)));

@@ -21,12 +21,12 @@ use crate::table::words;
 
 /// The object of `check --json`.
 #[derive(Serialize)]
-struct Told<'a> {
+struct CheckJson<'a> {
     outcome: &'static str,
     jacobi: Identity<'a>,
     #[serde(serialize_with = "object")]
     casimirs: Vec<(&'a str, Identity<'a>)>,
-    motion: Option<motion::Told>,
+    motion: Option<motion::MotionJson>,
     /// The field of each channel of noise.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     noise: Vec<Noise>,
@@ -37,7 +37,7 @@ struct Told<'a> {
 #[derive(Serialize)]
 struct Noise {
     hamiltonian: String,
-    field: motion::Told,
+    field: motion::MotionJson,
 }
 
 /// A check with the names of its worst coordinates.
@@ -103,13 +103,13 @@ pub fn execute(
     }
     if arguments.json {
         let casimirs = checks.casimirs.iter();
-        console.json(&Told {
+        console.json(&CheckJson {
             outcome: if checks.pass() { "passed" } else { "violated" },
             jacobi: Identity::of(&checks.jacobi, names),
             casimirs: casimirs
                 .map(|casimir| (casimir.name.as_str(), Identity::of(&casimir.check, names)))
                 .collect(),
-            motion: Motion::of(&composed).map(motion::Told::from),
+            motion: Motion::of(&composed).map(motion::MotionJson::from),
             noise: Motion::of_noise(&composed)
                 .into_iter()
                 .map(|(hamiltonian, field)| Noise {

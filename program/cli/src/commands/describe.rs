@@ -30,7 +30,7 @@ const WIDTH: usize = 88;
 
 /// The object of `describe --json`.
 #[derive(Serialize)]
-struct Told {
+struct DescriptionJson {
     #[serde(flatten)]
     named: Described,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -122,7 +122,7 @@ pub fn execute(
         algebra
     });
     if arguments.json {
-        console.json(&Told { named, lie_algebra });
+        console.json(&DescriptionJson { named, lie_algebra });
     } else {
         lines.iter().for_each(|line| console.result(line));
     }

@@ -36,7 +36,7 @@ const REPEATED: &str =
 
 /// The object of `ensemble --json`.
 #[derive(Serialize)]
-struct Told<'a> {
+struct EnsembleJson<'a> {
     #[serde(flatten)]
     ending: EnsembleEnding<'a>,
     warnings: &'a [Advice],
@@ -68,9 +68,9 @@ pub fn execute(
         (None, Some(text)) => Some(shard::of_number(text, Whole::Members, members)?),
         (None, None) => None,
     };
-    let told = arguments.output;
+    let output = arguments.output;
     let out = arguments.out.clone();
-    let options = told.options(
+    let options = output.options(
         match &shard {
             None => out.unwrap_or_else(|| default_ensemble_directory(&document)),
             Some(shard) => out
@@ -80,7 +80,7 @@ pub fn execute(
         repeating(
             "ensemble",
             file.file_name(),
-            told.allow_non_poisson,
+            output.allow_non_poisson,
             plugins,
         ),
     );
@@ -90,7 +90,7 @@ pub fn execute(
             .unwrap_or_else(|| Workforce::default().threads),
         lanes: arguments.lanes,
     };
-    let shown = console.shown(told.quiet);
+    let shown = console.shown(output.quiet);
     let members = match &shard {
         None => ensemble.population.members(),
         Some(shard) => shard.items().end - shard.items().start,
@@ -104,7 +104,7 @@ pub fn execute(
     bar.finish();
     let report = report?;
     if let Some(shard) = &shard {
-        return Ok(tell_shard(shard, &report, told, console));
+        return Ok(tell_shard(shard, &report, output, console));
     }
     let mut advice = report.advice.clone();
     if report.outcome == RunOutcome::Done {
@@ -114,7 +114,7 @@ pub fn execute(
         (&ensemble, &parts.registry),
         &report,
         &advice,
-        told,
+        output,
         console,
     )
 }
@@ -124,17 +124,17 @@ pub(super) fn tell(
     (ensemble, registry): (&ComposedEnsemble, &Registry),
     report: &EnsembleReport,
     advice: &[Advice],
-    told: OutputArguments,
+    output: OutputArguments,
     console: &mut Console<'_>,
 ) -> Result<u8, Failure> {
-    if !told.quiet {
+    if !output.quiet {
         for line in summary(ensemble, registry, report, console) {
             console.prose(&line);
         }
         print_advice(advice, console);
     }
-    if told.json {
-        console.json(&Told {
+    if output.json {
+        console.json(&EnsembleJson {
             ending: EnsembleEnding::new(ensemble, report),
             warnings: advice,
             run_directory: report.directory.display().to_string(),
@@ -154,7 +154,7 @@ fn code(report: &EnsembleReport) -> u8 {
 
 /// The object of `ensemble --shard --json`.
 #[derive(Serialize)]
-struct ToldShard {
+struct ShardJson {
     outcome: &'static str,
     members: [u64; 2],
     done: u64,
@@ -168,12 +168,12 @@ struct ToldShard {
 fn tell_shard(
     shard: &Shard,
     report: &EnsembleReport,
-    told: OutputArguments,
+    output: OutputArguments,
     console: &mut Console<'_>,
 ) -> u8 {
     let all = &report.reductions;
     let members = shard.items();
-    if !told.quiet {
+    if !output.quiet {
         let outcome = match report.outcome {
             RunOutcome::Interrupted => format!(
                 "stopped after {} of them, with a checkpoint: the same command goes on from there",
@@ -196,8 +196,8 @@ fn tell_shard(
             report.directory.display()
         ));
     }
-    if told.json {
-        console.json(&ToldShard {
+    if output.json {
+        console.json(&ShardJson {
             outcome: report.outcome.word(),
             members: [members.start, members.end],
             done: all.members,
@@ -243,18 +243,18 @@ fn execute_member(
         compose(scene, &parts.registry)
     })?;
     let file = Path::new(&scene.name);
-    let told = arguments.output;
+    let output = arguments.output;
     let directory = arguments.out.clone();
-    let options = told.options(
+    let options = output.options(
         directory.unwrap_or_else(|| Path::new("runs").join(file.with_extension(""))),
-        repeating("run", file.file_name(), told.allow_non_poisson, plugins),
+        repeating("run", file.file_name(), output.allow_non_poisson, plugins),
     );
     integrate(
         scene,
         &composed,
         &parts.registry,
         &options,
-        told,
+        output,
         console,
         interrupt,
     )

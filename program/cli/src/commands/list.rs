@@ -32,7 +32,7 @@ pub fn execute(
     console: &mut Console<'_>,
 ) -> Result<u8, Failure> {
     let registry = Parts::new(plugins)?.registry;
-    let mut told = Told { kinds: Vec::new() };
+    let mut parts = PartsJson { kinds: Vec::new() };
     let mut is_first = true;
     for (kind, heading) in KINDS {
         if arguments.kind.is_some_and(|asked| asked != kind) {
@@ -40,7 +40,7 @@ pub fn execute(
         }
         let entries = entries(kind, &registry);
         if arguments.json {
-            told.kinds.push((heading, entries));
+            parts.kinds.push((heading, entries));
             continue;
         }
         if entries.is_empty() && arguments.kind.is_none() {
@@ -63,7 +63,7 @@ pub fn execute(
         }
     }
     if arguments.json {
-        console.json(&told);
+        console.json(&parts);
     } else if arguments.kind.is_none() {
         console.result("\n`leafwise describe NAME` tells more about any of them.");
     }
@@ -73,7 +73,7 @@ pub fn execute(
 /// The object of `list --json`: lists by their headings.
 #[derive(Serialize)]
 #[serde(transparent)]
-struct Told {
+struct PartsJson {
     #[serde(serialize_with = "object")]
     kinds: Vec<(&'static str, Vec<Entry>)>,
 }

@@ -42,12 +42,12 @@ pub fn execute(
     } else {
         shards.scene_name().clone_into(&mut document.name);
     }
-    let told = arguments.output;
+    let output = arguments.output;
     let command = format!("leafwise merge, of {} shards", shards.count());
-    let options = told.options(arguments.out.clone(), command);
+    let options = output.options(arguments.out.clone(), command);
     if shards.whole() == Whole::Settings {
         let settings = Settings::of(&document)?;
-        let allow = told.allow_non_poisson;
+        let allow = output.allow_non_poisson;
         let merged = compose_sweep(
             &document,
             &parts.registry,
@@ -57,7 +57,7 @@ pub fn execute(
             &mut |_, _| (),
         )?;
         let report = merge_sweep(&document, &merged, &shards, &options)?;
-        return Ok(sweep::tell(&report, None, told, console));
+        return Ok(sweep::tell(&report, None, output, console));
     }
     let folder = scene.parent().unwrap_or(Path::new(""));
     let composed = compose_ensemble(&document, &parts.registry, folder)?;
@@ -68,7 +68,7 @@ pub fn execute(
         (&composed, &parts.registry),
         &report,
         &advice,
-        told,
+        output,
         console,
     )
 }

@@ -128,14 +128,14 @@ fn cut(formula: &str) -> String {
 /// ẋ by the variables' names: formulas, `null` for one too long, numbers for a system of numbers.
 #[derive(Serialize)]
 #[serde(untagged)]
-pub(super) enum Told {
+pub(super) enum MotionJson {
     #[serde(serialize_with = "object")]
     Formulas(Vec<(String, Option<String>)>),
     #[serde(serialize_with = "object")]
     Values(Vec<(String, Double)>),
 }
 
-impl From<Motion> for Told {
+impl From<Motion> for MotionJson {
     fn from(motion: Motion) -> Self {
         let double = |(name, value)| (name, Double(value));
         match motion {

@@ -56,19 +56,19 @@ pub fn execute(
         }
         console.prose("");
     }
-    let told = arguments.output;
+    let output = arguments.output;
     let directory = arguments.out.clone();
     let file = arguments.scene.scene.file_name();
     let options = RunOptions {
         // Longer than any number of seconds that a duration holds is never.
         checkpoint_every: Duration::try_from_secs_f64(arguments.checkpoint_every)
             .unwrap_or(Duration::MAX),
-        ..told.options(
+        ..output.options(
             directory.unwrap_or_else(|| default_directory(&document)),
-            repeating("run", file, told.allow_non_poisson, plugins),
+            repeating("run", file, output.allow_non_poisson, plugins),
         )
     };
-    if document.ensemble.is_some() && !told.quiet {
+    if document.ensemble.is_some() && !output.quiet {
         console.prose("the initial state of [run] alone; `leafwise ensemble` runs [ensemble]");
     }
     integrate(
@@ -76,7 +76,7 @@ pub fn execute(
         &composed,
         &parts.registry,
         &options,
-        told,
+        output,
         console,
         interrupt,
     )
@@ -91,16 +91,16 @@ pub(super) fn integrate(
     composed: &ComposedRun,
     registry: &Registry,
     options: &RunOptions,
-    told: OutputArguments,
+    output: OutputArguments,
     console: &mut Console<'_>,
     interrupt: &Arc<AtomicBool>,
 ) -> Result<u8, Failure> {
-    let shown = console.shown(told.quiet);
+    let shown = console.shown(output.quiet);
     let mut bar = Bar::new(composed.plan.steps, shown, interrupt);
     let report = run(document, composed, registry, options, &mut bar);
     bar.finish();
     let report = report?;
-    if !told.quiet {
+    if !output.quiet {
         for line in summary(composed, registry, &report, options, console) {
             console.prose(&line);
         }
@@ -111,8 +111,8 @@ pub(super) fn integrate(
             console.prose(&line);
         }
     }
-    if told.json {
-        console.json(&Told::new(&report, options));
+    if output.json {
+        console.json(&RunJson::new(&report, options));
     }
     Ok(match report.outcome {
         RunOutcome::Done | RunOutcome::Stopped(_) => exit::DONE,
@@ -316,7 +316,7 @@ fn failure_lines(
 
 /// The object of `run --json`.
 #[derive(Serialize)]
-struct Told<'a> {
+struct RunJson<'a> {
     outcome: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
     stopped_by: Option<&'a str>,
@@ -343,7 +343,7 @@ struct Told<'a> {
     error: Option<&'a StepFailure>,
 }
 
-impl<'a> Told<'a> {
+impl<'a> RunJson<'a> {
     fn new(report: &'a RunReport, options: &RunOptions) -> Self {
         Self {
             outcome: report.outcome.word(),

@@ -28,7 +28,7 @@ const CONJUGATE: &str = "e";
 
 /// The object of `shadow --json`.
 #[derive(Serialize)]
-struct Told {
+struct ShadowJson {
     time_step: f64,
     #[serde(flatten)]
     verdict: ShadowVerdict,
@@ -102,7 +102,7 @@ pub fn execute(
         })
         .collect();
     if arguments.json {
-        console.json(&Told {
+        console.json(&ShadowJson {
             time_step: t,
             verdict,
             steps,

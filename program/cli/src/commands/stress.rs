@@ -27,7 +27,7 @@ struct Row {
 
 /// The object of `stress --json`.
 #[derive(Serialize)]
-struct Told<'a> {
+struct StressJson<'a> {
     outcome: &'static str,
     #[serde(serialize_with = "double")]
     seconds: f64,
@@ -83,7 +83,7 @@ pub fn execute(
     let seconds = started.elapsed().as_secs_f64();
     let failing = rows.iter().filter(|row| !row.outcome.is_met).count();
     if arguments.json {
-        console.json(&Told {
+        console.json(&StressJson {
             outcome: if failing == 0 { "met" } else { "not met" },
             seconds,
             cases: &rows,

@@ -23,7 +23,7 @@ use crate::table::{duration, grouped};
 
 /// The object of `sweep --json`.
 #[derive(Serialize)]
-struct Told<'a> {
+struct SweepJson<'a> {
     #[serde(flatten)]
     ending: SweepEnding<'a>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -49,11 +49,11 @@ pub fn execute(
     let shard = shard.map(|text| shard::of_number(text, Whole::Settings, count));
     let shard = shard.transpose()?;
     let items = shard.as_ref().map_or(0..count, Shard::items);
-    let told = arguments.output;
-    let allow = told.allow_non_poisson;
-    let shown = console.shown(told.quiet);
+    let output = arguments.output;
+    let allow = output.allow_non_poisson;
+    let shown = console.shown(output.quiet);
     let mut line = Steps::new("building: from formulas to code", shown);
-    let told_of =
+    let progress_of =
         &mut |at: u64, count: u64| line.show("settings composed", at as usize, count as usize);
     let sweep = compose_sweep(
         &document,
@@ -61,13 +61,13 @@ pub fn execute(
         settings,
         items.clone(),
         allow,
-        told_of,
+        progress_of,
     );
     line.finish();
     let sweep = sweep?;
     let out = arguments.out.clone();
     let file = arguments.scene.scene.file_name();
-    let options = told.options(
+    let options = output.options(
         match &shard {
             None => out.unwrap_or_else(|| default_sweep_directory(&document)),
             Some(shard) => out
@@ -86,23 +86,23 @@ pub fn execute(
     };
     bar.finish();
     let report = report?;
-    Ok(tell(&report, shard.as_ref(), told, console))
+    Ok(tell(&report, shard.as_ref(), output, console))
 }
 
 /// Prints what a sweep has come to; returns the exit code.
 pub(super) fn tell(
     report: &SweepReport,
     shard: Option<&Shard>,
-    told: OutputArguments,
+    output: OutputArguments,
     console: &mut Console<'_>,
 ) -> u8 {
-    if !told.quiet {
+    if !output.quiet {
         for line in summary(report, shard, console) {
             console.prose(&line);
         }
     }
-    if told.json {
-        console.json(&Told {
+    if output.json {
+        console.json(&SweepJson {
             ending: SweepEnding::new(report),
             shard: shard.map(|shard| [shard.items().start, shard.items().end]),
             run_directory: report.directory.display().to_string(),

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 /// Everything that was measured.
 #[derive(Serialize)]
-pub(super) struct Told<'a> {
+pub(super) struct ComparisonJson<'a> {
     outcome: &'static str,
     scene: &'a str,
     time: Double,
@@ -65,7 +65,7 @@ struct Refused<'a> {
     reason: &'a str,
 }
 
-impl<'a> Told<'a> {
+impl<'a> ComparisonJson<'a> {
     pub(super) fn of(document: &'a SceneDocument, comparison: &'a Comparison) -> Self {
         let refused = |(method, reason): &'a (String, String)| Refused { method, reason };
         let points = comparison.points.iter();

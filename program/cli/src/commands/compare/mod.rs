@@ -58,7 +58,7 @@ pub fn execute(
     let comparison = comparison?;
     write_files(arguments, &document, &comparison)?;
     if arguments.json {
-        console.json(&json::Told::of(&document, &comparison));
+        console.json(&json::ComparisonJson::of(&document, &comparison));
     } else {
         table::print(&comparison, arguments.all, console);
     }
@@ -147,7 +147,7 @@ fn write_files(
     write(&directory.join(TABLE), csv::table(comparison).as_str())?;
     write_json(
         &directory.join(OBJECT),
-        &json::Told::of(document, comparison),
+        &json::ComparisonJson::of(document, comparison),
     )
 }
 

@@ -14,7 +14,7 @@ use crate::table::words;
 
 /// The object of `plugin list --json`.
 #[derive(Default, Serialize)]
-struct Told {
+struct PluginsJson {
     switched_off: bool,
     folders: Vec<PathBuf>,
     plugins: Vec<Entry>,
@@ -48,9 +48,9 @@ pub fn execute(
     let parts = Parts::new(plugins)?;
     if parts.are_off() {
         if arguments.json {
-            console.json(&Told {
+            console.json(&PluginsJson {
                 switched_off: true,
-                ..Told::default()
+                ..PluginsJson::default()
             });
         } else {
             console.result(&format!("{}: none is looked for", Refusal::SwitchedOff));
@@ -67,7 +67,7 @@ pub fn execute(
     });
     let found: Vec<Entry> = found.collect();
     if arguments.json {
-        console.json(&Told {
+        console.json(&PluginsJson {
             switched_off: false,
             folders: folders.to_vec(),
             plugins: found,

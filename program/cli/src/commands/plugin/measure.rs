@@ -16,7 +16,7 @@ use crate::table::words;
 
 /// The object of `plugin check --json`.
 #[derive(Serialize)]
-struct Told<'a> {
+struct MeasuresJson<'a> {
     outcome: &'static str,
     plugin: Library<'a>,
     parts: Vec<Part<'a>>,
@@ -44,7 +44,7 @@ struct Part<'a> {
     findings: &'a [Finding],
 }
 
-impl<'a> Told<'a> {
+impl<'a> MeasuresJson<'a> {
     fn of(plugin: &'a LoadedPlugin, reports: &'a [(Conformance, &Tried)], is_met: bool) -> Self {
         let declaration = &plugin.declaration;
         let part = |(report, tried): &'a (Conformance, &Tried)| Part {
@@ -102,7 +102,7 @@ pub fn execute(
     let unmeasured = unmeasured(&reports);
     let is_met = broken == 0 && unmeasured.is_empty();
     if arguments.json {
-        console.json(&Told::of(&plugin, &reports, is_met));
+        console.json(&MeasuresJson::of(&plugin, &reports, is_met));
     } else {
         console.result("");
         verdict(&reports, broken, &unmeasured)

@@ -30,7 +30,10 @@ pub(super) fn write(
         }
     }
     put(PAGE, &reproduction_page(figures, command)?)?;
-    files::write_json(&directory.join(OBJECT), &json::Told::of(figures, seconds))
+    files::write_json(
+        &directory.join(OBJECT),
+        &json::FiguresJson::of(figures, seconds),
+    )
 }
 
 /// A panel's points, one a line.

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 /// The object of `reproduce --json`.
 #[derive(Serialize)]
-pub(super) struct Told<'a> {
+pub(super) struct FiguresJson<'a> {
     outcome: &'static str,
     seconds: Double,
     figures: Vec<Figure<'a>>,
@@ -66,7 +66,7 @@ struct Series<'a> {
     points: &'a [(f64, f64)],
 }
 
-impl<'a> Told<'a> {
+impl<'a> FiguresJson<'a> {
     pub(super) fn of(figures: &'a [Reproduced], seconds: f64) -> Self {
         let holds = figures.iter().all(Reproduced::holds);
         Self {

@@ -59,7 +59,7 @@ pub fn execute(
         files::write(directory, &figures, &command, seconds)?;
     }
     if arguments.json {
-        console.json(&json::Told::of(&figures, seconds));
+        console.json(&json::FiguresJson::of(&figures, seconds));
     } else {
         conclude(arguments, &figures, seconds, console);
     }

@@ -10,7 +10,7 @@ use crate::commands::compare::json::{HorizonFields, ReferenceFields};
 
 /// Everything that was found.
 #[derive(Serialize)]
-pub(super) struct Told<'a> {
+pub(super) struct TuningJson<'a> {
     outcome: &'static str,
     scene: &'a str,
     time: Double,
@@ -100,7 +100,7 @@ struct WrittenRun {
     every: u64,
 }
 
-impl<'a> Told<'a> {
+impl<'a> TuningJson<'a> {
     pub(super) fn of(found: &'a Found<'a>) -> Self {
         let tuning = found.tuning;
         let asked = tuning.asked;

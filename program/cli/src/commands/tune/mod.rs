@@ -127,7 +127,7 @@ pub fn execute(
         found.written = (!is_changed).then_some(written);
     }
     if arguments.json {
-        console.json(&json::Told::of(&found));
+        console.json(&json::TuningJson::of(&found));
     } else {
         text::print(&found, console);
     }

@@ -12,7 +12,7 @@ use crate::plugins::Parts;
 
 /// The object of `tune --shadow --json`.
 #[derive(Serialize)]
-struct Told {
+struct ShadowTuningJson {
     time_step: f64,
     steps: u64,
     #[serde(flatten)]
@@ -57,7 +57,7 @@ pub(super) fn execute(
         }
     };
     if arguments.json {
-        console.json(&Told {
+        console.json(&ShadowTuningJson {
             time_step: found.time_step,
             steps: found.steps,
             verdict: found.verdict,

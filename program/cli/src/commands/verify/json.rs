@@ -6,7 +6,7 @@ use serde::Serialize;
 
 /// The object of `verify --json`.
 #[derive(Serialize)]
-pub(super) struct Told<'a> {
+pub(super) struct SurveyJson<'a> {
     outcome: &'static str,
     seconds: Double,
     rows: Vec<Row<'a>>,
@@ -33,7 +33,7 @@ struct Declared<'a> {
     structure: &'a str,
 }
 
-impl<'a> Told<'a> {
+impl<'a> SurveyJson<'a> {
     pub(super) fn of(survey: &'a Survey, seconds: f64) -> Self {
         Self {
             outcome: if survey.is_met() { "met" } else { "not met" },

@@ -56,7 +56,7 @@ pub fn execute(
         files::write(file, &render_survey(&page::data(&survey))?)?;
     }
     if arguments.json {
-        console.json(&json::Told::of(&survey, seconds));
+        console.json(&json::SurveyJson::of(&survey, seconds));
     } else {
         conclude(&survey, seconds, console);
     }
