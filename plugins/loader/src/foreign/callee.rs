@@ -2,12 +2,14 @@
 
 use std::sync::{Arc, Mutex};
 
-use leafwise_core::StepError;
+use leafwise_core::part::ParameterSetting;
+use leafwise_core::{BuildError, StepError};
 use leafwise_plugin_abi::LwMapFn;
 
 use super::batch::Output;
 use super::failure::CallFailure;
 use super::instance::{Call, Instance};
+use super::making::{HostObjects, Making};
 use super::part::ForeignPart;
 use crate::floating_point::{ControlWord, note_change};
 
@@ -66,13 +68,26 @@ type Make = dyn Fn() -> Result<Instance, CallFailure> + Send;
 const BETWEEN_LOOKS: u8 = 64;
 
 impl Callee {
-    /// An idle instance for these parameters, or one as `make` makes it, and makes it anew where one of several trajectories broke it.
+    /// An idle instance for these parameters, or a new one with what `lend` lends it. It is made anew where one of several
+    /// trajectories broke it.
     pub(super) fn new(
         part: &Arc<ForeignPart>,
         idle: &Idle,
         parameters: &[f64],
-        make: impl Fn() -> Result<Instance, CallFailure> + Send + 'static,
+        (dimension, settings): (usize, Vec<(String, ParameterSetting)>),
+        lend: impl Fn() -> Result<HostObjects, BuildError> + Send + 'static,
     ) -> Self {
+        let own = Arc::clone(part);
+        let make = move || {
+            let making = Making {
+                dimension,
+                settings: &settings,
+            };
+            let lent = lend().map_err(|error| CallFailure::Unsupported {
+                message: error.to_string(),
+            })?;
+            Instance::new(&own, making, lent)
+        };
         let values: Vec<u64> = parameters.iter().map(|value| value.to_bits()).collect();
         Self {
             part: Arc::clone(part),

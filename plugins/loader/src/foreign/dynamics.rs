@@ -8,11 +8,11 @@ use leafwise_core::{
     BuildError, Correction, DynamicApproximation, Evaluator, GraphOfOneForm, LagrangianBisection,
     PartParameters, PoissonSystem, RealizationData, StepError,
 };
-use leafwise_plugin_abi::{LwDynamics, LwMapFn};
+use leafwise_plugin_abi::LwDynamics;
 
-use super::batch::{Input, Output};
+use super::batch::Input;
 use super::callee::{Callee, Idle};
-use super::failure::CallFailure;
+use super::function::{ForeignFunction, Named};
 use super::instance::{Call, Instance};
 use super::making::{HostObjects, Making};
 use super::part::{ForeignPart, Properties};
@@ -164,35 +164,39 @@ impl ForeignBisection {
 }
 
 impl ForeignBisection {
-    /// An instance for one evaluator.
-    fn caller(&self, parameters: &[f64], epsilon: f64, h: f64) -> Caller {
-        let (part, values) = (Arc::clone(&self.dynamics.part), parameters.to_vec());
+    /// A function of `inputs` coordinates with `outputs` numbers a point, by an instance of its own.
+    fn function(
+        &self,
+        [values, jacobians]: [Named; 2],
+        (inputs, outputs): (usize, usize),
+        parameters: &[f64],
+        step_sizes: (f64, f64),
+    ) -> ForeignFunction {
         let (system, lend) = (self.system.clone(), self.lend.clone());
-        let settings = self.dynamics.settings.clone();
-        let make = move || {
-            let making = Making {
-                dimension: system.dimension(),
-                settings: &settings,
-            };
-            let lent = lent(&system, &lend, &values);
-            let lent = lent.map_err(|error| CallFailure::Unsupported {
-                message: error.to_string(),
-            })?;
-            Instance::new(&part, making, lent)
-        };
-        Caller {
-            callee: Callee::new(&self.dynamics.part, &self.idle, parameters, make),
-            table: self.dynamics.table,
-            epsilon,
-            h,
+        let own = parameters.to_vec();
+        let making = (system.dimension(), self.dynamics.settings.clone());
+        let part = &self.dynamics.part;
+        ForeignFunction {
+            callee: Callee::new(part, &self.idle, parameters, making, move || {
+                lent(&system, &lend, &own)
+            }),
+            step_sizes,
+            values,
+            jacobians,
+            inputs,
+            outputs,
+            is_of_pairs: false,
         }
     }
 
+    /// θ̂ as the library computes it.
     fn form(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Evaluator> {
-        Box::new(OneForm {
-            caller: self.caller(parameters, epsilon, h),
-            dimension: self.system.dimension(),
-        })
+        let (d, table) = (self.system.dimension(), self.dynamics.table);
+        let functions = [
+            ("one_form", table.one_form),
+            ("one_form_jacobian", table.one_form_jacobian),
+        ];
+        Box::new(self.function(functions, (d, d), parameters, (epsilon, h)))
     }
 }
 
@@ -210,16 +214,17 @@ impl LagrangianBisection for ForeignBisection {
             let chart = self.chart(parameters, epsilon)?;
             return Some(Box::new(GraphOfOneForm::new(form, chart, d, space)));
         }
-        let caller = self.caller(parameters, epsilon, h);
         if table.embedding.is_some() {
-            return Some(Box::new(Embedding {
-                caller,
-                dimension: d,
-                space,
-            }));
+            let functions = [
+                ("embedding", table.embedding),
+                ("embedding_jacobian", table.embedding_jacobian),
+            ];
+            let embedding = self.function(functions, (d, space), parameters, (epsilon, h));
+            return Some(Box::new(embedding));
         }
+        let functions = [("flow", table.flow), ("flow_jacobian", table.flow_jacobian)];
         Some(Box::new(Flow {
-            caller,
+            flow: self.function(functions, (space, space), parameters, (epsilon, h)),
             realization: Arc::clone(&self.realization),
             chart: self.chart(parameters, epsilon),
             pair: vec![0.0; 2 * d],
@@ -242,88 +247,9 @@ fn lent(
     })
 }
 
-/// The instance of one evaluator, with its step sizes.
-struct Caller {
-    callee: Callee,
-    table: LwDynamics,
-    epsilon: f64,
-    h: f64,
-}
-
-impl Caller {
-    /// Evaluates a function at points of `inputs` coordinates, with `outputs` numbers each.
-    fn evaluate(
-        &mut self,
-        (name, function): (&str, LwMapFn),
-        (points, inputs): (&[f64], usize),
-        (out, outputs): (&mut [f64], usize),
-    ) -> Result<(), StepError> {
-        let count = points.len() / inputs;
-        let input = Input::points(points, inputs);
-        let call = Call::at(count, self.epsilon, self.h, input);
-        let output = Output::points(out, outputs);
-        self.callee.evaluate(name, function, &call, output)
-    }
-}
-
-/// θ̂ as the library computes it.
-struct OneForm {
-    caller: Caller,
-    dimension: usize,
-}
-
-impl Evaluator for OneForm {
-    fn values(&mut self, y: &[f64], p: &mut [f64]) -> Result<(), StepError> {
-        let (d, function) = (self.dimension, self.caller.table.one_form);
-        self.caller.evaluate(("one_form", function), (y, d), (p, d))
-    }
-
-    fn jacobians(&mut self, y: &[f64], jacobians: &mut [f64]) -> Result<(), StepError> {
-        if !self.has_jacobian() {
-            return Err(StepError::NoTangent);
-        }
-        let (d, function) = (self.dimension, self.caller.table.one_form_jacobian);
-        let function = ("one_form_jacobian", function);
-        self.caller.evaluate(function, (y, d), (jacobians, d * d))
-    }
-
-    fn has_jacobian(&self) -> bool {
-        self.caller.table.one_form_jacobian.is_some()
-    }
-}
-
-/// L as the library computes it.
-struct Embedding {
-    caller: Caller,
-    dimension: usize,
-    space: usize,
-}
-
-impl Evaluator for Embedding {
-    fn values(&mut self, y: &[f64], z: &mut [f64]) -> Result<(), StepError> {
-        let (d, function) = (self.dimension, self.caller.table.embedding);
-        let function = ("embedding", function);
-        self.caller.evaluate(function, (y, d), (z, self.space))
-    }
-
-    fn jacobians(&mut self, y: &[f64], tangents: &mut [f64]) -> Result<(), StepError> {
-        if !self.has_jacobian() {
-            return Err(StepError::NoTangent);
-        }
-        let (d, space) = (self.dimension, self.space);
-        let function = ("embedding_jacobian", self.caller.table.embedding_jacobian);
-        self.caller
-            .evaluate(function, (y, d), (tangents, space * d))
-    }
-
-    fn has_jacobian(&self) -> bool {
-        self.caller.table.embedding_jacobian.is_some()
-    }
-}
-
 /// Σ∘σ, Σ as the library computes it.
 struct Flow {
-    caller: Caller,
+    flow: ForeignFunction,
     realization: Arc<dyn RealizationData>,
     /// χ, for Dσ = Dχ(·, 0) on vectors of M.
     chart: Option<Box<dyn Evaluator>>,
@@ -344,9 +270,7 @@ impl Flow {
         self.pair[..d].copy_from_slice(y);
         chart.values(&self.pair, &mut self.start)?;
         chart.jacobians(&self.pair, &mut self.of_section)?;
-        let function = ("flow_jacobian", self.caller.table.flow_jacobian);
-        let out = (&mut self.of_flow[..], space * space);
-        self.caller.evaluate(function, (&self.start, space), out)?;
+        self.flow.jacobians(&self.start, &mut self.of_flow)?;
         for i in 0..space {
             for j in 0..d {
                 let row = &self.of_flow[i * space..][..space];
@@ -362,9 +286,7 @@ impl Evaluator for Flow {
     fn values(&mut self, y: &[f64], z: &mut [f64]) -> Result<(), StepError> {
         one_by_one(self.pair.len() / 2, y, z, |y, z| {
             self.realization.section(y, &mut self.start);
-            let (function, space) = (self.caller.table.flow, z.len());
-            self.caller
-                .evaluate(("flow", function), (&self.start, space), (z, space))
+            self.flow.values(&self.start, z)
         })
     }
 
@@ -378,7 +300,7 @@ impl Evaluator for Flow {
             .chart
             .as_ref()
             .is_some_and(|chart| chart.has_jacobian());
-        chart && self.caller.table.flow_jacobian.is_some()
+        chart && self.flow.has_jacobian()
     }
 
     /// The integrator behind it may start from its last stages.

@@ -3,6 +3,7 @@
 use std::ffi::CString;
 
 use leafwise_core::part::ParameterSetting;
+use leafwise_core::{BuildError, PoissonSystem};
 use leafwise_plugin_abi::{
     LW_SETTING_INTEGER, LW_SETTING_REAL, LW_SETTING_TEXT, LwCreate, LwSetting,
 };
@@ -30,6 +31,22 @@ pub(crate) struct HostObjects {
     pub system: Option<HostSystem>,
     /// The realization to serve.
     pub realization: Option<HostRealization>,
+}
+
+impl HostObjects {
+    /// A system with these values of its parameters.
+    ///
+    /// # Errors
+    /// Those of [`HostSystem::new`].
+    pub(crate) fn of_system(
+        system: &PoissonSystem,
+        parameters: &[f64],
+    ) -> Result<Self, BuildError> {
+        Ok(Self {
+            system: Some(HostSystem::new(system, parameters)?),
+            realization: None,
+        })
+    }
 }
 
 /// Calls `call` with the arguments of `create` and `properties`.

@@ -4,12 +4,14 @@
 //! - `part`, `instance`, `callee`: a part, its instances, calls with the host's errors;
 //! - `making`: the arguments of `create` and `properties`;
 //! - `failure`: the failures that statuses mean;
+//! - `function`: a function of points and its derivative as an evaluator;
 //! - `system`, `realization`, `dynamics`, `step_map`: one kind each.
 
 mod batch;
 mod callee;
 mod dynamics;
 mod failure;
+mod function;
 mod instance;
 mod making;
 mod part;

@@ -7,15 +7,15 @@ use leafwise_core::{
     Accuracy, BuildError, Evaluator, PartParameters, PoissonSystem, RealizationData,
     RealizationEvaluator, StepError,
 };
-use leafwise_plugin_abi::{LwMapFn, LwRealization};
+use leafwise_plugin_abi::LwRealization;
 
 use super::batch::{Input, Output};
 use super::callee::{Callee, Idle};
 use super::failure::CallFailure;
+use super::function::ForeignFunction;
 use super::instance::{Call, Instance};
 use super::making::{HostObjects, Making};
 use super::part::{ForeignPart, Properties};
-use crate::host::HostSystem;
 use crate::smoke::states;
 
 /// A part of kind `LW_KIND_REALIZATION` with functions.
@@ -46,12 +46,7 @@ impl ForeignRealizationPart {
             dimension: d,
             settings: &settings,
         };
-        let lent = || -> Result<HostObjects, BuildError> {
-            Ok(HostObjects {
-                system: Some(HostSystem::new(system, &system.parameter_values())?),
-                ..HostObjects::default()
-            })
-        };
+        let lent = || HostObjects::of_system(system, &system.parameter_values());
         let trial = Instance::new(&self.part, making, lent()?).map_err(of_build)?;
         let space = self.table.space_dimension.map_or(0, |space_dimension| {
             // SAFETY: a function of the instance's own table.
@@ -137,22 +132,10 @@ impl std::fmt::Debug for ForeignRealization {
 
 impl ForeignRealization {
     fn callee(&self, parameters: &[f64]) -> Callee {
-        let (part, system) = (Arc::clone(&self.part), self.system.clone());
-        let (settings, values) = (self.settings.clone(), parameters.to_vec());
-        Callee::new(&self.part, &self.idle, parameters, move || {
-            let making = Making {
-                dimension: system.dimension(),
-                settings: &settings,
-            };
-            let lent = HostSystem::new(&system, &values);
-            let lent = lent.map_err(|error| CallFailure::Unsupported {
-                message: error.to_string(),
-            })?;
-            let lent = HostObjects {
-                system: Some(lent),
-                ..HostObjects::default()
-            };
-            Instance::new(&part, making, lent)
+        let (system, values) = (self.system.clone(), parameters.to_vec());
+        let making = (system.dimension(), self.settings.clone());
+        Callee::new(&self.part, &self.idle, parameters, making, move || {
+            HostObjects::of_system(&system, &values)
         })
     }
 }
@@ -214,12 +197,14 @@ impl RealizationData for ForeignRealization {
 
     fn chart_evaluator(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn Evaluator>> {
         self.table.chart?;
-        Some(Box::new(Chart {
+        Some(Box::new(ForeignFunction {
             callee: self.callee(parameters),
-            table: self.table,
-            epsilon,
-            dimension: self.dimension(),
-            space: self.space,
+            step_sizes: (epsilon, 0.0),
+            values: ("chart", self.table.chart),
+            jacobians: ("chart_jacobian", self.table.chart_jacobian),
+            inputs: 2 * self.dimension(),
+            outputs: self.space,
+            is_of_pairs: true,
         }))
     }
 
@@ -308,52 +293,5 @@ impl Evaluator for ForeignEvaluator {
         let separately =
             self.table.alpha_jacobian.is_some() && self.table.beta_with_jacobian.is_some();
         self.table.ends_jacobian.is_some() || separately
-    }
-}
-
-struct Chart {
-    callee: Callee,
-    table: LwRealization,
-    epsilon: f64,
-    dimension: usize,
-    space: usize,
-}
-
-impl Chart {
-    /// A function of (x, p) with `outputs` numbers a point.
-    fn evaluate(
-        &mut self,
-        (name, function): (&str, LwMapFn),
-        pairs: &[f64],
-        (out, outputs): (&mut [f64], usize),
-    ) -> Result<(), StepError> {
-        let d = self.dimension;
-        let half = |from: usize| Input::strided(&pairs[from..], d, 2 * d, 1);
-        let call = Call {
-            v: half(d),
-            ..Call::at(pairs.len() / (2 * d), self.epsilon, 0.0, half(0))
-        };
-        let output = Output::points(out, outputs);
-        self.callee.evaluate(name, function, &call, output)
-    }
-}
-
-impl Evaluator for Chart {
-    fn values(&mut self, pairs: &[f64], z: &mut [f64]) -> Result<(), StepError> {
-        let (function, space) = (("chart", self.table.chart), self.space);
-        self.evaluate(function, pairs, (z, space))
-    }
-
-    fn jacobians(&mut self, pairs: &[f64], tangents: &mut [f64]) -> Result<(), StepError> {
-        if !self.has_jacobian() {
-            return Err(StepError::NoTangent);
-        }
-        let function = ("chart_jacobian", self.table.chart_jacobian);
-        let entries = self.space * 2 * self.dimension;
-        self.evaluate(function, pairs, (tangents, entries))
-    }
-
-    fn has_jacobian(&self) -> bool {
-        self.table.chart_jacobian.is_some()
     }
 }

@@ -15,7 +15,6 @@ use super::failure::CallFailure;
 use super::instance::{Call, Instance};
 use super::making::{HostObjects, Making};
 use super::part::{ForeignPart, Properties};
-use crate::host::HostSystem;
 use crate::smoke::states;
 
 /// A part of kind `LW_KIND_STEP_MAP` with functions.
@@ -47,7 +46,7 @@ impl ForeignStepMapPart {
             dimension: d,
             settings: &settings,
         };
-        let lent = lent(system, &system.parameter_values())?;
+        let lent = HostObjects::of_system(system, &system.parameter_values())?;
         let mut trial = Instance::new(&self.part, making, lent).map_err(of_build)?;
         let x = &states(d)[0];
         let call = Call::at(1, 1.0, TRIAL_STEP, Input::points(x, d));
@@ -81,27 +80,12 @@ struct ForeignStepMap {
 impl ForeignStepMap {
     /// An instance for one evaluator.
     fn callee(&self, parameters: &[f64]) -> Callee {
-        let (part, system) = (Arc::clone(&self.part), self.system.clone());
-        let (settings, values) = (self.settings.clone(), parameters.to_vec());
-        Callee::new(&self.part, &self.idle, parameters, move || {
-            let lent = lent(&system, &values).map_err(|error| CallFailure::Unsupported {
-                message: error.to_string(),
-            })?;
-            let making = Making {
-                dimension: system.dimension(),
-                settings: &settings,
-            };
-            Instance::new(&part, making, lent)
+        let (system, values) = (self.system.clone(), parameters.to_vec());
+        let making = (system.dimension(), self.settings.clone());
+        Callee::new(&self.part, &self.idle, parameters, making, move || {
+            HostObjects::of_system(&system, &values)
         })
     }
-}
-
-/// The host's system, lent to an instance.
-fn lent(system: &PoissonSystem, parameters: &[f64]) -> Result<HostObjects, BuildError> {
-    Ok(HostObjects {
-        system: Some(HostSystem::new(system, parameters)?),
-        ..HostObjects::default()
-    })
 }
 
 /// Properties of a step map by its declaration: order, structure, self-adjointness.

@@ -207,16 +207,10 @@ impl SystemNumbers for ForeignNumbers {
                 *value = values.next().copied().unwrap_or(*value);
             }
         }
-        let part = Arc::clone(&self.part);
-        let make = move || {
-            let making = Making {
-                dimension: 0,
-                settings: &settings,
-            };
-            Instance::new(&part, making, HostObjects::default())
-        };
+        let making = (0, settings);
+        let lend = || Ok(HostObjects::default());
         Box::new(ForeignEvaluator {
-            callee: Callee::new(&self.part, &self.idle, parameters, make),
+            callee: Callee::new(&self.part, &self.idle, parameters, making, lend),
             table: self.table,
             dimension: self.dimension,
             casimirs: self.casimirs,
