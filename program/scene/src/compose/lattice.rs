@@ -70,11 +70,15 @@ impl<'a> SceneLattice<'a> {
             return Ok(None);
         }
         if let Some((formula, what)) = wants_time(document) {
+            let is_pace = document.method.pace.as_ref() == Some(formula);
+            let why = match is_pace {
+                true => "the Hamiltonian is then (H + e) times it, under which every site is moved by the energy of all others",
+                false => "every site moves t's energy",
+            };
             return Err(Box::new(document.diagnostic(
                 &document.place_in_formula(formula, 0..formula.value.len()),
                 format!(
-                    "{what} is not offered on a lattice of more than {DENSE_LIMIT} coordinates, and this one has {}: \
-                     every site moves t's energy",
+                    "{what} is not offered on a lattice of more than {DENSE_LIMIT} coordinates, and this one has {}: {why}",
                     system.coordinates()
                 ),
                 "here",
