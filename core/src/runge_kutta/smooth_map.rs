@@ -169,19 +169,24 @@ impl SmoothMap {
 
     /// An evaluator for fixed parameters, ε and h.
     pub fn evaluator(&self, parameters: &[f64], epsilon: f64, h: f64) -> SmoothMapEvaluator {
-        let evaluator = match &self.source {
-            Source::Kernels { value, jacobian } => Box::new(KernelEvaluator {
+        SmoothMapEvaluator {
+            map: self.clone(),
+            evaluator: self.source.evaluator(parameters, epsilon, h),
+            parameters: parameters.to_vec(),
+            steps: [epsilon, h],
+        }
+    }
+}
+
+impl Source {
+    fn evaluator(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Evaluator> {
+        match self {
+            Self::Kernels { value, jacobian } => Box::new(KernelEvaluator {
                 value: PointKernel::new(value, parameters, epsilon, h),
                 jacobian: jacobian.clone(),
                 slopes: None,
             }),
-            Source::Numbers { make, .. } => make(parameters, epsilon, h),
-        };
-        SmoothMapEvaluator {
-            map: self.clone(),
-            evaluator,
-            parameters: parameters.to_vec(),
-            steps: [epsilon, h],
+            Self::Numbers { make, .. } => make(parameters, epsilon, h),
         }
     }
 }
@@ -247,6 +252,14 @@ impl Evaluator for KernelEvaluator {
 
     fn has_jacobian(&self) -> bool {
         self.jacobian.is_some()
+    }
+
+    fn set_parameters(&mut self, parameters: &[f64]) -> bool {
+        self.value.set_parameters(parameters);
+        if let Some(slopes) = &mut self.slopes {
+            slopes.set_parameters(parameters);
+        }
+        true
     }
 
     fn operations(&self) -> Option<u64> {
@@ -329,6 +342,16 @@ impl Evaluator for SmoothMapEvaluator {
 
     fn restart(&mut self) {
         self.evaluator.restart();
+    }
+
+    /// Always offered: where the map's own evaluator takes no other parameters, a new one is made.
+    fn set_parameters(&mut self, parameters: &[f64]) -> bool {
+        self.parameters.copy_from_slice(parameters);
+        if !self.evaluator.set_parameters(parameters) {
+            let [epsilon, h] = self.steps;
+            self.evaluator = self.map.source.evaluator(parameters, epsilon, h);
+        }
+        true
     }
 
     fn memory(&self) -> Vec<f64> {
