@@ -50,12 +50,6 @@ pub trait Evaluator: Send {
     }
     /// Forgets earlier evaluations: the next one starts cold.
     fn restart(&mut self) {}
-    /// Takes other parameters, for which evaluations have the bits of those of a new evaluator. Returns whether that is
-    /// offered; where it is not, nothing has changed.
-    fn set_parameters(&mut self, parameters: &[f64]) -> bool {
-        let _ = parameters;
-        false
-    }
     /// Memory for a checkpoint, always of the same length: the numbers that later evaluations depend on.
     fn memory(&self) -> Vec<f64> {
         Vec::new()
