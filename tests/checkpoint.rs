@@ -2,7 +2,7 @@
 
 use leafwise::core::{Registry, Stepper, Walk};
 use leafwise::scene::SceneDocument;
-use leafwise::scene::compose::compose;
+use leafwise::scene::compose::{ComposedRun, compose};
 use leafwise_tests::{library, method};
 
 #[test]
@@ -82,39 +82,47 @@ fn a_checkpoint_of_another_dimension_is_refused() {
     );
 }
 
+/// Systems of the library, and methods whose steppers take another step size and other parameters.
+const KEPT: [(&str, &str); 6] = [
+    ("rigid-body", "stepper = \"splitting\""),
+    (
+        "rigid-body",
+        "stepper = \"splitting\"\ncomposition = \"suzuki-4\"",
+    ),
+    ("rigid-body", "stepper = \"rk4\""),
+    (
+        "rigid-body",
+        "dynamics = { name = \"hamilton-jacobi\", order = 8 }",
+    ),
+    (
+        "rigid-body",
+        "realization = { name = \"karasev-truncated\", order = 4 }\n\
+         dynamics = { name = \"hamilton-jacobi\", order = 2 }\ncomposition = \"suzuki-4\"",
+    ),
+    (
+        "lotka-volterra-periodic",
+        "realization = { name = \"karasev-truncated\", order = 5 }\n\
+         dynamics = { name = \"hamilton-jacobi\", order = 4 }",
+    ),
+];
+
+fn composed(library: &str, method: &str) -> ComposedRun {
+    let registry = Registry::with_builtin();
+    let initial = leafwise_tests::library(library).initial;
+    let text = format!(
+        "[system]\nlibrary = \"{library}\"\n[method]\n{method}\ntime-step = 0.1\n[run]\n\
+         initial = {initial:?}\nsteps = 1\n"
+    );
+    let scene = SceneDocument::parse("scene.toml", &text, &registry).expect("a scene");
+    compose(&scene, &registry).expect("a method")
+}
+
 /// Shorter steps on the way to an event take one stepper, and none of them knows of the others.
 #[test]
 fn a_stepper_of_another_step_size_has_the_bits_of_a_new_one() {
-    let registry = Registry::with_builtin();
-    for (library, method) in [
-        ("rigid-body", "stepper = \"splitting\""),
-        (
-            "rigid-body",
-            "stepper = \"splitting\"\ncomposition = \"suzuki-4\"",
-        ),
-        ("rigid-body", "stepper = \"rk4\""),
-        (
-            "rigid-body",
-            "dynamics = { name = \"hamilton-jacobi\", order = 8 }",
-        ),
-        (
-            "rigid-body",
-            "realization = { name = \"karasev-truncated\", order = 4 }\n\
-             dynamics = { name = \"hamilton-jacobi\", order = 2 }\ncomposition = \"suzuki-4\"",
-        ),
-        (
-            "lotka-volterra-periodic",
-            "realization = { name = \"karasev-truncated\", order = 5 }\n\
-             dynamics = { name = \"hamilton-jacobi\", order = 4 }",
-        ),
-    ] {
+    for (library, method) in KEPT {
         let initial = leafwise_tests::library(library).initial;
-        let text = format!(
-            "[system]\nlibrary = \"{library}\"\n[method]\n{method}\ntime-step = 0.1\n[run]\n\
-             initial = {initial:?}\nsteps = 1\n"
-        );
-        let scene = SceneDocument::parse("scene.toml", &text, &registry).expect("a scene");
-        let run = compose(&scene, &registry).expect("a method");
+        let run = composed(library, method);
         let parameters = run.system.parameter_values();
         let new = |h: f64| run.method.map().stepper(1, &parameters, 0.1, h);
         let increment = |stepper: &mut dyn Stepper| {
@@ -135,6 +143,49 @@ fn a_stepper_of_another_step_size_has_the_bits_of_a_new_one() {
             increment(kept.as_mut());
         }
         assert!(kept.resize(1.0));
+        assert_eq!(kept.statistics(), new(1.0).statistics(), "{method}");
         assert_eq!(increment(kept.as_mut()), whole, "{method}");
+    }
+}
+
+/// Blocks of an ensemble take one walk, whose stepper takes other parameters or is made anew.
+#[test]
+fn a_walk_that_starts_again_has_the_bits_of_a_new_one() {
+    let collective = (
+        "rigid-body",
+        "realization = \"clebsch\"\ndynamics = { name = \"collective\", stages = 8 }",
+    );
+    for (library, method) in KEPT.into_iter().chain([collective]) {
+        let run = composed(library, method);
+        let lanes = 11;
+        let start = |size: f64| {
+            let spread = |values: &[f64]| -> Vec<f64> {
+                let rows = values.iter();
+                rows.flat_map(|value| {
+                    (0..lanes).map(move |lane| value * (1.0 + size * lane as f64))
+                })
+                .collect()
+            };
+            [
+                spread(&run.system.parameter_values()),
+                spread(&run.plan.initial),
+            ]
+        };
+        let [first, second] = [start(0.01), start(-0.003)];
+        let map = run.method.map();
+        let new = |[parameters, initial]: &[Vec<f64>; 2]| {
+            Walk::side_by_side(map, lanes, (parameters, initial), 1.0, 0.1)
+        };
+        let (mut kept, mut fresh) = (new(&first), new(&second));
+        kept.advance(23).expect("steps");
+        kept.rest(3);
+        let (parameters, initial) = (&second[0], &second[1]);
+        kept.start_again(map, (parameters, initial));
+        assert_eq!((kept.steps(), kept.living()), (0, lanes));
+        for walk in [&mut kept, &mut fresh] {
+            walk.advance(17).expect("steps");
+        }
+        assert_eq!(kept.checkpoint(), fresh.checkpoint(), "{method}");
+        assert_eq!(kept.statistics(), fresh.statistics(), "{method}");
     }
 }

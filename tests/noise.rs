@@ -74,6 +74,25 @@ fn after(run: &ComposedRun, map: &dyn StepMap, members: u64, steps: u64) -> Vec<
     moved(run, map, members, (&run.plan.initial, steps))
 }
 
+/// A stepper that is kept for other members has made no step of theirs.
+#[test]
+fn a_walk_that_starts_again_draws_from_the_first_step() {
+    let run = spin(THREE, HAMILTON_JACOBI, 0.3);
+    let parameters = run.system.parameter_values();
+    let map = run.method.map();
+    let new = || Walk::new(map, &parameters, 1.0, 0.3, &START);
+    let (mut kept, mut fresh) = (new(), new());
+    kept.follow(&[5]);
+    kept.advance(7).expect("steps");
+    kept.start_again(map, (&parameters, &START));
+    for walk in [&mut kept, &mut fresh] {
+        walk.follow(&[9]);
+        walk.advance(7).expect("steps");
+    }
+    assert_eq!(kept.checkpoint(), fresh.checkpoint());
+    assert_eq!(kept.statistics(), fresh.statistics());
+}
+
 /// The matrix of m ↦ {m_k, m}.
 fn generator(k: usize) -> Matrix3<f64> {
     let fields = [

@@ -46,9 +46,9 @@ fn bits(values: &[f64]) -> Vec<u64> {
 /// The story of strides: 0 is one step by itself.
 fn story(run: &ComposedRun, strides: &[u64]) -> Story {
     let course = run.course(&[]).expect("code");
-    let parameters = vec![run.system.parameter_values()];
-    let initial = [run.plan.initial.clone()];
-    let mut walk = Watched::new(&course, run.method.map(), parameters, &initial).expect("a walk");
+    let parameters = run.system.parameter_values();
+    let start = (parameters.as_slice(), run.plan.initial.as_slice());
+    let mut walk = Watched::new(&course, run.method.map(), 1, start).expect("a walk");
     let mut story = Story::default();
     let mut take = |look: Look<'_>| -> Result<(), BuildError> {
         match look {
@@ -121,14 +121,8 @@ fn a_look_that_fails_leaves_the_walk_there() {
     let course = run.course(&[]).expect("code");
     let (parameters, initial) = (run.system.parameter_values(), run.plan.initial.clone());
     let new = || {
-        let parameters = vec![parameters.clone()];
-        Watched::new(
-            &course,
-            run.method.map(),
-            parameters,
-            std::slice::from_ref(&initial),
-        )
-        .expect("a walk")
+        let start = (parameters.as_slice(), initial.as_slice());
+        Watched::new(&course, run.method.map(), 1, start).expect("a walk")
     };
     let [mut full, mut whole] = [new(), new()];
     let refused = full.advance(100, &mut |look| match look {

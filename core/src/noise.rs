@@ -466,6 +466,15 @@ impl Stepper for NoisyStepper {
         self.stepper.restart();
     }
 
+    fn resize(&mut self, h: f64) -> bool {
+        let is_offered = self.stepper.resize(h);
+        if is_offered {
+            (self.step, self.spent) = (0, SolverStatistics::default());
+            self.step_sizes.1 = h;
+        }
+        is_offered
+    }
+
     fn follow(&mut self, members: &[u64]) {
         self.members.copy_from_slice(members);
     }

@@ -46,6 +46,15 @@ impl PointKernel {
         Self::new(kernel, &self.parameters, self.epsilon, self.h)
     }
 
+    /// Takes other parameters; nothing is allocated but for points side by side.
+    pub(crate) fn set_parameters(&mut self, parameters: &[f64]) {
+        self.parameters.copy_from_slice(parameters);
+        let steps = ([self.epsilon], [self.h]);
+        self.kernel
+            .prepare(&mut self.alone, parameters, &steps.0, &steps.1);
+        self.wide = None;
+    }
+
     /// Operations so far.
     pub(crate) fn operations(&self) -> u64 {
         self.operations

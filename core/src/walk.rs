@@ -24,14 +24,16 @@ pub struct Walk {
     rests: Vec<Option<Rest>>,
     living: usize,
     steps: u64,
-    time_step: f64,
+    /// ε and h.
+    step_sizes: (f64, f64),
     failed: Vec<(usize, StepError)>,
+    /// The last states of lanes that rest; none before one does.
+    last: Vec<f64>,
 }
 
-/// Where a lane stays.
+/// How a lane has come to rest.
 struct Rest {
     steps: u64,
-    state: Vec<f64>,
     error: Option<StepError>,
 }
 
@@ -75,9 +77,35 @@ impl Walk {
             rests: (0..lanes).map(|_| None).collect(),
             living: lanes,
             steps: 0,
-            time_step: epsilon * h,
+            step_sizes: (epsilon, h),
             failed: Vec::new(),
+            last: Vec::new(),
         }
+    }
+
+    /// Starts again by the same map with other parameters and initial states, in as many lanes: a new walk, to the bit.
+    /// Where the stepper takes other parameters, nothing is allocated.
+    ///
+    /// # Panics
+    /// When an initial state does not have the map's dimension.
+    pub fn start_again(&mut self, map: &dyn StepMap, (parameters, initial): (&[f64], &[f64])) {
+        let (epsilon, h) = self.step_sizes;
+        let stepper = &mut self.stepper;
+        if !(stepper.set_parameters(parameters) && stepper.resize(h)) {
+            *stepper = map.stepper(self.lanes, parameters, epsilon, h);
+        }
+        self.state.copy_from_slice(initial);
+        self.low.fill(0.0);
+        self.outcome.fill(Ok(()));
+        self.go_on_from(0);
+    }
+
+    /// Lets every lane go on, after so many steps.
+    fn go_on_from(&mut self, steps: u64) {
+        self.steps = steps;
+        self.rests.fill_with(|| None);
+        self.living = self.lanes;
+        self.failed.clear();
     }
 
     /// Starts at x_0 with the system's own values of parameters, ε = 1 and h the `time_step`.
@@ -135,7 +163,8 @@ impl Walk {
     /// t = k ε h.
     pub fn time(&self) -> f64 {
         // Of no step backwards in time −0 is 0.
-        self.steps as f64 * self.time_step + 0.0
+        let (epsilon, h) = self.step_sizes;
+        self.steps as f64 * (epsilon * h) + 0.0
     }
 
     /// The solver's work so far, over all lanes.
@@ -161,7 +190,7 @@ impl Walk {
     /// The last state of a lane, and the number of steps to it.
     pub fn last(&self, lane: usize) -> (u64, Vec<f64>) {
         match &self.rests[lane] {
-            Some(rest) => (rest.steps, rest.state.clone()),
+            Some(rest) => (rest.steps, column(&self.last, lane, self.lanes)),
             None => (self.steps, column(&self.state, lane, self.lanes)),
         }
     }
@@ -275,12 +304,12 @@ impl Walk {
 
     fn end(&mut self, lane: usize, error: Option<StepError>) {
         if self.lives(lane) {
-            let (steps, state) = self.last(lane);
-            self.rests[lane] = Some(Rest {
-                steps,
-                state,
-                error,
-            });
+            let steps = self.steps;
+            self.last.resize(self.state.len(), 0.0);
+            for at in (lane..self.state.len()).step_by(self.lanes) {
+                self.last[at] = self.state[at];
+            }
+            self.rests[lane] = Some(Rest { steps, error });
             self.living -= 1;
         }
     }
@@ -323,12 +352,9 @@ impl Walk {
             return Err(self.state.len());
         }
         self.stepper.restore(&checkpoint.memory)?;
-        self.steps = checkpoint.steps;
         self.state.copy_from_slice(&checkpoint.state);
         self.low.copy_from_slice(&checkpoint.compensation);
-        self.rests.fill_with(|| None);
-        self.living = self.lanes;
-        self.failed.clear();
+        self.go_on_from(checkpoint.steps);
         Ok(())
     }
 }

@@ -1,5 +1,7 @@
 //! Looks at one lane of many, at states within its last step.
 
+use leafwise_core::evaluator::is_same;
+use leafwise_core::walk::column;
 use leafwise_core::{BuildError, StepMap};
 
 use crate::course::Course;
@@ -12,7 +14,9 @@ use crate::step::{LastStep, StepStart};
 pub(crate) struct Alones<'a> {
     course: &'a Course,
     map: &'a dyn StepMap,
-    parameters: Vec<Vec<f64>>,
+    lanes: usize,
+    /// Of all lanes, a structure of arrays.
+    parameters: Vec<f64>,
     slots: Vec<Option<Alone<'a>>>,
 }
 
@@ -25,33 +29,54 @@ pub(crate) struct Alone<'a> {
 }
 
 impl<'a> Alones<'a> {
-    /// Nothing made yet; a lane for each list of parameters.
-    pub fn new(course: &'a Course, map: &'a dyn StepMap, parameters: Vec<Vec<f64>>) -> Self {
-        let differ = parameters.windows(2).any(|pair| pair[0] != pair[1]);
-        let count = if differ { parameters.len() } else { 1 };
-        Self {
+    /// Nothing made yet, of so many lanes.
+    pub fn new(
+        course: &'a Course,
+        map: &'a dyn StepMap,
+        (lanes, parameters): (usize, &[f64]),
+    ) -> Self {
+        let mut alones = Self {
             course,
             map,
-            parameters,
-            slots: (0..count).map(|_| None).collect(),
+            lanes,
+            parameters: parameters.to_vec(),
+            slots: Vec::new(),
+        };
+        alones.make_room();
+        alones
+    }
+
+    fn make_room(&mut self) {
+        let mut rows = self.parameters.chunks_exact(self.lanes);
+        let differ = rows.any(|row| row.iter().any(|value| *value != row[0]));
+        let count = if differ { self.lanes } else { 1 };
+        self.slots.clear();
+        self.slots.resize_with(count, || None);
+    }
+
+    /// Takes other parameters. What was made stays where they are the same.
+    pub fn set_parameters(&mut self, parameters: &[f64]) {
+        if !is_same(&self.parameters, parameters) {
+            self.parameters.copy_from_slice(parameters);
+            self.make_room();
         }
     }
 
-    /// The parameters of each lane.
-    pub fn parameters(&self) -> &[Vec<f64>] {
+    /// The parameters of all lanes, a structure of arrays.
+    pub fn parameters(&self) -> &[f64] {
         &self.parameters
     }
 
     /// A lane, whose last step begins at its state of `start`.
     pub fn at(&mut self, lane: usize, start: &StepStart) -> Result<&mut Alone<'a>, BuildError> {
         let at = lane.min(self.slots.len() - 1);
-        let (course, parameters) = (self.course, &self.parameters[lane]);
+        let lanes = self.lanes;
         let slot = &mut self.slots[at];
         if slot.is_none() {
-            *slot = Some(Alone::new(course, self.map, parameters)?);
+            let parameters = column(&self.parameters, lane, lanes);
+            *slot = Some(Alone::new(self.course, self.map, &parameters)?);
         }
         let alone = slot.as_mut().expect("it was made above");
-        let lanes = self.parameters.len();
         let own = &mut alone.last.start;
         for (own, all) in [
             (&mut own.state, &start.state),

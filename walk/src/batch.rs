@@ -12,6 +12,12 @@ const LEAST: usize = 8;
 /// Coordinates of all their states, at most: they stay in the nearest cache.
 const COORDINATES: usize = 2048;
 
+/// The same parameters in so many lanes.
+fn spread(parameters: &[f64], lanes: usize) -> Vec<f64> {
+    let rows = parameters.iter();
+    rows.flat_map(|x| std::iter::repeat_n(*x, lanes)).collect()
+}
+
 /// Room for the states of many steps.
 pub(crate) struct Batch {
     /// Steps at most.
@@ -30,20 +36,14 @@ impl Batch {
     pub fn of(
         course: &Course,
         dimension: usize,
-        parameters: &[Vec<f64>],
+        (lanes, parameters): (usize, &[f64]),
     ) -> Result<Option<Self>, BuildError> {
         let most = (COORDINATES / dimension.max(1)).min(MOST);
         let is_watched = course.looks_between() || course.invariants_every != 1;
-        let [parameters] = parameters else {
-            return Ok(None);
-        };
-        if is_watched || most < LEAST || !course.invariants.is_code() {
+        if lanes > 1 || is_watched || most < LEAST || !course.invariants.is_code() {
             return Ok(None);
         }
-        let lanes = parameters
-            .iter()
-            .flat_map(|x| std::iter::repeat_n(*x, most));
-        let invariants = course.invariants.values(most, &lanes.collect::<Vec<_>>())?;
+        let invariants = course.invariants.values(most, &spread(parameters, most))?;
         Ok(Some(Self {
             most,
             states: vec![0.0; dimension * most],
@@ -51,6 +51,15 @@ impl Batch {
             columns: vec![0.0; dimension * most],
             invariants,
         }))
+    }
+
+    /// Takes other parameters.
+    ///
+    /// # Errors
+    /// Those of [`FunctionValues::set_parameters`].
+    pub fn set_parameters(&mut self, parameters: &[f64]) -> Result<(), BuildError> {
+        self.invariants
+            .set_parameters(&spread(parameters, self.most))
     }
 
     /// Keeps the state after a step.

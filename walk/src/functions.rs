@@ -53,6 +53,7 @@ impl StateFunctions {
                 let own = |lane: usize| column(parameters, lane, lanes);
                 let observers = (0..lanes).map(|lane| make(&own(lane)));
                 Evaluator::Each {
+                    make: Arc::clone(make),
                     observers: observers.collect::<Result<_, _>>()?,
                     state: Vec::new(),
                     own: vec![0.0; self.count()],
@@ -83,6 +84,7 @@ pub struct FunctionValues {
 enum Evaluator {
     Code(SystemObservables),
     Each {
+        make: Arc<Make>,
         observers: Vec<Box<dyn Observe>>,
         state: Vec<f64>,
         own: Vec<f64>,
@@ -94,6 +96,25 @@ impl FunctionValues {
     pub fn measure_from(&mut self, origins: &[f64]) {
         self.origins.clear();
         self.origins.extend_from_slice(origins);
+    }
+
+    /// Takes other parameters, as many lanes of them. Code allocates nothing for them, observers are made anew.
+    ///
+    /// # Errors
+    /// [`BuildError`] where there is no observer for a lane.
+    pub fn set_parameters(&mut self, parameters: &[f64]) -> Result<(), BuildError> {
+        match &mut self.evaluator {
+            Evaluator::Code(code) => code.set_parameters(parameters),
+            Evaluator::Each {
+                make, observers, ..
+            } => {
+                let lanes = observers.len();
+                for (lane, observer) in observers.iter_mut().enumerate() {
+                    *observer = make(&column(parameters, lane, lanes))?;
+                }
+            }
+        }
+        Ok(())
     }
 
     /// The values at states, a structure of arrays.
@@ -110,6 +131,7 @@ impl FunctionValues {
                 observers,
                 state,
                 own,
+                ..
             } => {
                 let lanes = observers.len();
                 for (lane, observer) in observers.iter_mut().enumerate() {

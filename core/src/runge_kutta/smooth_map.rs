@@ -169,19 +169,26 @@ impl SmoothMap {
 
     /// An evaluator for fixed parameters, ε and h.
     pub fn evaluator(&self, parameters: &[f64], epsilon: f64, h: f64) -> SmoothMapEvaluator {
-        let evaluator = match &self.source {
-            Source::Kernels { value, jacobian } => Box::new(KernelEvaluator {
-                value: PointKernel::new(value, parameters, epsilon, h),
-                jacobian: jacobian.clone(),
-                slopes: None,
-            }),
-            Source::Numbers { make, .. } => make(parameters, epsilon, h),
-        };
         SmoothMapEvaluator {
             map: self.clone(),
-            evaluator,
+            evaluator: self.source.evaluator(parameters, epsilon, h),
             parameters: parameters.to_vec(),
             steps: [epsilon, h],
+        }
+    }
+}
+
+impl Source {
+    fn evaluator(&self, parameters: &[f64], epsilon: f64, h: f64) -> SourceEvaluator {
+        match self {
+            Self::Kernels { value, jacobian } => {
+                SourceEvaluator::Kernels(Box::new(KernelEvaluator {
+                    value: PointKernel::new(value, parameters, epsilon, h),
+                    jacobian: jacobian.clone(),
+                    slopes: None,
+                }))
+            }
+            Self::Numbers { make, .. } => SourceEvaluator::Numbers(make(parameters, epsilon, h)),
         }
     }
 }
@@ -220,6 +227,13 @@ struct KernelEvaluator {
 }
 
 impl KernelEvaluator {
+    fn set_parameters(&mut self, parameters: &[f64]) {
+        self.value.set_parameters(parameters);
+        if let Some(slopes) = &mut self.slopes {
+            slopes.set_parameters(parameters);
+        }
+    }
+
     #[cold]
     fn begin_slopes(&self) -> Result<PointKernel, StepError> {
         let kernel = self.jacobian.as_ref().and_then(|own| own.kernel());
@@ -255,10 +269,34 @@ impl Evaluator for KernelEvaluator {
     }
 }
 
+/// The evaluator of a [`Source`].
+enum SourceEvaluator {
+    Kernels(Box<KernelEvaluator>),
+    Numbers(Box<dyn Evaluator>),
+}
+
+impl SourceEvaluator {
+    #[inline]
+    fn get(&self) -> &dyn Evaluator {
+        match self {
+            Self::Kernels(own) => own.as_ref(),
+            Self::Numbers(own) => own.as_ref(),
+        }
+    }
+
+    #[inline]
+    fn get_mut(&mut self) -> &mut dyn Evaluator {
+        match self {
+            Self::Kernels(own) => own.as_mut(),
+            Self::Numbers(own) => own.as_mut(),
+        }
+    }
+}
+
 /// One thread's evaluator of a [`SmoothMap`].
 pub struct SmoothMapEvaluator {
     map: SmoothMap,
-    evaluator: Box<dyn Evaluator>,
+    evaluator: SourceEvaluator,
     parameters: Vec<f64>,
     /// ε and h.
     steps: [f64; 2],
@@ -268,6 +306,19 @@ impl SmoothMapEvaluator {
     /// The map.
     pub fn map(&self) -> &SmoothMap {
         &self.map
+    }
+
+    /// Takes other parameters: evaluations have the bits of those of a new evaluator. Kernels stay as they are, an evaluator of
+    /// numbers is made anew.
+    pub fn set_parameters(&mut self, parameters: &[f64]) {
+        self.parameters.copy_from_slice(parameters);
+        match &mut self.evaluator {
+            SourceEvaluator::Kernels(own) => own.set_parameters(parameters),
+            SourceEvaluator::Numbers(_) => {
+                let [epsilon, h] = self.steps;
+                self.evaluator = self.map.source.evaluator(parameters, epsilon, h);
+            }
+        }
     }
 
     /// The map with the numbers that it is evaluated for.
@@ -307,12 +358,12 @@ impl SmoothMapEvaluator {
 impl Evaluator for SmoothMapEvaluator {
     #[inline]
     fn values(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        self.evaluator.values(z, out)
+        self.evaluator.get_mut().values(z, out)
     }
 
     #[inline]
     fn jacobians(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        self.evaluator.jacobians(z, out)
+        self.evaluator.get_mut().jacobians(z, out)
     }
 
     fn has_jacobian(&self) -> bool {
@@ -320,22 +371,22 @@ impl Evaluator for SmoothMapEvaluator {
     }
 
     fn is_pointwise(&self) -> bool {
-        self.evaluator.is_pointwise()
+        self.evaluator.get().is_pointwise()
     }
 
     fn operations(&self) -> Option<u64> {
-        self.evaluator.operations()
+        self.evaluator.get().operations()
     }
 
     fn restart(&mut self) {
-        self.evaluator.restart();
+        self.evaluator.get_mut().restart();
     }
 
     fn memory(&self) -> Vec<f64> {
-        self.evaluator.memory()
+        self.evaluator.get().memory()
     }
 
     fn restore(&mut self, memory: &[f64]) {
-        self.evaluator.restore(memory);
+        self.evaluator.get_mut().restore(memory);
     }
 }

@@ -88,7 +88,11 @@ impl Stepper for Checked {
     }
 
     fn resize(&mut self, h: f64) -> bool {
-        self.stepper.resize(h)
+        let is_offered = self.stepper.resize(h);
+        if is_offered {
+            self.failures = 0;
+        }
+        is_offered
     }
 
     fn set_parameters(&mut self, parameters: &[f64]) -> bool {

@@ -313,6 +313,7 @@ impl Stepper for ExplicitStepper {
 
     fn resize(&mut self, h: f64) -> bool {
         self.step_sizes.1.fill(h);
+        self.statistics = SolverStatistics::default();
         self.prepare();
         true
     }

@@ -119,9 +119,13 @@ impl Stepper for ProductStepper {
     }
 
     fn resize(&mut self, h: f64) -> bool {
-        let stages = self.stages.iter_mut().zip(&self.parts);
+        let mut stages = self.stages.iter_mut().zip(&self.parts);
         // Stages are of one kind: the first says for all whether they can.
-        stages.fold(true, |all, (stage, part)| all && stage.resize(part * h))
+        let is_offered = stages.all(|(stage, part)| stage.resize(part * h));
+        if is_offered {
+            (self.steps, self.failures) = (0, 0);
+        }
+        is_offered
     }
 
     fn set_parameters(&mut self, parameters: &[f64]) -> bool {

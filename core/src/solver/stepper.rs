@@ -45,8 +45,8 @@ pub trait Stepper: Send {
     }
     /// Forgets earlier steps: the next solve starts cold.
     fn restart(&mut self);
-    /// Takes another step size h and forgets earlier steps: later ones have the bits of those of a new stepper. Returns
-    /// whether that is offered; where it is not, nothing has changed.
+    /// Takes another step size h and forgets earlier steps and their work: later ones have the bits of those of a new
+    /// stepper, and so has what is counted. Returns whether that is offered; where it is not, nothing has changed.
     fn resize(&mut self, h: f64) -> bool {
         let _ = h;
         false

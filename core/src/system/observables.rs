@@ -29,6 +29,8 @@ pub(super) fn kernel(
 pub struct SystemObservables {
     kernel: Arc<Kernel>,
     workspace: Workspace,
+    /// A step size that no formula depends on, for each lane.
+    ones: Vec<f64>,
 }
 
 impl SystemObservables {
@@ -73,7 +75,20 @@ impl SystemObservables {
         let mut workspace = kernel.workspace(lanes);
         let ones = vec![1.0; lanes];
         kernel.prepare(&mut workspace, parameters, &ones, &ones);
-        Self { kernel, workspace }
+        Self {
+            kernel,
+            workspace,
+            ones,
+        }
+    }
+
+    /// Takes other parameters, as many lanes of them.
+    ///
+    /// # Panics
+    /// When they are not as many.
+    pub fn set_parameters(&mut self, parameters: &[f64]) {
+        let (kernel, ones) = (&self.kernel, &self.ones);
+        kernel.prepare(&mut self.workspace, parameters, ones, ones);
     }
 }
 

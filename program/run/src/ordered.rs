@@ -23,18 +23,18 @@ pub(crate) enum Turn<T> {
     Look,
 }
 
-/// Works through `count` tasks; `None` of a task means that it was told to `stop`. `turn` tells whether to go on. Returns how many
-/// threads there were, and how it ended.
-pub(crate) fn in_order<T: Send>(
+/// Works through `count` tasks; `None` of a task means that it was told to `stop`. Each thread has tools of its own, which it keeps
+/// from one task to the next. `turn` tells whether to go on. Returns how many threads there were, and how it ended.
+pub(crate) fn in_order<Tools: Default, T: Send>(
     (count, threads): (u64, NonZeroUsize),
     stop: &AtomicBool,
-    work: impl Fn(u64) -> Result<Option<T>, RunError> + Sync,
+    work: impl Fn(&mut Tools, u64) -> Result<Option<T>, RunError> + Sync,
     mut turn: impl FnMut(Turn<T>) -> Result<bool, RunError>,
 ) -> (usize, Result<RunOutcome, RunError>) {
     let (next, taken) = (AtomicU64::new(0), AtomicU64::new(0));
     let (sender, receiver) = channel::<(u64, Result<Option<T>, RunError>)>();
     let most_waiting = (threads.get().saturating_mul(WAITING)) as u64;
-    let next_task = || {
+    let next_task = |tools: &mut Tools| {
         let task = next.fetch_add(1, Ordering::Relaxed);
         if task >= count {
             return None;
@@ -46,10 +46,11 @@ pub(crate) fn in_order<T: Send>(
             }
             std::thread::sleep(Duration::from_millis(1));
         }
-        Some((task, work(task)))
+        Some((task, work(tools, task)))
     };
     let serve = || {
-        while let Some((task, result)) = next_task() {
+        let mut tools = Tools::default();
+        while let Some((task, result)) = next_task(&mut tools) {
             let is_over = !matches!(result, Ok(Some(_)));
             if sender.clone().send((task, result)).is_err() || is_over {
                 return;
@@ -61,7 +62,7 @@ pub(crate) fn in_order<T: Send>(
         let wanted = 0..count.min(threads.get() as u64);
         let spawn = |_| Builder::new().spawn_scoped(scope, serve).ok();
         let workers: Vec<_> = wanted.map_while(spawn).collect();
-        let mut waiting = BTreeMap::new();
+        let (mut waiting, mut own) = (BTreeMap::new(), Tools::default());
         let (mut at, mut is_stuck) = (0, false);
         let mut attempt = || -> Result<RunOutcome, RunError> {
             let mut goes_on = turn(Turn::Look)?;
@@ -73,7 +74,7 @@ pub(crate) fn in_order<T: Send>(
                     return Ok(RunOutcome::Interrupted);
                 }
                 let received = if workers.is_empty() {
-                    next_task().ok_or(RecvTimeoutError::Disconnected)
+                    next_task(&mut own).ok_or(RecvTimeoutError::Disconnected)
                 } else {
                     receiver.recv_timeout(LOOK_EVERY)
                 };

@@ -114,7 +114,7 @@ impl Watched<'_> {
 
     /// Steps again from the beginning of a batch, so many steps: the walk stands where the looks have come to, with the work up to there.
     fn go_back(&mut self, begin: &Begin, steps: u64) {
-        let (course, parameters) = (self.course, &self.alones.parameters()[0]);
+        let (course, parameters) = (self.course, self.alones.parameters());
         let (epsilon, h) = (course.epsilon, course.h);
         let mut walk = Walk::new(self.map, parameters, epsilon, h, &begin.walk.state);
         if !self.members.is_empty() {

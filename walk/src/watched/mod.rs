@@ -3,7 +3,7 @@
 mod at_once;
 mod looks;
 
-use leafwise_core::walk::{Checkpoint, column, side_by_side};
+use leafwise_core::walk::Checkpoint;
 use leafwise_core::{BuildError, SolverStatistics, StepMap, Walk};
 
 use crate::alone::Alones;
@@ -29,6 +29,8 @@ pub struct Watched<'a> {
     /// The number of the next sample at a time, for each lane.
     next: Vec<u64>,
     ends: Vec<Option<Ended>>,
+    /// Room for the states of ends: that of earlier ones.
+    room: Vec<Vec<f64>>,
     /// The lanes that have made the last step, and go on from there by their pace.
     moved: Vec<bool>,
     /// Lanes that have ended, and that nobody has heard of.
@@ -69,7 +71,7 @@ pub struct Memory {
 }
 
 impl<'a> Watched<'a> {
-    /// Lanes at their `initial` states with their `parameters`.
+    /// `lanes` at their initial states with their parameters, both structures of arrays.
     ///
     /// # Errors
     /// Returns [`BuildError`] where a function of the course has no evaluator.
@@ -79,24 +81,16 @@ impl<'a> Watched<'a> {
     pub fn new(
         course: &'a Course,
         map: &'a dyn StepMap,
-        parameters: Vec<Vec<f64>>,
-        initial: &[Vec<f64>],
+        lanes: usize,
+        (parameters, initial): (&[f64], &[f64]),
     ) -> Result<Self, BuildError> {
-        let lanes = initial.len();
-        let values = side_by_side(&parameters);
-        let own = (values.as_slice(), side_by_side(initial));
-        let walk = Walk::side_by_side(map, lanes, (own.0, &own.1), course.epsilon, course.h);
-        let mut invariants = course.invariants.values(lanes, &values)?;
-        if let Some(pace) = &course.pace {
-            // H + e is measured from e at the beginning.
-            let origins = initial.iter().map(|state| state[pace.time + 1]);
-            invariants.measure_from(&origins.collect::<Vec<_>>());
-        }
+        let own = (parameters, initial);
+        let walk = Walk::side_by_side(map, lanes, own, course.epsilon, course.h);
         let stop = course.stop.as_ref();
         let events = course.events.iter().map(|(event, of)| {
             Ok::<_, BuildError>(EventLanes {
                 event,
-                values: of.values(lanes, &values)?,
+                values: of.values(lanes, parameters)?,
                 sides: vec![Side::default(); lanes],
                 counts: vec![0; lanes],
             })
@@ -105,38 +99,88 @@ impl<'a> Watched<'a> {
         let mut watched = Self {
             course,
             start: StepStart::default(),
-            invariants,
-            stop: stop.map(|(_, of)| of.values(lanes, &values)).transpose()?,
+            invariants: course.invariants.values(lanes, parameters)?,
+            stop: stop
+                .map(|(_, of)| of.values(lanes, parameters))
+                .transpose()?,
             events,
             paced: vec![PacedSteps::default(); lanes],
             next: vec![1; lanes],
             ends: vec![None; lanes],
+            room: Vec::new(),
             moved: vec![false; lanes],
             fresh: Vec::new(),
-            batch: Batch::of(course, map.dimension(), &parameters)?,
-            alones: Alones::new(course, map, parameters),
+            batch: Batch::of(course, map.dimension(), (lanes, parameters))?,
+            alones: Alones::new(course, map, (lanes, parameters)),
             walk,
             map,
             members: Vec::new(),
             earlier: SolverStatistics::default(),
         };
-        if course.looks_between() {
-            watched.start.keep(&watched.walk);
+        watched.stand();
+        Ok(watched)
+    }
+
+    /// Starts again with other parameters and initial states, in as many lanes: a new walk, to the bit. What steps and looks are made
+    /// with stays.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    ///
+    /// # Panics
+    /// As [`new`](Self::new).
+    pub fn start_again(
+        &mut self,
+        (parameters, initial): (&[f64], &[f64]),
+    ) -> Result<(), BuildError> {
+        self.walk.start_again(self.map, (parameters, initial));
+        self.invariants.set_parameters(parameters)?;
+        if let Some(values) = &mut self.stop {
+            values.set_parameters(parameters)?;
         }
-        for event in &mut watched.events {
-            let values = event.values.at(watched.walk.state());
-            let sides = event.sides.iter_mut().zip(values);
+        for event in &mut self.events {
+            event.values.set_parameters(parameters)?;
+            event.counts.fill(0);
+        }
+        if let Some(batch) = &mut self.batch {
+            batch.set_parameters(parameters)?;
+        }
+        self.alones.set_parameters(parameters);
+        self.paced.fill(PacedSteps::default());
+        self.next.fill(1);
+        let ends = self.ends.iter_mut().filter_map(Option::take);
+        self.room.extend(ends.map(|ended| ended.state));
+        self.fresh.clear();
+        self.members.clear();
+        self.earlier = SolverStatistics::default();
+        self.stand();
+        Ok(())
+    }
+
+    /// Takes in where the lanes begin.
+    fn stand(&mut self) {
+        let (course, state) = (self.course, self.walk.state());
+        if let Some(pace) = &course.pace {
+            // H + e is measured from e at the beginning.
+            let lanes = self.walk.lanes();
+            let origins = &state[(pace.time + 1) * lanes..][..lanes];
+            self.invariants.measure_from(origins);
+        }
+        if course.looks_between() {
+            self.start.keep(&self.walk);
+        }
+        for event in &mut self.events {
+            let sides = event.sides.iter_mut().zip(event.values.at(state));
             sides.for_each(|(side, value)| *side = Side::begin(*value));
         }
-        watched.invariants.at(watched.walk.state());
-        watched.mark_moved();
-        Ok(watched)
+        self.mark_moved();
     }
 
     /// Says which member of an ensemble each lane is: steps with noise draw that member's numbers.
     pub fn follow(&mut self, members: &[u64]) {
         self.walk.follow(members);
-        self.members = members.to_vec();
+        self.members.clear();
+        self.members.extend_from_slice(members);
     }
 
     /// Leaves a lane out.
@@ -380,8 +424,12 @@ impl<'a> Watched<'a> {
     }
 
     /// The state of a lane after the last step, while that goes on or has just ended.
-    fn present(&self, lane: usize) -> Vec<f64> {
-        column(self.walk.state(), lane, self.walk.lanes())
+    fn present(&mut self, lane: usize) -> Vec<f64> {
+        let mut own = self.room.pop().unwrap_or_default();
+        let all = self.walk.state().iter();
+        own.clear();
+        own.extend(all.skip(lane).step_by(self.walk.lanes()));
+        own
     }
 
     fn end(&mut self, lane: usize, ended: Ended) {

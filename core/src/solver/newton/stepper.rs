@@ -181,6 +181,7 @@ impl Stepper for NewtonStepper {
     fn resize(&mut self, h: f64) -> bool {
         let blocks = self.wide.iter_mut().chain(&mut self.single);
         blocks.for_each(|block| block.resize(h));
+        (self.statistics, self.jacobians) = (SolverStatistics::default(), 0);
         true
     }
 

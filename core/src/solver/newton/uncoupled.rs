@@ -345,6 +345,7 @@ impl Stepper for UncoupledStepper {
     }
 
     fn resize(&mut self, h: f64) -> bool {
+        (self.steps, self.failures) = (0, 0);
         let mut parts = self.parts.iter_mut();
         parts.all(|part| part.stepper.resize(h))
     }

@@ -126,8 +126,8 @@ impl<'a> Session<'a> {
         samples: Samples,
     ) -> Result<Self, RunError> {
         let parameters = run.system.parameter_values();
-        let (map, initial) = (run.method.map(), run.plan.initial.clone());
-        let mut watched = Watched::new(course, map, vec![parameters], &[initial])?;
+        let start = (parameters.as_slice(), run.plan.initial.as_slice());
+        let mut watched = Watched::new(course, run.method.map(), 1, start)?;
         let records = Records::new(run, course, watched.invariants(), samples)?;
         Ok(Self {
             run,

@@ -217,32 +217,36 @@ impl<'a> Records<'a> {
         Ok(())
     }
 
+    /// Records what many steps have come to, then looks at all that were taken in together.
     fn take_steps(&mut self, steps: &Steps<'_>) -> Result<(), RunError> {
-        let mut begin = 0;
-        while begin < steps.count {
-            let (mut end, mut is_recorded) = (steps.count, false);
-            if let SampleTimes::Every(every) = self.course.samples {
-                let made = steps.before + begin as u64;
-                let left = (every - made % every).min(usize::MAX as u64) as usize;
-                is_recorded = left <= end - begin;
-                end = end.min(begin.saturating_add(left));
-            }
-            self.watch.take_steps(steps, begin..end);
-            self.windows.push_steps(steps, begin..end, self.before);
-            let at = steps.at(end - 1);
-            if is_recorded && !self.is_beyond(at.steps, at.time) {
-                let invariants =
-                    (0..self.windows.initial.len()).map(|i| steps.invariant(i)[end - 1]);
-                self.values.clear();
-                self.values.extend(invariants);
-                let values = std::mem::take(&mut self.values);
-                let recorded = self.record_with(at.steps, at.time, at.state, Some(&values));
-                self.values = values;
-                recorded?;
-            }
-            steps.taken.set(end);
-            begin = end;
+        let recorded = self.record_steps(steps);
+        let taken = 0..steps.taken.get();
+        if !taken.is_empty() {
+            self.watch.take_steps(steps, taken.clone());
+            self.windows.push_steps(steps, taken, self.before);
         }
+        recorded
+    }
+
+    fn record_steps(&mut self, steps: &Steps<'_>) -> Result<(), RunError> {
+        if let SampleTimes::Every(every) = self.course.samples {
+            let as_many = |steps: u64| usize::try_from(steps).unwrap_or(usize::MAX);
+            let first = as_many(every - steps.before % every);
+            for made in (first..=steps.count).step_by(as_many(every)) {
+                let at = steps.at(made - 1);
+                if !self.is_beyond(at.steps, at.time) {
+                    let count = self.windows.initial.len();
+                    let mut values = std::mem::take(&mut self.values);
+                    values.clear();
+                    values.extend((0..count).map(|i| steps.invariant(i)[made - 1]));
+                    let recorded = self.record_with(at.steps, at.time, at.state, Some(&values));
+                    self.values = values;
+                    recorded?;
+                }
+                steps.taken.set(made);
+            }
+        }
+        steps.taken.set(steps.count);
         Ok(())
     }
 

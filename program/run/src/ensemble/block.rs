@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use leafwise_walk::Watched;
 
-use super::begun::Begun;
+use super::begun::{Begun, Drawer};
 use super::member_records::MemberRecords;
 use super::plan::ComposedEnsemble;
 use super::record::Record;
@@ -23,29 +23,66 @@ pub(super) struct Signals {
     pub stop: AtomicBool,
 }
 
+/// What a thread steps one block after the other with.
+#[derive(Default)]
+pub(super) struct Tools<'a> {
+    drawer: Option<Drawer<'a>>,
+    /// For blocks of so many lanes as the last.
+    lanes: Option<(Watched<'a>, MemberRecords<'a>)>,
+}
+
+impl<'a> Tools<'a> {
+    /// The walk of members where they begin, and their records, still empty.
+    fn begin(
+        &mut self,
+        ensemble: &'a ComposedEnsemble,
+        directory: &'a Path,
+        begun: Begun,
+    ) -> Result<&mut (Watched<'a>, MemberRecords<'a>), RunError> {
+        let start = (begun.parameters.as_slice(), begun.states.as_slice());
+        let lanes = begun.members.len();
+        let kept = self.lanes.take();
+        let kept = kept.filter(|(watched, _)| watched.walk().lanes() == lanes);
+        let (watched, records) = kept.unzip();
+        let mut watched = match watched {
+            Some(mut watched) => {
+                watched.start_again(start)?;
+                watched
+            }
+            None => Watched::new(&ensemble.course, ensemble.run.method.map(), lanes, start)?,
+        };
+        watched.follow(&begun.members);
+        for (lane, failure) in begun.failures.iter().enumerate() {
+            if failure.is_some() {
+                watched.leave_out(lane);
+            }
+        }
+        let initial = watched.invariants();
+        let records = match records {
+            Some(mut records) => {
+                records.start_again(begun, initial)?;
+                records
+            }
+            None => MemberRecords::new(ensemble, directory, begun, initial)?,
+        };
+        Ok(self.lanes.insert((watched, records)))
+    }
+}
+
 /// Steps the members `first .. first + lanes`; `None` where it was told to stop.
 ///
 /// # Errors
 /// [`RunError`] where an observer cannot be made, or crossings cannot be put aside in the directory.
-pub(super) fn run(
-    ensemble: &ComposedEnsemble,
-    directory: &Path,
+pub(super) fn run<'a>(
+    tools: &mut Tools<'a>,
+    (ensemble, directory): (&'a ComposedEnsemble, &'a Path),
     (first, lanes): (u64, usize),
     signals: &Signals,
 ) -> Result<Option<Record>, RunError> {
-    let begun = Begun::draw(ensemble, first, lanes);
-    let (map, parameters) = (ensemble.run.method.map(), begun.parameters.clone());
-    let mut watched = Watched::new(&ensemble.course, map, parameters, &begun.states)?;
-    let members: Vec<u64> = (first..first + lanes as u64).collect();
-    watched.follow(&members);
-    for (lane, failure) in begun.failures.iter().enumerate() {
-        if failure.is_some() {
-            watched.leave_out(lane);
-        }
-    }
-    let mut records = MemberRecords::new(ensemble, directory, begun, watched.invariants())?;
+    let drawer = tools.drawer.get_or_insert_with(|| Drawer::new(ensemble));
+    let begun = drawer.draw(first, lanes);
+    let (watched, records) = tools.begin(ensemble, directory, begun)?;
     watched.begin(&mut |look| records.take(look))?;
-    records.take_sample(watched.walk().state());
     let total = ensemble.run.plan.steps;
     let stride = (COORDINATES_A_LOOK / (lanes * ensemble.population.dimension())).max(1) as u64;
     let (mut steps, mut shown) = (0_u64, 0);

@@ -72,10 +72,6 @@ impl Session<'_> {
         let blocks = blocks(from, members, workforce);
         let signals = Signals::default();
         let (ensemble, directory) = (self.ensemble, self.directory);
-        let work = |block: u64| match blocks.at(block) {
-            Some(block) => block::run(ensemble, directory, block, &signals),
-            None => Ok(None),
-        };
         let (started, before) = (Instant::now(), self.wall);
         let (mut saved, mut took) = (Instant::now(), Duration::ZERO);
         let turn = |turn: Turn<Record>| {
@@ -103,7 +99,15 @@ impl Session<'_> {
             Ok(!progress.is_interrupted())
         };
         let tasks = (blocks.count(), workforce.threads);
-        let (threads, outcome) = in_order(tasks, &signals.stop, work, turn);
+        let (threads, outcome) = in_order(
+            tasks,
+            &signals.stop,
+            |tools, block| match blocks.at(block) {
+                Some(block) => block::run(tools, (ensemble, directory), block, &signals),
+                None => Ok(None),
+            },
+            turn,
+        );
         self.threads = threads;
         outcome
     }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use leafwise_core::walk::{column, side_by_side};
+use leafwise_core::walk::column;
 use leafwise_core::{BuildError, SolverStatistics};
 use leafwise_walk::{At, Ended, FunctionValues, Look, Why};
 
@@ -38,55 +38,81 @@ pub(super) struct MemberRecords<'a> {
 }
 
 impl<'a> MemberRecords<'a> {
-    /// Nothing recorded yet; `initial` are the invariants at the initial states.
+    /// The initial states recorded; `initial` are the invariants there.
     pub fn new(
         ensemble: &'a ComposedEnsemble,
         directory: &'a Path,
         begun: Begun,
         initial: &[f64],
     ) -> Result<Self, BuildError> {
-        let shape = ensemble.shape();
-        let lanes = begun.states.len();
-        let values = side_by_side(&begun.parameters);
-        // H + e is measured from e at the beginning.
-        let states = begun.states.iter();
-        let origins: Vec<f64> = states.filter_map(|state| ensemble.origin(state)).collect();
-        let mut invariants = ensemble.course.invariants.values(lanes, &values)?;
-        invariants.measure_from(&origins);
-        let differ = !ensemble.population.varied().is_empty();
-        Ok(Self {
-            invariants,
-            formulas: ensemble.formulas.values(lanes, &values)?,
-            rows: (0..if differ { lanes } else { 1 }).map(|_| None).collect(),
-            origins,
+        let (lanes, parameters) = (begun.members.len(), &begun.parameters);
+        let mut records = Self {
+            invariants: ensemble.course.invariants.values(lanes, parameters)?,
+            formulas: ensemble.formulas.values(lanes, parameters)?,
+            rows: Vec::new(),
+            origins: Vec::new(),
             next: 0,
-            deviations: vec![0.0; shape.invariants * lanes],
+            deviations: vec![0.0; ensemble.course.invariants.count() * lanes],
             window: vec![Some(0); lanes],
             common: 0,
             window_ends: ensemble.window_ends(),
-            record: Record {
-                first: begun.first,
-                lanes,
-                samples: vec![0.0; shape.times * shape.observables * lanes],
-                windows: vec![0.0; shape.windows * shape.invariants * lanes],
-                initial: initial.to_vec(),
-                states: begun.drawn.clone(),
-                initial_states: begun.drawn,
-                parameters: begun.parameters,
-                failures: begun.failures,
-                stops: vec![None; lanes],
-                crossings: (0..lanes).map(|_| MemberCrossings::default()).collect(),
-                statistics: SolverStatistics::default(),
-            },
+            record: Record::default(),
             ensemble,
             directory,
-        })
+        };
+        records.begin(begun, initial);
+        Ok(records)
     }
 
-    /// Takes in the observables of all members after a number of steps.
-    pub fn take_sample(&mut self, states: &[f64]) {
+    /// The same of other members in as many lanes, behind those that have been [handed over](Self::finish).
+    pub fn start_again(&mut self, begun: Begun, initial: &[f64]) -> Result<(), BuildError> {
+        self.invariants.set_parameters(&begun.parameters)?;
+        self.formulas.set_parameters(&begun.parameters)?;
+        self.deviations.fill(0.0);
+        self.window.fill(Some(0));
+        (self.next, self.common) = (0, 0);
+        self.begin(begun, initial);
+        Ok(())
+    }
+
+    fn begin(&mut self, begun: Begun, initial: &[f64]) {
+        let (ensemble, shape) = (self.ensemble, self.ensemble.shape());
+        let lanes = begun.members.len();
+        let differ = !ensemble.population.varied().is_empty();
+        if differ || self.rows.is_empty() {
+            self.rows.clear();
+            let count = if differ { lanes } else { 1 };
+            self.rows.resize_with(count, || None);
+        }
+        // H + e is measured from e at the beginning.
+        self.origins.clear();
+        if ensemble.run.pace().is_some() {
+            let states = (0..lanes).map(|lane| column(&begun.states, lane, lanes));
+            let origins = states.filter_map(|state| ensemble.origin(&state));
+            self.origins.extend(origins);
+        }
+        self.invariants.measure_from(&self.origins);
+        self.record = Record {
+            first: begun.members[0],
+            lanes,
+            samples: vec![0.0; shape.times * shape.observables * lanes],
+            windows: vec![0.0; shape.windows * shape.invariants * lanes],
+            initial: initial.to_vec(),
+            states: begun.drawn.clone(),
+            initial_states: begun.drawn,
+            parameters: begun.parameters,
+            failures: begun.failures,
+            stops: vec![None; lanes],
+            crossings: (0..lanes).map(|_| MemberCrossings::default()).collect(),
+            statistics: SolverStatistics::default(),
+        };
+        self.take_sample(&begun.states, Some(initial));
+    }
+
+    /// Takes in the observables of all members after a number of steps, with the invariants there where they are known.
+    fn take_sample(&mut self, states: &[f64], invariants: Option<&[f64]>) {
         let lanes = self.record.lanes;
-        let invariants = self.invariants.at(states);
+        let invariants = invariants.unwrap_or_else(|| self.invariants.at(states));
         let formulas = self.formulas.at(states);
         let size = self.ensemble.columns.len() * lanes;
         let row = &mut self.record.samples[self.next * size..][..size];
@@ -100,15 +126,16 @@ impl<'a> MemberRecords<'a> {
         self.next += 1;
     }
 
-    /// Record that the members leave behind, with the solver's statistics. Crossings of failed members are left out.
-    pub fn finish(mut self, statistics: SolverStatistics) -> Record {
-        self.record.statistics = statistics;
-        for lane in 0..self.record.lanes {
-            if self.record.failures[lane].is_some() {
-                self.record.crossings[lane].clear();
+    /// Hands over what the members leave behind, with the solver's statistics. Crossings of failed members are left out.
+    pub fn finish(&mut self, statistics: SolverStatistics) -> Record {
+        let mut record = std::mem::take(&mut self.record);
+        record.statistics = statistics;
+        for (failure, crossings) in record.failures.iter().zip(&mut record.crossings) {
+            if failure.is_some() {
+                crossings.clear();
             }
         }
-        self.record
+        record
     }
 
     /// Writes the observables of a member at a state into the sample with this number.
@@ -127,9 +154,9 @@ impl<'a> MemberRecords<'a> {
         let ensemble = self.ensemble;
         let slot = &mut self.rows[at];
         if slot.is_none() {
-            let parameters = &self.record.parameters[lane];
+            let parameters = column(&self.record.parameters, lane, self.record.lanes);
             let own = [&ensemble.course.invariants, &ensemble.formulas];
-            let [invariants, formulas] = own.map(|of| of.values(1, parameters));
+            let [invariants, formulas] = own.map(|of| of.values(1, &parameters));
             *slot = Some([invariants?, formulas?]);
         }
         let [invariants, formulas] = slot.as_mut().expect("it was made above");
@@ -253,7 +280,7 @@ impl<'a> MemberRecords<'a> {
         let clock = &self.ensemble.clock;
         let mark = at.steps as f64;
         if goes_on && !clock.is_of_time && clock.samples.get(self.next) == Some(&mark) {
-            self.take_sample(at.state);
+            self.take_sample(at.state, invariants);
         }
     }
 
@@ -296,7 +323,9 @@ impl<'a> MemberRecords<'a> {
             }
             Why::Done => {}
         }
-        self.record.states[lane].clone_from(&ended.state);
+        let places = self.record.states.iter_mut().skip(lane);
+        let places = places.step_by(self.record.lanes).zip(&ended.state);
+        places.for_each(|(place, value)| *place = *value);
         Ok(())
     }
 }

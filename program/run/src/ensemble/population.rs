@@ -4,7 +4,7 @@ use std::path::Path;
 
 use leafwise_core::Evaluator;
 use leafwise_core::random::Random;
-use leafwise_core::runge_kutta::SmoothMap;
+use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
 use leafwise_core::solver::judge::Verdict;
 use leafwise_core::solver::{CorrectionSize, DenseFactors, LinearIteration};
 
@@ -65,12 +65,12 @@ pub enum NoMember {
     NoStart(#[from] NoStart),
 }
 
-/// Initial state and parameters of a member, as they are drawn.
-pub(super) struct Drawn {
+/// Initial state and parameters of a member, and what one is drawn with after the other.
+#[derive(Default)]
+pub(super) struct Drawing {
     pub state: Vec<f64>,
     pub parameters: Vec<f64>,
-    /// Why no motion begins there.
-    pub begins: Result<(), NoMember>,
+    way: Option<WayOntoLeaf>,
 }
 
 impl Population {
@@ -193,13 +193,22 @@ impl Population {
     /// # Errors
     /// [`NoMember`] where its distribution has no state for it, or no motion begins there.
     pub fn draw(&self, member: u64) -> Result<(Vec<f64>, Vec<f64>), NoMember> {
-        let drawn = self.drawn(member);
-        drawn.begins.map(|()| (drawn.state, drawn.parameters))
+        let mut drawing = Drawing::default();
+        let begins = self.draw_into(member, &mut drawing);
+        begins.map(|()| (drawing.state, drawing.parameters))
     }
 
     /// Draws initial state and parameters of a member, whether a motion begins there or not.
-    pub(super) fn drawn(&self, member: u64) -> Drawn {
-        let mut parameters = self.parameters.clone();
+    ///
+    /// # Errors
+    /// [`NoMember`] where none begins there.
+    pub(super) fn draw_into(&self, member: u64, drawing: &mut Drawing) -> Result<(), NoMember> {
+        let Drawing {
+            state,
+            parameters,
+            way,
+        } = drawing;
+        parameters.clone_from(&self.parameters);
         // The last direction of the grid varies first.
         let mut place = member % self.points;
         for (at, draw) in self.draws.iter().rev() {
@@ -225,37 +234,31 @@ impl Population {
             parameters[*at] = values[row];
         }
         let mut random = Random::new(self.seed, member, 0);
-        let mut state = self.center.clone();
+        state.clone_from(&self.center);
         match &self.start {
             Start::Same => {}
             Start::Drawn(distribution) => {
-                displace(&mut state[..self.own], distribution, &mut random)
+                let center = &self.center[..self.own];
+                displace(center, distribution, &mut random, &mut state[..self.own]);
             }
             Start::Rows(rows) => {
                 state[..self.own].copy_from_slice(&rows[row * self.own..][..self.own]);
             }
         }
-        let mut begin = || -> Result<(), NoMember> {
-            if let Some(invariants) = &self.invariants {
-                let found = onto_leaf(invariants, &parameters, &self.center, &mut state);
-                found.ok_or(NoMember::NoLeaf)?;
-            }
-            if let Some(extension) = &self.extension {
-                extension.begin(&mut state, &parameters)?;
-            }
-            Ok(())
-        };
-        let begins = begin();
-        Drawn {
-            state,
-            parameters,
-            begins,
+        if let Some(invariants) = &self.invariants {
+            let way = way.get_or_insert_with(|| WayOntoLeaf::new(invariants, parameters));
+            let found = way.go(parameters, &self.center, state);
+            found.ok_or(NoMember::NoLeaf)?;
         }
+        if let Some(extension) = &self.extension {
+            extension.begin(state, parameters)?;
+        }
+        Ok(())
     }
 }
 
-/// Moves a state from the centre to where a distribution draws it.
-fn displace(state: &mut [f64], distribution: &Distribution, random: &mut Random) {
+/// Moves a state from the centre, where it is, to where a distribution draws it.
+fn displace(center: &[f64], distribution: &Distribution, random: &mut Random, state: &mut [f64]) {
     match distribution {
         Distribution::Box(widths) => {
             for (x, width) in state.iter_mut().zip(widths) {
@@ -267,61 +270,81 @@ fn displace(state: &mut [f64], distribution: &Distribution, random: &mut Random)
                 *x += deviation * random.normal();
             }
         }
-        Distribution::Sphere(radius) => along_sphere(state, *radius, random),
+        Distribution::Sphere(radius) => along_sphere(center, *radius, random, state),
         Distribution::Ball(radius) | Distribution::Leaf(radius) => {
             let part = libm::pow(random.uniform(), 1.0 / state.len() as f64);
-            along_sphere(state, radius * part, random);
+            along_sphere(center, radius * part, random, state);
         }
     }
 }
 
-fn along_sphere(state: &mut [f64], radius: f64, random: &mut Random) {
-    let direction: Vec<f64> = state.iter().map(|_| random.normal()).collect();
-    let length = libm::sqrt(direction.iter().map(|v| v * v).sum());
-    for (x, v) in state.iter_mut().zip(direction) {
-        *x += radius * (v / length);
+fn along_sphere(center: &[f64], radius: f64, random: &mut Random, state: &mut [f64]) {
+    state.fill_with(|| random.normal());
+    let length = libm::sqrt(state.iter().map(|v| v * v).sum());
+    for (x, center) in state.iter_mut().zip(center) {
+        *x = center + radius * (*x / length);
     }
 }
 
-/// Newton's method along the Casimirs' gradients: x ← x − DCᵀ(DC DCᵀ)⁻¹(C(x) − C(c)).
-fn onto_leaf(
-    invariants: &SmoothMap,
-    parameters: &[f64],
-    center: &[f64],
-    state: &mut [f64],
-) -> Option<()> {
-    let (d, count) = (state.len(), invariants.outputs() - 1);
-    let mut map = invariants.evaluator(parameters, 1.0, 1.0);
-    let (mut wanted, mut values) = (vec![0.0; count + 1], vec![0.0; count + 1]);
-    let mut rows = vec![0.0; (count + 1) * d];
-    map.values(center, &mut wanted).ok()?;
-    let mut gram = vec![0.0; count * count];
-    let mut factors = DenseFactors::new(count);
-    let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
-    loop {
-        map.values(state, &mut values).ok()?;
-        map.jacobians(state, &mut rows).ok()?;
-        // The energy is the first of them.
-        let rows = &rows[d..];
-        for (at, entry) in gram.iter_mut().enumerate() {
-            let (a, b) = (&rows[at / count * d..][..d], &rows[at % count * d..][..d]);
-            *entry = a.iter().zip(b).map(|(a, b)| a * b).sum();
+/// Newton's method along the Casimirs' gradients, x ← x − DCᵀ(DC DCᵀ)⁻¹(C(x) − C(c)), one member after the other.
+struct WayOntoLeaf {
+    /// The energy, then the Casimirs.
+    map: SmoothMapEvaluator,
+    wanted: Vec<f64>,
+    values: Vec<f64>,
+    rows: Vec<f64>,
+    gram: Vec<f64>,
+    multipliers: Vec<f64>,
+    factors: DenseFactors,
+}
+
+impl WayOntoLeaf {
+    fn new(invariants: &SmoothMap, parameters: &[f64]) -> Self {
+        let (outputs, count) = (invariants.outputs(), invariants.outputs() - 1);
+        Self {
+            map: invariants.evaluator(parameters, 1.0, 1.0),
+            wanted: vec![0.0; outputs],
+            values: vec![0.0; outputs],
+            rows: vec![0.0; outputs * invariants.inputs()],
+            gram: vec![0.0; count * count],
+            multipliers: vec![0.0; count],
+            factors: DenseFactors::new(count),
         }
-        let mut multipliers: Vec<f64> = (1..=count).map(|k| wanted[k] - values[k]).collect();
-        if !factors.factor(&gram) {
-            return None;
-        }
-        factors.solve(&mut multipliers);
-        let mut size = CorrectionSize::default();
-        let scale = state.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-        for (i, x) in state.iter_mut().enumerate() {
-            let slopes = rows.iter().skip(i).step_by(d);
-            let change: f64 = slopes.zip(&multipliers).map(|(v, m)| v * m).sum();
-            size.take(change, scale);
-            *x += change;
-        }
-        if iteration.judge_correction(&size).ok()? == Verdict::Converged {
-            return state.iter().all(|x| x.is_finite()).then_some(());
+    }
+
+    /// Moves a state onto the leaf of the center at these parameters; `None` where no way leads there.
+    fn go(&mut self, parameters: &[f64], center: &[f64], state: &mut [f64]) -> Option<()> {
+        let (d, count) = (state.len(), self.multipliers.len());
+        self.map.set_parameters(parameters);
+        self.map.values(center, &mut self.wanted).ok()?;
+        let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
+        loop {
+            self.map.values(state, &mut self.values).ok()?;
+            self.map.jacobians(state, &mut self.rows).ok()?;
+            let rows = &self.rows[d..];
+            for (at, entry) in self.gram.iter_mut().enumerate() {
+                let (a, b) = (&rows[at / count * d..][..d], &rows[at % count * d..][..d]);
+                *entry = a.iter().zip(b).map(|(a, b)| a * b).sum();
+            }
+            let missing = self.wanted.iter().zip(&self.values).skip(1);
+            for (multiplier, (wanted, value)) in self.multipliers.iter_mut().zip(missing) {
+                *multiplier = wanted - value;
+            }
+            if !self.factors.factor(&self.gram) {
+                return None;
+            }
+            self.factors.solve(&mut self.multipliers);
+            let mut size = CorrectionSize::default();
+            let scale = state.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+            for (i, x) in state.iter_mut().enumerate() {
+                let slopes = rows.iter().skip(i).step_by(d);
+                let change: f64 = slopes.zip(&self.multipliers).map(|(v, m)| v * m).sum();
+                size.take(change, scale);
+                *x += change;
+            }
+            if iteration.judge_correction(&size).ok()? == Verdict::Converged {
+                return state.iter().all(|x| x.is_finite()).then_some(());
+            }
         }
     }
 }

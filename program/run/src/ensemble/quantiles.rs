@@ -184,7 +184,9 @@ fn thinned(kept: &[Kept], count: u64) -> Vec<Kept> {
 
 /// The place, from `from` on, of the number whose rank is nearest to `rank`, the first of two.
 fn nearest(kept: &[Kept], from: usize, rank: f64) -> usize {
-    let above = from + kept[from..].partition_point(|of| of.center() < rank);
+    // Ranks rise, and one that is looked for lies a few behind the last.
+    let below = kept[from..].iter().take_while(|of| of.center() < rank);
+    let above = from + below.count();
     let distance = |at: usize| (kept[at].center() - rank).abs();
     match above.checked_sub(1).filter(|below| *below >= from) {
         Some(below) if above == kept.len() || distance(below) <= distance(above) => below,

@@ -8,20 +8,22 @@ use super::section::MemberCrossings;
 use super::statistics::{MemberFailure, Reductions};
 use super::tree::Tree;
 
-/// Record of the members of a block: observables, deviations, states, failures, stops and crossings.
+/// Record of the members of a block: observables, deviations, states, failures, stops and crossings. Lists of numbers are structures
+/// of arrays over the lanes.
+#[derive(Default)]
 pub(super) struct Record {
     pub first: u64,
     pub lanes: usize,
-    /// Observables at each time, for each lane.
+    /// Observables at each time.
     pub samples: Vec<f64>,
-    /// The invariants' largest deviations in each window, for each lane.
+    /// The invariants' largest deviations in each window.
     pub windows: Vec<f64>,
     /// The invariants at the initial states.
     pub initial: Vec<f64>,
-    /// Initial states, last states and parameters, lane after lane.
-    pub initial_states: Vec<Vec<f64>>,
-    pub states: Vec<Vec<f64>>,
-    pub parameters: Vec<Vec<f64>>,
+    pub initial_states: Vec<f64>,
+    /// Last states.
+    pub states: Vec<f64>,
+    pub parameters: Vec<f64>,
     pub failures: Vec<Option<MemberFailure>>,
     /// Where the scene's condition has ended members.
     pub stops: Vec<Option<MemberStop>>,
@@ -88,14 +90,18 @@ impl Record {
         failed.or(stopped).unwrap_or(end)
     }
 
+    /// One lane of a structure of arrays.
+    pub fn own<'a>(&self, values: &'a [f64], lane: usize) -> impl Iterator<Item = f64> + use<'a> {
+        values.iter().skip(lane).step_by(self.lanes).copied()
+    }
+
     /// The observables of a lane at the end.
-    pub fn last_sample(&self, lane: usize, observables: usize) -> Vec<f64> {
-        if let Some(stop) = &self.stops[lane] {
-            return stop.row.clone();
-        }
+    pub fn last_sample(&self, lane: usize, observables: usize) -> impl Iterator<Item = f64> {
         let from = self.samples.len() - observables * self.lanes;
-        let row = self.samples[from..].iter().skip(lane);
-        row.step_by(self.lanes).copied().collect()
+        let stop = self.stops[lane].as_ref();
+        let stopped = stop.into_iter().flat_map(|stop| stop.row.iter().copied());
+        let last = self.own(&self.samples[from..], lane);
+        stopped.chain(last.take(if stop.is_some() { 0 } else { observables }))
     }
 
     /// The largest deviation of each invariant of a lane.
@@ -141,17 +147,23 @@ impl Record {
         }
         // What lies before the place where it has ended.
         let is_before = |mark: f64| stop.is_none_or(|stop| mark < stop.mark);
-        for (at, summary) in into.summaries.iter_mut().enumerate() {
-            if is_before(sampled[at / columns]) {
-                summary.push(own(&self.samples, at), member);
+        let mut samples = self.own(&self.samples, lane);
+        let rows = into.summaries.chunks_exact_mut(columns.max(1));
+        for (row, mark) in rows.zip(sampled) {
+            for (summary, value) in row.iter_mut().zip(samples.by_ref()) {
+                if is_before(*mark) {
+                    summary.push(value, member);
+                }
             }
         }
-        for (at, deviation) in into.windows.iter_mut().enumerate() {
-            let begin = (at / invariants)
-                .checked_sub(1)
-                .map_or(0.0, |before| windows[before]);
-            if is_before(begin) {
-                deviation.push(own(&self.windows, at), member);
+        let mut deviations = self.own(&self.windows, lane);
+        let begins = std::iter::once(&0.0).chain(windows);
+        let rows = into.windows.chunks_exact_mut(invariants.max(1));
+        for (row, begin) in rows.zip(begins) {
+            for (deviation, value) in row.iter_mut().zip(deviations.by_ref()) {
+                if is_before(*begin) {
+                    deviation.push(value, member);
+                }
             }
         }
         for (at, deviation) in self.largest_deviations(lane).enumerate() {

@@ -81,29 +81,32 @@ impl FinalStore {
             return Ok(());
         };
         let varied = ensemble.population.varied();
+        let own = ensemble.run.own(&ensemble.run.plan.initial).len();
         let mut rows = Table::default();
         let has_times = ensemble.run.plan.events.stop.is_some();
         let end = ensemble.end();
         for (member, lane, ended) in record.members() {
-            let state = ensemble.run.own(&record.states[lane]);
+            let state = record.own(&record.states, lane).take(own);
             if ensemble.final_states == FinalStates::Binary {
-                let bytes: Vec<u8> = state.iter().flat_map(|x| x.to_le_bytes()).collect();
+                let bytes: Vec<u8> = state.flat_map(f64::to_le_bytes).collect();
                 file.push(&bytes)?;
                 continue;
             }
             let is_whole = ended != Ended::Failed;
-            let parameters = varied.iter().map(|at| record.parameters[lane][*at]);
+            let parameters = varied
+                .iter()
+                .map(|at| record.parameters[at * record.lanes + lane]);
             let known = |value: f64| if is_whole { value } else { f64::NAN };
             let measured = record.last_sample(lane, ensemble.columns.len());
-            let measured = measured.into_iter().map(known);
+            let measured = measured.map(known);
             let drifts = record.largest_deviations(lane).map(known);
             let time = has_times.then(|| record.time(lane, end));
-            let initial = ensemble.run.own(&record.initial_states[lane]);
+            let initial = record.own(&record.initial_states, lane).take(own);
             let numbers = (time.into_iter())
                 .chain(parameters)
-                .chain(state.iter().copied())
+                .chain(state)
                 .chain(measured)
-                .chain(initial.iter().copied())
+                .chain(initial)
                 .chain(drifts);
             if ensemble.final_states == FinalStates::Npy {
                 let bytes = std::iter::once(ended.number()).chain(numbers);

@@ -105,7 +105,7 @@ impl<'a> Session<'a> {
     ) -> Result<RunOutcome, RunError> {
         let signals = Signals::default();
         let (sweep, first) = (self.sweep, self.next);
-        let work = |task: u64| {
+        let work = |(): &mut (), task: u64| {
             let setting = first + task;
             match sweep.run(setting).map_err(RunError::Refused)? {
                 Some(run) => Row::of(setting, &run, &signals),
