@@ -101,8 +101,8 @@ pub enum Command {
     Stress(StressArguments),
     /// Write a commented scene file to start from
     New(NewArguments),
-    /// Print the JSON Schema of scenes, for editors
-    Schema,
+    /// Print every key of scenes: a JSON Schema for editors, or tables to read
+    Schema(SchemaArguments),
     /// List plugins, or check one
     #[command(subcommand)]
     Plugin(PluginCommand),
@@ -162,7 +162,7 @@ impl Command {
             Self::Stress(arguments) => arguments.json,
             Self::Plugin(PluginCommand::List(arguments)) => arguments.json,
             Self::Plugin(PluginCommand::Check(arguments)) => arguments.json,
-            Self::Plugin(PluginCommand::Probe { .. }) | Self::New(_) | Self::Schema => false,
+            Self::Plugin(PluginCommand::Probe { .. }) | Self::New(_) | Self::Schema(_) => false,
         }
     }
 }
@@ -514,6 +514,14 @@ pub struct ListArguments {
     /// Print one JSON object on standard output
     #[arg(long)]
     pub json: bool,
+}
+
+/// Arguments of `schema`.
+#[derive(Args, Debug)]
+pub struct SchemaArguments {
+    /// Print tables in Markdown: each key with its default, and what it does not stand beside
+    #[arg(long)]
+    pub markdown: bool,
 }
 
 /// Arguments of `describe`.

@@ -131,7 +131,7 @@ fn execute(
         }
         Command::Stress(arguments) => commands::stress::execute(&arguments, console, interrupt),
         Command::New(arguments) => commands::new::execute(&arguments, console),
-        Command::Schema => commands::schema::execute(plugins, console),
+        Command::Schema(arguments) => commands::schema::execute(&arguments, plugins, console),
         Command::Plugin(command) => commands::plugin::execute(&command, plugins, given, console),
     };
     let mut code = outcome.unwrap_or_else(|failure: Failure| failure.print(console, json));

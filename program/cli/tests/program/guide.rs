@@ -138,6 +138,17 @@ fn print_what_stands_below_them(kind: &str, least: usize) {
 }
 
 #[test]
+fn the_page_of_keys_is_what_the_program_prints() {
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/guide/keys.md");
+    let said = Place::new().leafwise(&["schema", "--markdown"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    assert!(
+        fs::read_to_string(page).expect("the page") == said.out,
+        "docs/guide/keys.md is out of date; run `cargo run -p leafwise-cli -- schema --markdown > docs/guide/keys.md`"
+    );
+}
+
+#[test]
 fn every_command_of_the_guide_prints_what_stands_below_it() {
     print_what_stands_below_them("console", 4);
 }

@@ -18,7 +18,7 @@ const ROUND_OFF: f64 = 1e-12;
 /// none: parameters of sites, the time and its energy. No family is longer than `longest`.
 ///
 /// # Errors
-/// The first formula that cannot be read. Lists of another length than `moving`. A pace, which takes no forces.
+/// The first formula that cannot be read. Lists of another length than `moving`.
 pub(super) fn forces(
     document: &SceneDocument,
     scope: &Scope,
@@ -26,14 +26,6 @@ pub(super) fn forces(
     (dimension, longest): (usize, usize),
 ) -> Result<Forces, Refusal> {
     let spec = &document.system.forces;
-    if let (Some(_), Some(pace)) = (spec.place(), &document.method.pace) {
-        return Err(Box::new(document.diagnostic(
-            &pace.place(),
-            "a pace serves motions of a Hamiltonian alone, and this system has forces",
-            "here",
-            Some("take steps that are short enough everywhere".to_owned()),
-        )));
-    }
     let read = |list: &[Located<String>]| -> Result<Vec<Expression>, Refusal> {
         let mut formulas = Vec::with_capacity(dimension);
         for formula in list {

@@ -1,4 +1,4 @@
-//! How noise enters a step, and what is not offered beside it.
+//! How noise enters a step.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use super::domain::OutOfDomain;
 use super::lattice::SceneLattice;
 use super::lattice_noise::{SiteTerms, groups, site_channels};
 use super::stepping::{LatticeStepping, MapStepping, Stepping};
-use crate::document::{Place, SceneDocument};
+use crate::document::{SceneDocument, StepSpec};
 
 /// Steps of a scene with noise: the system that its parts are made for, and the noise that makes their map the map of
 /// the scene.
@@ -31,14 +31,14 @@ impl<'a> NoisySteps<'a> {
     /// Those of a scene that has noise.
     ///
     /// # Errors
-    /// What is wrong with it or not offered beside it, underlined in the scene.
+    /// What is wrong with it, underlined in the scene.
     pub fn of(
         document: &'a SceneDocument,
         system: &PoissonSystem,
         channels: Vec<Channel>,
         lattice: Option<&SceneLattice<'a>>,
     ) -> Result<Option<Self>, Refusal> {
-        refuse_beside(document)?;
+        check_forward(document)?;
         let Some(formulas) = system.expressions().filter(|_| !channels.is_empty()) else {
             return Ok(None);
         };
@@ -252,59 +252,22 @@ fn check_strengths(
     Ok(())
 }
 
-/// Refuses what has no meaning beside noise, or another one.
-fn refuse_beside(document: &SceneDocument) -> Result<(), Refusal> {
-    let system = &document.system;
-    if system.noise.is_empty() {
+/// Refuses steps backward in time, which has no meaning for noise.
+fn check_forward(document: &SceneDocument) -> Result<(), Refusal> {
+    let step = &document.method.step;
+    if document.system.noise.is_empty() || step.time_step() > 0.0 {
         return Ok(());
     }
-    let refuse = |place: Place, message: &str, help: &str| {
-        let help = Some(help.to_owned());
-        Err(Box::new(document.diagnostic(&place, message, "here", help)))
+    let place = match step {
+        StepSpec::TimeStep(step) => step.place(),
+        StepSpec::Factors { h, .. } => h.place(),
     };
-    if let Some(pace) = &document.method.pace {
-        return refuse(
-            pace.place(),
-            "a pace is not offered with noise: its steps are of no time in which the noise is white",
-            "take steps that are short enough everywhere",
-        );
-    }
-    let step = &document.method.step;
-    if step.time_step() <= 0.0 {
-        let place = match step {
-            crate::document::StepSpec::TimeStep(step) => step.place(),
-            crate::document::StepSpec::Factors { h, .. } => h.place(),
-        };
-        return refuse(
-            place,
-            "noise runs forward in time, and this step is negative",
-            "write a positive step",
-        );
-    }
-    let run = &document.run;
-    let shorter = "is found by shorter steps, and noise would be drawn anew for them";
-    if let Some(stop) = &run.stop {
-        return refuse(
-            stop.place(),
-            &format!("`stop` is not offered with noise: its place {shorter}"),
-            "record the quantity, and look where its samples end",
-        );
-    }
-    if let Some(section) = &run.section {
-        return refuse(
-            section.at.place(),
-            &format!("a section is not offered with noise: a crossing {shorter}"),
-            "record the quantity, and look where its samples change their sign",
-        );
-    }
-    if let Some(times) = &run.record.times {
-        return refuse(
-            times.place(),
-            &format!("`times` are not offered with noise: a state between two steps {shorter}"),
-            "write every = …, a number of steps between two samples",
-        );
-    }
-    Ok(())
+    Err(Box::new(document.diagnostic(
+        &place,
+        "noise runs forward in time, and this step is negative",
+        "here",
+        Some("write a positive step".to_owned()),
+    )))
 }
 
 /// Refuses what a scene is asked for that its noise would make something else: `what` is not of random motion.

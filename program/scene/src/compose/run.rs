@@ -237,36 +237,21 @@ fn stepped<'a>(noise: Option<&'a NoisySteps>, composed: &'a ComposedSystem) -> &
     noise.map_or(&composed.system, |noise| &noise.stepped)
 }
 
-/// Times stand in place of numbers of steps beside a pace alone, and ahead.
+/// Times lie ahead of the run.
 pub(super) fn check_times(document: &SceneDocument) -> Result<(), Refusal> {
-    let refuse = |number: &Located<Number>, message: String, help: &str| {
-        let help = Some(help.to_owned());
-        Err(Box::new(document.diagnostic(
-            &number.place(),
-            message,
-            "here",
-            help,
-        )))
-    };
-    let run = &document.run;
-    if let Some(number) = &run.record.interval
-        && document.method.pace.is_none()
-    {
-        return refuse(
-            number,
-            "`interval` is a time, and steps are all alike without a pace".to_owned(),
-            "write `every`, a number of steps, or a pace = \"…\" into [method]",
-        );
-    }
     // Neither number is NaN.
     let never =
         |until: &&Located<Number>| until.value.value * document.method.step.time_step() <= 0.0;
-    match run.until.as_ref().filter(never) {
-        Some(until) => refuse(
-            until,
+    match document.run.until.as_ref().filter(never) {
+        Some(until) => Err(Box::new(document.diagnostic(
+            &until.place(),
             format!("the run never comes to t = {}", until.value.literal),
-            "it begins at t = 0 and goes the way of its steps: forwards where time-step is positive",
-        ),
+            "here",
+            Some(
+                "it begins at t = 0 and goes the way of its steps: forwards where time-step is positive"
+                    .to_owned(),
+            ),
+        ))),
         None => check_given_times(document),
     }
 }

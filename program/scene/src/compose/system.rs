@@ -43,6 +43,7 @@ pub struct ComposedSystem {
 /// # Errors
 /// The first thing wrong, underlined in the scene.
 pub fn compose_system(document: &SceneDocument) -> Result<ComposedSystem, Refusal> {
+    check_contradictions(document)?;
     check_names(document)?;
     check_sites(document)?;
     if let Some(numbers) = &document.system.numbers {
@@ -89,6 +90,14 @@ pub fn compose_system(document: &SceneDocument) -> Result<ComposedSystem, Refusa
         });
     }
     written_out(document)
+}
+
+/// Refuses keys of different tables that do not stand beside one another.
+pub(super) fn check_contradictions(document: &SceneDocument) -> Result<(), Refusal> {
+    match document.contradiction() {
+        None => Ok(()),
+        Some(refusal) => Err(Box::new(refusal)),
+    }
 }
 
 /// Refuses parameters of sites beside a bracket that is an inverse, which would have none with them, and those that an

@@ -5,6 +5,7 @@ use super::forces::check_damping;
 use super::initial::initial_state;
 use super::run::{ComposedRun, check_times};
 use super::sample_times::sample_times;
+use super::system::check_contradictions;
 use crate::document::SceneDocument;
 
 impl ComposedRun {
@@ -30,6 +31,7 @@ impl ComposedRun {
         let Ok(system) = self.system.with_parameter_values(&parameters) else {
             return Ok(None);
         };
+        check_contradictions(document)?;
         check_times(document)?;
         let own = initial_state(document)?;
         let initial = match &self.extension {

@@ -62,17 +62,11 @@ pub(super) fn read_bracket(item: &Item<'_>, problems: &mut Problems) -> Option<B
         .filter(|other| other.key.value != kind.key.value)
     {
         alone = false;
-        problems.push(
-            SceneProblemCause::Conflict {
-                first: kind.key.value.clone(),
-                second: other.key.value.clone(),
-                advice: format!(
-                    "`{}` gives the whole bracket; keep one of them",
-                    kind.key.value
-                ),
-            },
-            other.key.place(),
+        let advice = format!(
+            "`{}` gives the whole bracket; keep one of them",
+            kind.key.value
         );
+        problems.conflict(&kind.key.value, other, advice);
     }
     let spec = match kind.key.value.as_str() {
         "lie-algebra" => read_lie_algebra(kind, problems).map(BracketSpec::LieAlgebra),

@@ -5,7 +5,7 @@ use super::located::{Located, Place};
 use super::reader::{Item, Problems, Table};
 use super::run::{RecordSpec, read_observables, read_sample_times};
 use super::schema::{CENTER, DRAWS, ENSEMBLE, ENSEMBLE_RECORD, WAYS};
-use super::shape::{Key, has, names};
+use super::shape::Key;
 use super::suggest::nearest;
 use super::system_section::SystemSection;
 
@@ -204,16 +204,6 @@ fn read_initial(
         "box" => Distribution::Box(lengths(chosen, dimension, problems)?),
         "normal" => Distribution::Normal(lengths(chosen, dimension, problems)?),
         _ => {
-            if let Some(center) = table.get(CENTER) {
-                problems.push(
-                    SceneProblemCause::Conflict {
-                        first: "file".to_owned(),
-                        second: "center".to_owned(),
-                        advice: "the file holds the states themselves: remove center".to_owned(),
-                    },
-                    center.key.place(),
-                );
-            }
             return Some(InitialDraw::File(chosen.string(problems)?.value));
         }
     };
@@ -223,33 +213,17 @@ fn read_initial(
     })
 }
 
-/// The one entry whose key is among `keys`, beside [`CENTER`].
+/// The one entry that a scene chooses of `keys`; where only others stand, the first is missing.
 fn one_of<'t, 'a>(
     table: &'t Table<'a>,
     keys: &[Key],
     example: &str,
     problems: &mut Problems,
 ) -> Option<&'t Item<'a>> {
-    let is_center = |item: &Item<'a>| item.key.value == CENTER;
-    let is_choice = |item: &&Item<'a>| has(keys, &item.key.value) && !is_center(item);
-    let mut given = table.items.iter().filter(is_choice);
-    let first = given.next();
-    if let (Some(first), Some(second)) = (first, given.next()) {
-        let choices: Vec<_> = names(keys).filter(|name| *name != CENTER).collect();
-        problems.push(
-            SceneProblemCause::Conflict {
-                first: first.key.value.clone(),
-                second: second.key.value.clone(),
-                advice: format!("keep one of {}", choices.join(", ")),
-            },
-            second.key.place(),
-        );
-        return None;
-    }
-    if first.is_none() && table.items.iter().all(is_center) {
+    if table.items.iter().all(|item| item.key.value == CENTER) {
         table.require(keys[0].name, example, problems);
     }
-    first
+    table.choice(keys)
 }
 
 fn positive(item: &Item<'_>, problems: &mut Problems) -> Option<f64> {

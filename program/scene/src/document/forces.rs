@@ -3,7 +3,7 @@
 use leafwise_expression::syntax::Formula;
 
 use super::field::check_sites_once;
-use super::located::{Located, Place};
+use super::located::Located;
 use super::reader::{Item, Problems, Table};
 use super::system_schema::DAMPING;
 
@@ -70,12 +70,6 @@ impl MetricSpec {
 }
 
 impl ForcesSpec {
-    /// Where the first of its keys stands; `None` where there are no forces.
-    pub fn place(&self) -> Option<Place> {
-        let one_form = self.one_form.as_ref().map(Located::place);
-        one_form.or_else(|| self.damping.as_ref().map(|damping| damping.rate.place()))
-    }
-
     /// Whether a formula in it names this.
     pub(super) fn names(&self, name: &str) -> bool {
         let formulas = self.formulas().into_iter();

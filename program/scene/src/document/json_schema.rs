@@ -5,7 +5,7 @@ use leafwise_core::{PartKind, Registry};
 use serde_json::{Map, Value, json};
 
 use super::schema::ROOT;
-use super::shape::{Keys, Shape};
+use super::shape::{Default, Keys, Shape};
 
 /// The JSON Schema (draft 2020-12) of a scene with the parts and systems of a registry. It accepts every scene that the
 /// reader does, but for spaces within words; what formulas say, and how many numbers a list has, it does not know. Parts
@@ -27,6 +27,9 @@ fn of_table(table: &Keys, registry: &Registry) -> Value {
     for key in table.keys {
         let mut own = of_shape(&key.shape, registry);
         own["description"] = key.about.into();
+        if let Some(Default::Toml(written)) = key.default {
+            own["default"] = json_of(written);
+        }
         properties.insert(key.name.to_owned(), own);
     }
     let mut schema = json!({
@@ -43,6 +46,13 @@ fn of_table(table: &Keys, registry: &Registry) -> Value {
         }
     }
     schema
+}
+
+/// A value that is written as TOML.
+fn json_of(written: &str) -> Value {
+    let table = toml::from_str(&format!("value = {written}"));
+    let value = table.map(|mut table: Map<String, Value>| table.remove("value"));
+    value.ok().flatten().unwrap_or_default()
 }
 
 fn of_shape(shape: &Shape, registry: &Registry) -> Value {
@@ -135,4 +145,19 @@ fn of_parameter(parameter: &ParameterInfo) -> Value {
         ParameterDefault::Text(_) => "string",
     };
     json!({ "type": shape, "description": parameter.summary, "default": parameter.default })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::schema::each_key;
+    use super::*;
+
+    #[test]
+    fn every_default_is_toml() {
+        for (path, key) in each_key() {
+            if let Some(Default::Toml(written)) = key.default {
+                assert_ne!(json_of(written), Value::Null, "{path}");
+            }
+        }
+    }
 }

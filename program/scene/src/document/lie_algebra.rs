@@ -54,17 +54,8 @@ pub(super) fn read_lie_algebra(item: &Item<'_>, problems: &mut Problems) -> Opti
     let table = item.table("lie-algebra", "a table", problems)?;
     table.only(&LIE_ALGEBRA, problems);
     let algebra = match (table.get("name"), table.get("structure")) {
-        (Some(_), Some(structure)) => {
-            problems.push(
-                SceneProblemCause::Conflict {
-                    first: "name".to_owned(),
-                    second: "structure".to_owned(),
-                    advice: "each gives the whole algebra; keep one of them".to_owned(),
-                },
-                structure.key.place(),
-            );
-            None
-        }
+        // Refused beside each other.
+        (Some(_), Some(_)) => None,
         (None, Some(structure)) => {
             let entries = structure.list("a list of [i, j, k, c]", problems)?;
             // Counted from 1, as the e_i are.

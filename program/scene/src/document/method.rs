@@ -137,17 +137,6 @@ pub(super) fn read_method(
     let dynamics = part("dynamics", PartKind::Dynamics);
     let composition = part("composition", PartKind::Composition);
     let stepper = part("stepper", PartKind::Stepper);
-    if table.get("stepper").is_some() {
-        for key in ["realization", "dynamics"] {
-            conflict(
-                table,
-                "stepper",
-                key,
-                "a stepper stands in place of both parts",
-                problems,
-            );
-        }
-    }
     let step = read_step(table, problems);
     let pace = match table.get("pace") {
         Some(item) => item.formula(problems).map(Some),
@@ -241,12 +230,7 @@ pub(super) fn read_parameter(
 
 fn read_step(table: &Table<'_>, problems: &mut Problems) -> Option<StepSpec> {
     if let Some(item) = table.get("time-step") {
-        let advice = "give `epsilon` and `h`, or `time-step` alone: one step advances t by \
-                      epsilon*h";
-        let is_alone = !conflict(table, "time-step", "epsilon", advice, problems)
-            & !conflict(table, "time-step", "h", advice, problems);
-        let step = nonzero(item, problems)?;
-        return is_alone.then_some(StepSpec::TimeStep(step));
+        return nonzero(item, problems).map(StepSpec::TimeStep);
     }
     if table.get("epsilon").is_none() && table.get("h").is_none() {
         table.require(
@@ -292,26 +276,4 @@ fn nonzero(item: &Item<'_>, problems: &mut Problems) -> Option<Located<Number>> 
         return None;
     }
     Some(number)
-}
-
-/// Records that `second`, if present, may not stand beside `first`; tells whether it is.
-pub(super) fn conflict(
-    table: &Table<'_>,
-    first: &str,
-    second: &str,
-    advice: &str,
-    problems: &mut Problems,
-) -> bool {
-    let Some(item) = table.get(second) else {
-        return false;
-    };
-    problems.push(
-        SceneProblemCause::Conflict {
-            first: first.to_owned(),
-            second: second.to_owned(),
-            advice: advice.to_owned(),
-        },
-        item.key.place(),
-    );
-    true
 }

@@ -11,17 +11,20 @@
 //! - `overrides`: `--set path=value`, applied by rewriting the text;
 //! - `assign`: values that no part is made of, set without reading the text again;
 //! - `schema`: every key that a scene may have, with the shape of its value;
-//! - `json_schema`: the same for editors;
+//! - `json_schema`, `key_tables`: the same for editors, and for the guide;
+//! - `contradictions`: keys of different tables that do not stand beside one another;
 //! - `error`, `suggest`: the errors of the text, and the nearest valid name;
 //! - `reader`: typed access to parsed TOML.
 
 mod assign;
 mod bracket;
+mod contradictions;
 mod ensemble;
 mod error;
 mod field;
 mod forces;
 mod json_schema;
+mod key_tables;
 mod lie_algebra;
 mod located;
 mod method;
@@ -49,6 +52,7 @@ pub use error::{SceneErrors, SceneProblem, SceneProblemCause};
 pub use field::FieldSpec;
 pub use forces::{ByCoordinate, DampingSpec, ForcesSpec, MetricSpec, OneFormSpec};
 pub use json_schema::json_schema;
+pub use key_tables::key_tables;
 pub use lie_algebra::{AlgebraSpec, LieAlgebraSpec, Matrix, StructureConstant};
 pub use located::{Located, Number, Place, Source};
 pub use method::{MethodSection, ParameterValue, PartSpec, StepSpec};

@@ -55,29 +55,17 @@ pub(super) fn read_numbers(
         None => Vec::new(),
     };
     if let Some(item) = table.get("families") {
-        problems.push(
-            SceneProblemCause::Conflict {
-                first: "library".to_owned(),
-                second: "families".to_owned(),
-                advice: format!("`{}` computes numbers and has no families", id.value),
-            },
-            item.key.place(),
-        );
+        let advice = format!("`{}` computes numbers and has no families", id.value);
+        problems.conflict("library", item, advice);
         return None;
     }
     for key in ["casimirs", "forces", "damping", "noise"] {
         if let Some(item) = table.get(key) {
-            problems.push(
-                SceneProblemCause::Conflict {
-                    first: "library".to_owned(),
-                    second: key.to_owned(),
-                    advice: format!(
-                        "`{}` computes numbers, and `{key}` stands beside formulas of a system alone",
-                        id.value
-                    ),
-                },
-                item.key.place(),
+            let advice = format!(
+                "`{}` computes numbers, and `{key}` stands beside formulas of a system alone",
+                id.value
             );
+            problems.conflict("library", item, advice);
             return None;
         }
     }

@@ -8,24 +8,9 @@ use toml_edit::{DocumentMut, InlineTable, Item, Key, TableLike, Value};
 use super::error::SceneProblemCause;
 use super::located::{Place, Source};
 use super::reader::Problems;
-use super::schema::ROOT;
-use super::shape::Inner;
+use super::schema::{ROOT, siblings};
+use super::shape::{self, Inner};
 use super::suggest::nearest;
-
-/// Keys that give the same thing in other words: setting the first removes the rest.
-const ALTERNATIVES: [(&str, &[&str]); 11] = [
-    ("time-step", &["epsilon", "h"]),
-    ("epsilon", &["time-step"]),
-    ("h", &["time-step"]),
-    ("stepper", &["realization", "dynamics"]),
-    ("realization", &["stepper"]),
-    ("dynamics", &["stepper"]),
-    ("steps", &["until"]),
-    ("until", &["steps"]),
-    ("every", &["interval", "times"]),
-    ("interval", &["every", "times"]),
-    ("times", &["every", "interval"]),
-];
 
 /// The text with all overrides applied; `None` when the text is not TOML or an override is
 /// refused, which is then recorded.
@@ -96,7 +81,16 @@ fn apply(document: &mut DocumentMut, path: &str, value: &str) -> Result<(), Refu
         .split_last()
         .ok_or_else(|| refuse("the path is empty"))?;
     let mut table: &mut dyn TableLike = document.as_table_mut();
-    for (depth, key) in parents.iter().enumerate() {
+    let mut reached = String::new();
+    for (depth, key) in keys.iter().enumerate() {
+        reached.push_str(key.get());
+        for other in shape::alternatives(siblings(&reached), key.get()) {
+            table.remove(other);
+        }
+        reached.push('.');
+        if depth == parents.len() {
+            break;
+        }
         let item = table.entry_format(key).or_insert_with(|| match depth {
             0 => Item::Table(toml_edit::Table::new()),
             _ => Item::Value(Value::InlineTable(InlineTable::new())),
@@ -111,17 +105,6 @@ fn apply(document: &mut DocumentMut, path: &str, value: &str) -> Result<(), Refu
         table = item
             .as_table_like_mut()
             .ok_or_else(|| refuse(&format!("`{}` is not a table in this scene", key.get())))?;
-    }
-    if let Some(last) = keys.last()
-        && keys[0].get() == "run"
-    {
-        remove_alternatives(table, last.get());
-    }
-    if let [section, key, ..] = keys.as_slice()
-        && section.get() == "method"
-        && let Some(section) = document.get_mut("method").and_then(Item::as_table_like_mut)
-    {
-        remove_alternatives(section, key.get());
     }
     if is_too_large(value) {
         let most = i64::MAX;
@@ -183,16 +166,6 @@ fn write(document: &mut DocumentMut, keys: &[Key], value: &str) -> Option<()> {
     Some(())
 }
 
-fn remove_alternatives(table: &mut dyn TableLike, key: &str) {
-    for (chosen, others) in ALTERNATIVES {
-        if chosen == key {
-            for other in others {
-                table.remove(other);
-            }
-        }
-    }
-}
-
 /// Whether setting one of two keys takes the other one away, or its table.
 pub(super) fn alternatives(first: &str, second: &str) -> bool {
     let holds = |table: &str, key: &str| {
@@ -210,11 +183,8 @@ pub(super) fn alternatives(first: &str, second: &str) -> bool {
     let (Some((table, key)), Some((other_table, other))) = (parts(first), parts(second)) else {
         return false;
     };
-    let removes = |chosen: &str, other: &str| {
-        let mut all = ALTERNATIVES.iter();
-        all.any(|(key, others)| *key == chosen && others.contains(&other))
-    };
-    table == other_table && (removes(&key, &other) || removes(&other, &key))
+    let mut removed = shape::alternatives(siblings(first), &key);
+    table == other_table && removed.any(|name| name == other)
 }
 
 /// Refuses a path the scene format does not have.

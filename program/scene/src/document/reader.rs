@@ -8,7 +8,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::error::{SceneProblem, SceneProblemCause};
 use super::located::{Located, Number, Place, Source};
-use super::shape::{Key, has, names};
+use super::shape::{Key, choices, has, names};
 use super::suggest::nearest;
 
 /// The problems found so far.
@@ -19,6 +19,24 @@ impl Problems {
     /// Records a problem.
     pub fn push(&mut self, cause: SceneProblemCause, place: Place) {
         self.0.push(SceneProblem { cause, place });
+    }
+
+    /// Records that an entry does not stand beside `first`.
+    pub fn conflict(&mut self, first: &str, second: &Item<'_>, advice: String) {
+        self.push(
+            SceneProblemCause::Conflict {
+                first: first.to_owned(),
+                second: second.key.value.clone(),
+                advice,
+            },
+            second.key.place(),
+        );
+    }
+
+    /// Whether an entry was found that does not stand beside another.
+    pub fn has_conflict(&self) -> bool {
+        let mut causes = self.0.iter().map(|problem| &problem.cause);
+        causes.any(|cause| matches!(cause, SceneProblemCause::Conflict { .. }))
     }
 
     /// Records that a text is no TOML.
@@ -104,7 +122,7 @@ impl<'a> Table<'a> {
         item
     }
 
-    /// Records every key that is not among `valid`.
+    /// Records every key that is not among `valid`, and every one that does not stand beside another.
     pub fn only(&self, valid: &[Key], problems: &mut Problems) {
         for item in &self.items {
             if !has(valid, &item.key.value) {
@@ -119,6 +137,38 @@ impl<'a> Table<'a> {
                 );
             }
         }
+        let declared = valid.iter().filter(|key| self.get(key.name).is_some());
+        for (first, (second, advice)) in
+            declared.flat_map(|key| key.conflicts().map(|conflict| (key.name, conflict)))
+        {
+            if let Some(item) = self.get(second) {
+                problems.conflict(first, item, advice.to_owned());
+            }
+        }
+        if let [first, second, ..] = self.chosen(valid).as_slice() {
+            let choices: Vec<_> = choices(valid).collect();
+            let advice = format!("keep one of {}", choices.join(", "));
+            problems.conflict(&first.key.value, second, advice);
+        }
+    }
+
+    /// The one entry of those of which a scene gives one alone; `None` where there are more, which [`only`](Self::only)
+    /// records.
+    pub fn choice(&self, valid: &[Key]) -> Option<&Item<'a>> {
+        match self.chosen(valid).as_slice() {
+            [one] => Some(one),
+            _ => None,
+        }
+    }
+
+    /// Whether there is any entry of those of which a scene gives one alone.
+    pub fn has_choice(&self, valid: &[Key]) -> bool {
+        !self.chosen(valid).is_empty()
+    }
+
+    fn chosen(&self, valid: &[Key]) -> Vec<&Item<'a>> {
+        let is_choice = |item: &&Item<'a>| choices(valid).any(|name| name == item.key.value);
+        self.items.iter().filter(is_choice).collect()
     }
 }
 

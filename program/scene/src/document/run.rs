@@ -5,7 +5,7 @@ use leafwise_walk::Direction;
 use super::error::SceneProblemCause;
 use super::field::{FieldSpec, check_sites_once, read_field};
 use super::located::{Located, Number, Place};
-use super::method::{MethodSection, conflict};
+use super::method::MethodSection;
 use super::reader::{Item, Problems, Table};
 use super::schema::{RECORD, RUN, SECTION};
 use super::system_section::SystemSection;
@@ -154,9 +154,7 @@ fn read_end(
         let steps = table.require("steps", "steps = 1000", problems);
         return (steps.and_then(|item| item.whole(0, problems)), Some(None));
     };
-    let advice = "give the number of `steps`, or the time `until` which they go";
-    let is_alone = !conflict(table, "until", "steps", advice, problems);
-    let until = item.number(problems).filter(|_| is_alone);
+    let until = item.number(problems);
     let steps = until
         .as_ref()
         .map(|until| Located::new(u64::MAX, until.place()));
@@ -307,24 +305,18 @@ type Times = (
 /// `interval` or `times`, of a `record` table.
 pub(super) fn read_sample_times(record: &Table<'_>, problems: &mut Problems) -> Option<Times> {
     let interval = match record.get("interval") {
-        Some(item) => read_interval(item, record, problems).map(Some),
+        Some(item) => read_interval(item, problems).map(Some),
         None => Some(None),
     };
     let times = match record.get("times") {
-        Some(item) => read_times(item, record, problems).map(Some),
+        Some(item) => read_times(item, problems).map(Some),
         None => Some(None),
     };
     Some((interval?, times?))
 }
 
 /// `interval`, in the place of `every`.
-fn read_interval(
-    item: &Item<'_>,
-    record: &Table<'_>,
-    problems: &mut Problems,
-) -> Option<Located<Number>> {
-    let advice = "give `every`, a number of steps, or `interval`, a time";
-    let is_alone = !conflict(record, "interval", "every", advice, problems);
+fn read_interval(item: &Item<'_>, problems: &mut Problems) -> Option<Located<Number>> {
     let number = item.number(problems)?;
     if number.value.value <= 0.0 {
         problems.push(
@@ -337,21 +329,13 @@ fn read_interval(
         );
         return None;
     }
-    is_alone.then_some(number)
+    Some(number)
 }
 
 /// `times`, in the place of `every` and `interval`.
-fn read_times(
-    item: &Item<'_>,
-    record: &Table<'_>,
-    problems: &mut Problems,
-) -> Option<Located<Vec<Located<Number>>>> {
-    let advice = "give one of them: a number of steps, a time between samples, or a list of times";
-    let is_alone = ["every", "interval"]
-        .map(|other| !conflict(record, "times", other, advice, problems))
-        == [true; 2];
+fn read_times(item: &Item<'_>, problems: &mut Problems) -> Option<Located<Vec<Located<Number>>>> {
     let times = item.list_of("a list of times", problems, Item::number)?;
-    is_alone.then(|| Located::new(times, item.place()))
+    Some(Located::new(times, item.place()))
 }
 
 /// The observables of a `record` table; energy and every Casimir where it gives none.

@@ -58,7 +58,7 @@ impl SceneDocument {
     ///
     /// An override rewrites the text, so that the scene as run can be saved and every place refers to it. A value that
     /// is not TOML is taken as a string. Setting one of several alternatives (`time-step` against `epsilon` and `h`,
-    /// `stepper` against `realization` and `dynamics`) removes the others.
+    /// `stepper` against `realization` and `dynamics`, `ball` against `box`) removes the others.
     ///
     /// # Errors
     /// Those of [`SceneDocument::parse`]. An override whose path the format does not have.
@@ -243,7 +243,8 @@ fn read(
         .as_ref()
         .and_then(|table| read_run(table, system.as_ref(), problems))
         .map(|mut run| {
-            if let Some(method) = &method {
+            // Where the step or the end is given twice, neither is known.
+            if let Some(method) = method.as_ref().filter(|_| !problems.has_conflict()) {
                 count_steps(&mut run, method, problems);
             }
             run

@@ -94,26 +94,11 @@ pub(super) fn read_sweep(
 }
 
 fn read_settings(table: &Table<'_>, problems: &mut Problems) -> Option<SettingsSpec> {
-    let mut given = table
-        .items
-        .iter()
-        .filter(|item| ["grid", "list", "file"].contains(&item.key.value.as_str()));
-    let example = "grid = { \"method.time-step\" = [0.05, 0.1, 0.2] }, list = [{ … }, { … }] or file = \"settings.csv\"";
-    let Some(first) = given.next() else {
+    if !table.has_choice(&SWEEP) {
+        let example = "grid = { \"method.time-step\" = [0.05, 0.1, 0.2] }, list = [{ … }, { … }] or file = \"settings.csv\"";
         table.require("grid", example, problems);
-        return None;
-    };
-    if let Some(second) = given.next() {
-        problems.push(
-            SceneProblemCause::Conflict {
-                first: first.key.value.clone(),
-                second: second.key.value.clone(),
-                advice: "keep one of grid, list, file".to_owned(),
-            },
-            second.key.place(),
-        );
-        return None;
     }
+    let first = table.choice(&SWEEP)?;
     match first.key.value.as_str() {
         "grid" => read_grid(first, problems).map(SettingsSpec::Grid),
         "list" => read_list(first, problems).map(SettingsSpec::List),

@@ -15,21 +15,9 @@ use super::located::{Located, Place, Source};
 use super::noise::read_noise;
 use super::numbers::{asks_for_numbers, read_numbers};
 use super::reader::{Item, Problems, Table};
-use super::shape::has;
 use super::suggest::nearest;
 use super::system_schema::{SYSTEM, VECTORS};
 use super::system_section::{Boundary, Convention, SystemSection, VectorFamily};
-
-/// Keys that may stand beside `library`, with `library` itself.
-const BESIDE_LIBRARY: [&str; 7] = [
-    "library",
-    "parameters",
-    "families",
-    "casimirs",
-    "forces",
-    "damping",
-    "noise",
-];
 
 /// Reads `[system]`, going to the library when it names one; the fragment used is left in
 /// `fragment` as id and text.
@@ -39,26 +27,10 @@ pub(super) fn read_system(
     fragment: &mut Option<(String, String)>,
     problems: &mut Problems,
 ) -> Option<SystemSection> {
+    table.only(&SYSTEM, problems);
     let Some(item) = table.get("library") else {
-        table.only(&SYSTEM, problems);
         return read_inline(table, problems);
     };
-    table.only(&SYSTEM, problems);
-    for other in &table.items {
-        let key = other.key.value.as_str();
-        if has(&SYSTEM, key) && !BESIDE_LIBRARY.contains(&key) {
-            problems.push(
-                SceneProblemCause::Conflict {
-                    first: "library".to_owned(),
-                    second: key.to_owned(),
-                    advice: "beside `library` only `parameters`, `families`, `casimirs`, `forces`, `damping` and `noise` may \
-                             stand; remove it, or write the system out without `library`"
-                        .to_owned(),
-                },
-                other.key.place(),
-            );
-        }
-    }
     let id = item.string(problems)?;
     let Ok(part) = registry.system(&id.value) else {
         let ids = system_names(registry);

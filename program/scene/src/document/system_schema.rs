@@ -1,6 +1,6 @@
 //! Every key of `[system]`, and of the tables in it.
 
-use super::shape::{FORMULAS, Key, NUMBERS, Shape, key, table};
+use super::shape::{Beside, FORMULAS, Key, NUMBERS, Shape, key, table};
 
 /// Shape of the values that variables, sites of families and parameters of sites begin with.
 pub(super) const FIELDS: Shape = Shape::Names(&Shape::Either(&[
@@ -19,7 +19,35 @@ pub(super) static COLUMN: [Key; 2] = [
         "column",
         Shape::Text,
         "The name of its column, where it has several",
-    ),
+    )
+    .otherwise("the only one"),
+];
+
+/// A system that has no formulas.
+const NUMBERS_ALONE: &str = "a `library` system that computes numbers";
+
+/// Keys of a system that is written out.
+static LIBRARY_BESIDE: [Beside; 1] = [Beside::Keys {
+    keys: &[
+        "variables",
+        "define",
+        "bracket",
+        "constraints",
+        "boundary",
+        "convention",
+        "hamiltonian",
+    ],
+    advice: "beside `library` only `parameters`, `families`, `casimirs`, `forces`, `damping` and `noise` may \
+              stand; remove it, or write the system out without `library`",
+}];
+
+static PARAMETERS_BESIDE: [Beside; 1] = [Beside::Note(
+    "as values of sites: a bracket by a form or with constraints",
+)];
+
+static NOISE_BESIDE: [Beside; 2] = [
+    Beside::Note("steps backward in time"),
+    Beside::Note(NUMBERS_ALONE),
 ];
 
 pub(super) static SYSTEM: [Key; 14] = [
@@ -27,50 +55,64 @@ pub(super) static SYSTEM: [Key; 14] = [
         "library",
         Shape::System,
         "A system of the library, by its id",
-    ),
+    )
+    .not_beside(&LIBRARY_BESIDE),
     key(
         "variables",
         Shape::List(&Shape::Text),
         "The coordinates' names",
-    ),
+    )
+    .not_beside(&[Beside::Note("a long lattice")]),
     key(
         "families",
         Shape::Names(&Shape::Either(&[
             Shape::Whole(1),
             table(&VECTORS, &[&["components", "length"]]),
         ])),
-        "Indexed variables of a lattice and how many there are: { q = 1000, p = 1000 }, or vectors",
-    ),
+        "Indexed variables of a lattice and how many there are: { q = 1000, p = 1000 }, or \
+         vectors",
+    )
+    .not_beside(&[Beside::Note(NUMBERS_ALONE)]),
     key(
         "parameters",
         FIELDS,
-        "Named numbers that formulas may use; \"J[i]\" = a formula of i, a list or { file = \"j.csv\" } for one at every site",
-    ),
+        "Named numbers that formulas may use; \"J[i]\" = a formula of i, a list or { file = \
+         \"j.csv\" } for one at every site",
+    )
+    .otherwise("none")
+    .not_beside(&PARAMETERS_BESIDE),
     key(
         "define",
         FORMULAS,
         "Names for formulas that other formulas use: { B = \"sqrt(x^2 + y^2)\" }",
-    ),
+    )
+    .default("{}"),
     key(
         "bracket",
-        Shape::Either(&[KIND, PAIRS, table(&SUM, &[&["sum"]])]),
-        "The Poisson tensor: { \"x,y\" = \"formula\" } for each pair that is not zero, or a kind by its name",
+        Shape::Either(&[KIND, table(&SUM, &[&["sum"]]), PAIRS]),
+        "The Poisson tensor: { \"x,y\" = \"formula\" } for each pair that is not zero, or a \
+         kind by its name",
     ),
     key(
         "constraints",
         Shape::List(&Shape::Formula),
-        "Dirac's bracket of second-class constraints, which are Casimirs of it: [\"x^2 + y^2 - 1\", \"x*px + y*py\"]",
-    ),
+        "Dirac's bracket of second-class constraints, which are Casimirs of it: [\"x^2 + y^2 - \
+         1\", \"x*px + y*py\"]",
+    )
+    .default("[]")
+    .not_beside(&[Beside::Note("a long lattice")]),
     key(
         "boundary",
         Shape::Words(&["periodic", "open"]),
-        "Whether the ends of a lattice meet",
-    ),
+        "The ends of a lattice: they meet, or not",
+    )
+    .default("\"periodic\""),
     key(
         "convention",
         Shape::Words(&["{H,x}", "{x,H}"]),
         "The equation of motion: x' = {H, x}, or x' = {x, H}",
-    ),
+    )
+    .default("\"{H,x}\""),
     key(
         "hamiltonian",
         Shape::Formula,
@@ -80,29 +122,40 @@ pub(super) static SYSTEM: [Key; 14] = [
         "casimirs",
         FORMULAS,
         "Functions that commute with all others, by names",
-    ),
+    )
+    .otherwise("none")
+    .not_beside(&[Beside::Note(NUMBERS_ALONE)]),
     key(
         "forces",
         Shape::Either(&[Shape::List(&Shape::Formula), FORMULAS]),
-        "A one-form beside dH, a formula for each variable, or { \"q[i]\" = \"0.1*p[i]\" } for some: dH + forces moves the system, on its leaves; a force F on a momentum is -F for its coordinate",
-    ),
+        "A one-form beside dH, a formula for each variable, or { \"q[i]\" = \"0.1*p[i]\" } for \
+         some: dH + forces moves the system, on its leaves; a force F on a momentum is -F for \
+         its coordinate",
+    )
+    .otherwise("none")
+    .not_beside(&[Beside::Note(NUMBERS_ALONE)]),
     key(
         "damping",
         table(&DAMPING, &[&["rate"]]),
         "A double bracket, under which energy falls and Casimirs stay: { rate = \"0.1\" }",
-    ),
+    )
+    .otherwise("none")
+    .not_beside(&[Beside::Note(NUMBERS_ALONE)]),
     key(
         "noise",
         Shape::List(&table(&NOISE, &[&["hamiltonian", "strength"]])),
-        "Channels of noise, dx = {H, x} dt + strength {hamiltonian, x} dW (Stratonovich), on leaves: [{ hamiltonian = \"x1\", strength = \"0.1\" }]",
-    ),
+        "Channels of noise, dx = {H, x} dt + strength {hamiltonian, x} dW (Stratonovich), on \
+         leaves: [{ hamiltonian = \"x1\", strength = \"0.1\" }]",
+    )
+    .otherwise("none")
+    .not_beside(&NOISE_BESIDE),
 ];
 
 pub(super) static NOISE: [Key; 2] = [
     key(
         "hamiltonian",
         Shape::Formula,
-        "Whose field moves at random, a formula of the variables",
+        "The Hamiltonian whose field moves at random, a formula of the variables",
     ),
     key(
         "strength",
@@ -126,8 +179,10 @@ pub(super) static DAMPING: [Key; 2] = [
             ])),
             FORMULAS,
         ]),
-        "Which velocities are damped: a diagonal, or { \"p[i]\" = \"1\" } for some of it, or the rows of a symmetric matrix without negative eigenvalues; all alike where not said",
-    ),
+        "The velocities that are damped: a diagonal, or { \"p[i]\" = \"1\" } for some of it, or \
+         the rows of a symmetric matrix without negative eigenvalues",
+    )
+    .otherwise("all alike"),
 ];
 
 pub(super) static VECTORS: [Key; 2] = [
@@ -136,7 +191,7 @@ pub(super) static VECTORS: [Key; 2] = [
         Shape::List(&Shape::Text),
         "Names of a vector's components: of the family s, x at the site i is s.x[i]",
     ),
-    key("length", Shape::Whole(1), "How many vectors there are"),
+    key("length", Shape::Whole(1), "The number of vectors"),
 ];
 
 /// A kind of bracket by its name.
@@ -156,8 +211,10 @@ const PAIRS: Shape = Shape::Pairs(&Shape::Formula);
 pub(super) static SUM: [Key; 1] = [key(
     "sum",
     Shape::List(&table(&SUMMAND, &[&["variables", "bracket"]])),
-    "The direct sum of brackets, each over variables of its own: [{ variables = [\"q\", \"p\"], bracket = { … } }, …]",
-)];
+    "The direct sum of brackets, each over variables of its own: [{ variables = [\"q\", \
+     \"p\"], bracket = { … } }, …]",
+)
+.not_beside(&[Beside::Note("any other entry of the bracket")])];
 
 pub(super) static SUMMAND: [Key; 3] = [
     key(
@@ -174,7 +231,8 @@ pub(super) static SUMMAND: [Key; 3] = [
         "constraints",
         Shape::List(&Shape::Formula),
         "Second-class constraints on these variables, for Dirac's bracket",
-    ),
+    )
+    .default("[]"),
 ];
 
 pub(super) static BRACKET: [Key; 5] = [
@@ -184,40 +242,60 @@ pub(super) static BRACKET: [Key; 5] = [
             Shape::Text,
             table(&LIE_ALGEBRA, &[&["name"], &["structure"]]),
         ]),
-        "The linear bracket of a Lie algebra, by name (`leafwise list lie-algebras`) or by its structure constants",
-    ),
+        "The linear bracket of a Lie algebra, by name (`leafwise list lie-algebras`) or by its \
+         structure constants",
+    )
+    .not_beside(&[Beside::Note("any other entry of the bracket")]),
     key(
         "log-canonical",
         Shape::List(&NUMBERS),
         "{x_i, x_j} = a_ij x_i x_j: the rows of the antisymmetric matrix a",
-    ),
+    )
+    .not_beside(&[Beside::Note("any other entry of the bracket")]),
     key(
         "magnetic-field",
         Shape::List(&Shape::Formula),
         "Positions and velocities with v' = v x B + ...: the formulas of B",
-    ),
+    )
+    .not_beside(&[Beside::Note("any other entry of the bracket")]),
     key(
         "one-form",
         Shape::List(&Shape::Formula),
-        "The tensor -(d theta)^-1: a formula of theta for each coordinate, as [\"p\", \"0\"] over q, p",
-    ),
+        "The tensor -(d theta)^-1: a formula of theta for each coordinate, as [\"p\", \"0\"] \
+         over q, p",
+    )
+    .not_beside(&[Beside::Note(
+        "any other entry of the bracket, a long lattice",
+    )]),
     key(
         "two-form",
         Shape::Pairs(&Shape::Formula),
-        "The tensor -omega^-1 of a closed omega: { \"q,p\" = \"-1\" }, each pair that is not zero once",
-    ),
+        "The tensor -omega^-1 of a closed omega: { \"q,p\" = \"-1\" }, each pair that is not \
+         zero once",
+    )
+    .not_beside(&[Beside::Note(
+        "any other entry of the bracket, a long lattice",
+    )]),
 ];
 
 pub(super) static LIE_ALGEBRA: [Key; 3] = [
-    key("name", Shape::Text, "One of `leafwise list lie-algebras`"),
+    key("name", Shape::Text, "One of `leafwise list lie-algebras`").not_beside(&[
+        Beside::InPlaceOf {
+            keys: &["structure"],
+            advice: "each gives the whole algebra; keep one of them",
+        },
+    ]),
     key(
         "structure",
         Shape::List(&NUMBERS),
-        "Structure constants [i, j, k, c] for [e_i, e_j] = ... + c e_k + ..., i < j: {x_i, x_j} = -c x_k",
+        "Structure constants [i, j, k, c] for [e_i, e_j] = ... + c e_k + ..., i < j: {x_i, \
+         x_j} = -c x_k",
     ),
     key(
         "representation",
         Shape::List(&Shape::List(&NUMBERS)),
-        "The semidirect product with vectors: a matrix for each e_i, [e_i, v] = its product with v",
-    ),
+        "The semidirect product with vectors: a matrix for each e_i, [e_i, v] = its product \
+         with v",
+    )
+    .otherwise("none"),
 ];

@@ -119,6 +119,23 @@ fn a_table_takes_the_place_of_a_table() {
 }
 
 #[test]
+fn an_override_takes_the_place_of_its_alternatives_in_every_table() {
+    let ensemble = "{ members = 3, initial = { ball = 0.1 }, record = { every = 2 } }";
+    let scene = with(&[
+        ("ensemble", ensemble),
+        ("ensemble.initial.sphere", "0.2"),
+        ("ensemble.record.times", "[1.0]"),
+    ]);
+    let scene = scene.expect("valid overrides");
+    for gone in ["ball", "every = 2"] {
+        assert!(!scene.text.contains(gone), "{}", scene.text);
+    }
+    // A library system takes no place: what is written of a system stays, and is refused beside it.
+    let errors = with(&[("system.library", "volterra-lattice")]).expect_err("a written system");
+    assert!(errors.to_string().contains("beside `library`"), "{errors}");
+}
+
+#[test]
 fn an_override_outside_the_format_is_underlined_in_the_argument() {
     let errors = with(&[("method.epsillon", "0.05")]).expect_err("no such key");
     let diagnostic = errors.diagnostics().remove(0);
