@@ -38,6 +38,11 @@ impl Fields {
         &mut self.numbers[range]
     }
 
+    /// Makes all numbers 0.
+    pub fn clear(&mut self) {
+        self.numbers.fill(0.0);
+    }
+
     fn range(&self, field: Field) -> Range<usize> {
         let start = field.0 * stride(self.dimension);
         start..start + self.dimension

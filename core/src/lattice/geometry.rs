@@ -113,6 +113,13 @@ pub(super) struct SiteClass {
     pub(super) proxy: usize,
 }
 
+impl SiteClass {
+    /// How many sites it has.
+    pub(super) fn sites(self) -> usize {
+        self.end - self.start
+    }
+}
+
 /// The classes of a lattice of `length` sites on a proxy of `proxy` sites, `width` sites at each
 /// open boundary having code of their own.
 pub(super) fn site_classes(

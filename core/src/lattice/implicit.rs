@@ -4,15 +4,17 @@ use std::sync::Arc;
 
 use leafwise_expression::{Kernel, StepSize, Term};
 
+use super::differential::SolvedSweeps;
 use super::geometry::{LatticeGeometry, Proxy};
 use super::locality::proxy_of;
 use super::map::LatticeMap;
 use super::program::LatticeProgram;
+use super::slopes::LatticeSlopes;
 use super::source::LatticeSource;
 use super::stages::{MethodFields, StageBuilder, StageEnds};
 use super::stepper::LatticeTrajectory;
 use crate::error::BuildError;
-use crate::solver::{Lanes, MapProperties, StepMap, Stepper};
+use crate::solver::{Differential, Lanes, MapProperties, StepMap, Stepper};
 use crate::system::PoissonSystem;
 
 /// x ↦ x₊ with x = y + offset(y), x₊ = x + increment(y), on a lattice. The linear iteration
@@ -23,6 +25,7 @@ pub struct ImplicitSweeps {
     proxy: PoissonSystem,
     proxy_geometry: LatticeGeometry,
     program: Arc<LatticeProgram>,
+    slopes: Arc<LatticeSlopes>,
     fields: MethodFields,
     properties: MapProperties,
     description: String,
@@ -74,20 +77,27 @@ impl ImplicitSweeps {
             reach: builder.reach,
         };
         builder.finish_stage();
-        let program = LatticeProgram::compile(
-            geometry,
+        let (written, parameters) = (
             Proxy {
                 geometry: &proxy,
                 width,
             },
-            &builder,
             system.parameters().len(),
-        )?;
+        );
+        let program = LatticeProgram::compile(geometry, written, &builder, parameters)?;
+        let program = Arc::new(program);
+        // No derivative looks at what guards a chart.
+        let builder = match fields.reach {
+            Some(reach) => builder.without(reach),
+            None => builder,
+        };
+        let slopes = LatticeSlopes::new(&program, written, builder, parameters);
         Ok(Self {
             geometry: geometry.clone(),
             proxy: system,
             proxy_geometry: proxy,
-            program: Arc::new(program),
+            program,
+            slopes: Arc::new(slopes),
             fields,
             properties,
             description,
@@ -146,5 +156,17 @@ impl StepMap for ImplicitSweeps {
         Box::new(Lanes::apart(lanes, d, parameters, |parameters| {
             LatticeTrajectory::new(&self.program, self.fields, parameters, epsilon, h)
         }))
+    }
+
+    fn differential(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Differential> {
+        let stepper = self.stepper(1, parameters, epsilon, h);
+        let (slopes, sizes) = (&self.slopes, (epsilon, h));
+        Box::new(SolvedSweeps::new(
+            stepper,
+            slopes,
+            self.fields,
+            parameters,
+            sizes,
+        ))
     }
 }

@@ -11,7 +11,7 @@ use super::source::LatticeSource;
 use crate::dynamics::DynamicApproximation;
 use crate::error::BuildError;
 use crate::realization::RealizationData;
-use crate::solver::{MapProperties, StepMap, Stepper};
+use crate::solver::{Differential, MapProperties, StepMap, Stepper};
 use crate::system::PoissonSystem;
 
 /// Builds a realization for the proxy system.
@@ -125,5 +125,9 @@ impl StepMap for LatticeMethod {
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
         self.sweeps.stepper(lanes, parameters, epsilon, h)
+    }
+
+    fn differential(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Differential> {
+        self.sweeps.differential(parameters, epsilon, h)
     }
 }

@@ -18,11 +18,14 @@
 //! - [`implicit`]: step maps that solve for one point.
 //! - [`method`](mod@method): realization and dynamics combined over a lattice.
 //! - `stepper`: the linear iteration for β̂(L(y)) = x.
+//! - [`slopes`]: tangents and covectors by sweeps.
+//! - `differential`: the differential of that iteration's solution.
 //! - `sites`: numbers of every site.
 //! - [`observables`]: sums over sites.
 //! - `poles`: what no step crosses.
 
 pub mod cells;
+mod differential;
 mod fields;
 pub mod geometry;
 pub mod implicit;
@@ -34,6 +37,7 @@ mod poles;
 pub mod program;
 pub mod reach;
 mod sites;
+pub mod slopes;
 mod source;
 pub mod stages;
 mod stencil;
@@ -51,5 +55,6 @@ pub use method::LatticeMethod;
 pub use observables::LatticeObservables;
 pub use program::{LatticeProgram, Prepared};
 pub use reach::TemplateReach;
+pub use slopes::{LatticeSlopes, SlopesAlong};
 pub use source::LatticeSource;
 pub use stages::{Field, StageBuilder, StageCode, StageEnds};

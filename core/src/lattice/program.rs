@@ -67,6 +67,16 @@ impl LatticeProgram {
         })
     }
 
+    /// The lattice.
+    pub(super) fn geometry(&self) -> &LatticeGeometry {
+        &self.geometry
+    }
+
+    /// Where each family starts in a field.
+    pub(super) fn offsets(&self) -> &[usize] {
+        &self.offsets
+    }
+
     /// The number of stages.
     pub fn stages(&self) -> usize {
         self.stages.len()

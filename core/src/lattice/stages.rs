@@ -24,6 +24,7 @@ pub(super) type Written = (Field, Vec<Option<Term>>);
 ///
 /// Values that a later stage reads at neighbouring sites are stored as fields; what comes back is
 /// code that reads the field. Code of a stage reads what stood in the fields when the stage began.
+#[derive(Debug)]
 pub struct StageBuilder {
     /// The code of all stages.
     pub graph: Graph,
@@ -84,6 +85,13 @@ impl StageBuilder {
         let (field, _) = self.unwritten();
         self.update(field, reaches);
         self.reach = Some(field);
+    }
+
+    /// The same where no stage writes this field.
+    pub fn without(mut self, field: Field) -> Self {
+        let stages = self.stages.iter_mut().chain([&mut self.current]);
+        stages.for_each(|stage| stage.retain(|(written, _)| *written != field));
+        self
     }
 
     /// Ends the current stage: what it stored can be read from here on.

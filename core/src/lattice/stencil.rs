@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use leafwise_expression::{Aligned, Execution, Graph, Kernel, Workspace};
+use leafwise_expression::{Aligned, Execution, Graph, Kernel, Term, Workspace};
 
 use super::fields::{Fields, stride};
 use super::geometry::{LatticeGeometry, Proxy, SiteClass};
@@ -45,30 +45,16 @@ impl Stencil {
         stage: &[Written],
         parameters: usize,
     ) -> Result<Option<Self>, BuildError> {
-        let proxy_offsets = proxy.geometry.offsets();
-        let mut terms = Vec::new();
-        let mut outputs = Vec::new();
-        for (field, values) in stage {
-            for (family, (_, length)) in proxy.geometry.families.iter().enumerate() {
-                if class.proxy < *length
-                    && let Some(term) = &values[proxy_offsets[family] + class.proxy]
-                {
-                    terms.push(term.clone());
-                    outputs.push((field.0, family));
-                }
-            }
-        }
+        let (terms, outputs) = terms_of(proxy, class, stage);
         if terms.is_empty() {
             return Ok(None);
         }
         let (kernel, used) = Kernel::compile_used(graph, &terms, parameters);
-        let dimension = proxy.geometry.dimension();
         let translated = geometry.length() != proxy.geometry.length();
         let mut taps = Vec::with_capacity(used.len());
         for input in used {
-            let (field, coordinate) = (input / dimension, input % dimension);
-            let (family, site) = proxy.geometry.locate(coordinate);
-            let shift = proxy.geometry.shift(class.proxy, site);
+            let tap = tap_of(proxy, class, input);
+            let Tap { family, shift, .. } = tap;
             let [first, last] =
                 [class.start, class.end - 1].map(|site| site.wrapping_add_signed(shift));
             let is_there = |site| geometry.periodic || site < geometry.families[family].1;
@@ -80,11 +66,7 @@ impl Stencil {
                     foreseen: proxy.width,
                 });
             }
-            taps.push(Tap {
-                field,
-                family,
-                shift,
-            });
+            taps.push(tap);
         }
         Ok(Some(Self {
             class,
@@ -125,7 +107,7 @@ impl Stencil {
 
     /// How many sites it serves.
     pub(super) fn sites(&self) -> usize {
-        self.class.end - self.class.start
+        self.class.sites()
     }
 
     /// A workspace for a sweep with these parameters, ε and h.
@@ -135,14 +117,7 @@ impl Stencil {
         parameters: &[f64],
         sizes: [f64; 2],
     ) -> Workspace {
-        let lanes = if self.sites() < FEW { 1 } else { BLOCK };
-        let mut workspace = self.kernel.workspace_for(lanes, execution);
-        let spread = |value: &f64| std::iter::repeat_n(*value, lanes);
-        let parameters: Vec<f64> = parameters.iter().flat_map(spread).collect();
-        let [epsilon, h] = sizes.map(|size| vec![size; lanes]);
-        self.kernel
-            .prepare(&mut workspace, &parameters, &epsilon, &h);
-        workspace
+        workspace(&self.kernel, self.class, execution, parameters, sizes)
     }
 
     /// Evaluates the code at each site of the class; returns at how many of them in place.
@@ -202,8 +177,57 @@ impl Stencil {
     }
 }
 
+/// The terms that a stage writes at the sites of a class, with the field and family of each.
+pub(super) fn terms_of(
+    proxy: Proxy<'_>,
+    class: SiteClass,
+    stage: &[Written],
+) -> (Vec<Term>, Vec<(usize, usize)>) {
+    let offsets = proxy.geometry.offsets();
+    let (mut terms, mut outputs) = (Vec::new(), Vec::new());
+    for (field, values) in stage {
+        for (family, (_, length)) in proxy.geometry.families.iter().enumerate() {
+            if class.proxy < *length
+                && let Some(term) = &values[offsets[family] + class.proxy]
+            {
+                terms.push(term.clone());
+                outputs.push((field.0, family));
+            }
+        }
+    }
+    (terms, outputs)
+}
+
+/// Where an input of the code of a class stands.
+pub(super) fn tap_of(proxy: Proxy<'_>, class: SiteClass, input: usize) -> Tap {
+    let dimension = proxy.geometry.dimension();
+    let (family, site) = proxy.geometry.locate(input % dimension);
+    Tap {
+        field: input / dimension,
+        family,
+        shift: proxy.geometry.shift(class.proxy, site),
+    }
+}
+
+/// A workspace for the sites of a class with these parameters, ε and h.
+pub(super) fn workspace(
+    kernel: &Kernel,
+    class: SiteClass,
+    execution: Execution,
+    parameters: &[f64],
+    sizes: [f64; 2],
+) -> Workspace {
+    let lanes = if class.sites() < FEW { 1 } else { BLOCK };
+    let mut workspace = kernel.workspace_for(lanes, execution);
+    let spread = |value: &f64| std::iter::repeat_n(*value, lanes);
+    let parameters: Vec<f64> = parameters.iter().flat_map(spread).collect();
+    let [epsilon, h] = sizes.map(|size| vec![size; lanes]);
+    kernel.prepare(&mut workspace, &parameters, &epsilon, &h);
+    workspace
+}
+
 /// Loads `count` lanes from `shift` sites beside `site` on; lanes beyond repeat the first.
-fn load(
+pub(super) fn load(
     lanes: &mut [f64],
     field: &[f64],
     geometry: &LatticeGeometry,

@@ -29,7 +29,7 @@ pub(crate) use checked::{Checked, MakeCheck};
 pub use columns::product;
 pub(crate) use crossing::{Crossing, looks};
 pub use differential::{ByTangents, Differential, Inverse};
-pub(crate) use differential::{Explicit, Solved, by_parameters, in_reverse};
+pub(crate) use differential::{Explicit, Solved, by_parameters, in_reverse, one_step};
 pub use explicit::{CodeStepMap, ExplicitMap};
 pub use extrapolation::Extrapolation;
 pub use iteration::{CorrectionMethod, Iteration};

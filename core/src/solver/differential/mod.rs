@@ -166,7 +166,7 @@ impl Differential for ByTangents {
 }
 
 /// One step of a stepper of one lane.
-fn one_step(
+pub(crate) fn one_step(
     stepper: &mut dyn Stepper,
     x: &[f64],
     low: &[f64],

@@ -3,13 +3,14 @@
 use std::sync::Arc;
 
 use leafwise_core::lattice::{
-    Cells, Field, LatticeGeometry, LatticeMap, LatticeProgram, LatticeSource, Proxy, StageBuilder,
-    TemplateReach,
+    Cells, Field, LatticeGeometry, LatticeMap, LatticeProgram, LatticeSlopes, LatticeSource, Proxy,
+    StageBuilder, TemplateReach,
 };
 use leafwise_core::solver::{MapProperties, StepMap, Stepper, Structure};
-use leafwise_core::{BuildError, PoissonSystem};
+use leafwise_core::{BuildError, Differential, PoissonSystem};
 use leafwise_expression::{Arithmetic, Ring, StepSize};
 
+use super::differential::SweptFlows;
 use super::sweeps::{Shared, Sweeps};
 use super::units::{find_repeating_pieces, looks};
 use crate::code::flow_increment;
@@ -121,21 +122,23 @@ impl LatticeSplitting {
         }
         let pieces = settled(system, &ring, pieces)?;
         let (builder, [state, sum]) = write_flows(&proxy_cells, &ring, &pieces)?;
-        let program = LatticeProgram::compile(
-            cells.rows(),
+        let (written, parameters) = (
             Proxy {
                 geometry: proxy_cells.rows(),
                 width,
             },
-            &builder,
             system.parameters().len(),
-        )?;
+        );
+        let program = LatticeProgram::compile(cells.rows(), written, &builder, parameters)?;
+        let program = Arc::new(program);
+        let slopes = LatticeSlopes::new(&program, written, builder.without(sum), parameters);
         let mut order: Vec<usize> = (0..program.stages()).collect();
         order.sort_by_key(|stage| program.stage_work(*stage));
         Ok(Found::Splitting(Box::new(Self {
             shared: Arc::new(Shared {
                 cells: cells.clone(),
                 proxy,
+                slopes: Arc::new(slopes),
                 proxy_cells,
                 program,
                 state,
@@ -234,6 +237,10 @@ impl StepMap for LatticeSplitting {
         self.passes_stepper(&STRANG, lanes, parameters, epsilon, h)
     }
 
+    fn differential(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Differential> {
+        self.passes_differential(&STRANG, parameters, epsilon, h)
+    }
+
     fn factors(&self) -> Option<[Arc<dyn StepMap>; 2]> {
         Some(Product::factors(self))
     }
@@ -258,6 +265,18 @@ impl Splits for LatticeSplitting {
     ) -> Box<dyn Stepper> {
         let shared = Arc::clone(&self.shared);
         Box::new(Sweeps::new(shared, parts, lanes, parameters, epsilon, h))
+    }
+
+    fn passes_differential(
+        &self,
+        parts: &[f64],
+        parameters: &[f64],
+        epsilon: f64,
+        h: f64,
+    ) -> Box<dyn Differential> {
+        let stepper = self.passes_stepper(parts, 1, parameters, epsilon, h);
+        let (shared, sizes) = (Arc::clone(&self.shared), (epsilon, h));
+        Box::new(SweptFlows::new(stepper, shared, parts, parameters, sizes))
     }
 }
 

@@ -4,7 +4,9 @@
 //!   lattice.
 //! - [`map`](mod@map): Strang's product over such pieces.
 //! - `sweeps`: its steps.
+//! - `differential`: their differentials.
 
+mod differential;
 pub mod map;
 mod sweeps;
 pub mod units;

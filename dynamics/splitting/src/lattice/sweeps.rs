@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use leafwise_core::lattice::{Cells, Field, Fields, LatticeProgram, Prepared};
+use leafwise_core::lattice::{Cells, Field, Fields, LatticeProgram, LatticeSlopes, Prepared};
 use leafwise_core::solver::{SolverStatistics, Stepper};
 use leafwise_core::{PoissonSystem, StepError};
 
@@ -15,7 +15,9 @@ pub(super) struct Shared {
     pub(super) cells: Cells,
     pub(super) proxy: PoissonSystem,
     pub(super) proxy_cells: Cells,
-    pub(super) program: LatticeProgram,
+    pub(super) program: Arc<LatticeProgram>,
+    /// Slopes of the state alone.
+    pub(super) slopes: Arc<LatticeSlopes>,
     pub(super) state: Field,
     /// Φ(x) − x as it adds up.
     pub(super) sum: Field,
