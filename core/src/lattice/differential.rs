@@ -1,8 +1,9 @@
 //! The differential of a step that solves x = y + offset(y) and returns x₊ = x + increment(y).
 //!
-//! With O = D offset and I = D increment at the solution y,
+//! With O = D offset and I = D increment at the solution y:
 //!
-//!   DΦ = 1 + I (1 + O)⁻¹,   DΦ⁻¹ = 1 − I (1 + O + I)⁻¹.
+//! - DΦ = 1 + I (1 + O)⁻¹;
+//! - DΦ⁻¹ = 1 − I (1 + O + I)⁻¹.
 //!
 //! Both are solved as the step is, by the linear iterations u ← v − O u and, for covectors, z ← Iᵀw − Oᵀz. Their rate
 //! is that of the step's own. Derivatives by parameters stand beside: ∂_λΦ = ∂_λincrement − I (1 + O)⁻¹ ∂_λoffset.

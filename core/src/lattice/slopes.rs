@@ -1,8 +1,9 @@
 //! Derivatives of sweeps: of tangents by the same stencils, of covectors by the transposed ones.
 //!
-//! A stage writes o = f(r; λ) at every site, r what it reads there. With S = ∂f/∂r and P = ∂f/∂λ at each site,
+//! A stage writes o = f(r; λ) at every site, r what it reads there. With S = ∂f/∂r and P = ∂f/∂λ at each site:
 //!
-//!   tangents: o ← S r + P μ;   covectors: w = o, o ← 0, r ← r + Sᵀw, g ← g + Pᵀw.
+//! - tangents: o ← S r + P μ;
+//! - covectors: w = o, o ← 0, r ← r + Sᵀw, g ← g + Pᵀw.
 //!
 //! The second is the transpose of the first, with the same numbers. Code of S and P is written for a class of sites, as
 //! the stage's own; their entries are kept for every site. Time and memory are O(N).

@@ -20,7 +20,7 @@ pub(super) struct Begun {
     pub failures: Vec<Option<MemberFailure>>,
 }
 
-/// What members are drawn with, one block after the other.
+/// Tools that members are drawn with, one block after the other.
 pub(super) struct Drawer<'a> {
     ensemble: &'a ComposedEnsemble,
     domain: ParameterDomain,

@@ -23,7 +23,7 @@ pub(super) struct Signals {
     pub stop: AtomicBool,
 }
 
-/// What a thread steps one block after the other with.
+/// Tools that a thread steps one block after the other with.
 #[derive(Default)]
 pub(super) struct Tools<'a> {
     drawer: Option<Drawer<'a>>,

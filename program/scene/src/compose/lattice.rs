@@ -72,7 +72,9 @@ impl<'a> SceneLattice<'a> {
         if let Some((formula, what)) = wants_time(document) {
             let is_pace = document.method.pace.as_ref() == Some(formula);
             let why = match is_pace {
-                true => "the Hamiltonian is then (H + e) times it, under which every site is moved by the energy of all others",
+                true => {
+                    "the Hamiltonian is then (H + e) times it, under which every site is moved by the energy of all others"
+                }
                 false => "every site moves t's energy",
             };
             return Err(Box::new(document.diagnostic(

@@ -16,7 +16,7 @@ pub(super) struct Key {
     pub beside: &'static [Beside],
 }
 
-/// What holds where a scene does not say.
+/// Default of a key that a scene leaves out.
 #[derive(Clone, Copy)]
 pub(super) enum Default {
     /// A value as a scene would write it.
