@@ -5,6 +5,8 @@
     reason = "measured numbers, read with --nocapture"
 )]
 
+mod lattices;
+
 use leafwise::core::Registry;
 use leafwise::core::gradient::{Gradient, GradientError, Plan, Trajectory, Way};
 use leafwise::scene::{ComposedRun, SceneDocument, compose};
@@ -347,11 +349,12 @@ fn what_has_no_derivative_is_refused() {
         "{refused}"
     );
     assert_eq!(found(runge_kutta, false, None), Ok(Way::Checkpoints));
-    let lattice = composed(LATTICE, METHODS[0].1);
-    let (parameters, initial) = (lattice.system.parameter_values(), &lattice.plan.initial);
-    let at = trajectory(&lattice, &parameters);
+    let noisy = format!("{LATTICE}\nnoise = [{{ hamiltonian = \"x[i]\", strength = \"0.1\" }}]");
+    let noisy = composed(&noisy, METHODS[0].1);
+    let (parameters, initial) = (noisy.system.parameter_values(), &noisy.plan.initial);
+    let at = trajectory(&noisy, &parameters);
     let refused = at.push(initial, (&vec![1.0; initial.len()], &[]), plan);
-    let refused = refused.expect_err("a lattice by templates");
+    let refused = refused.expect_err("steps that are drawn anew");
     assert!(
         matches!(refused, GradientError::NoTangent { .. }),
         "{refused}"

@@ -5,8 +5,9 @@
 //! - DΦ = 1 + I (1 + O)⁻¹;
 //! - DΦ⁻¹ = 1 − I (1 + O + I)⁻¹.
 //!
-//! Both are solved as the step is, by the linear iterations u ← v − O u and, for covectors, z ← Iᵀw − Oᵀz. Their rate
-//! is that of the step's own. Derivatives by parameters stand beside: ∂_λΦ = ∂_λincrement − I (1 + O)⁻¹ ∂_λoffset.
+//! Linear iterations solve as the step does, at its rate: u ← v − O u, for covectors z ← Iᵀw − Oᵀz. By parameters
+//!
+//!   ∂_λΦ = ∂_λ increment − I (1 + O)⁻¹ ∂_λ offset.
 
 use std::sync::Arc;
 

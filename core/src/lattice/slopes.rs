@@ -27,11 +27,11 @@ pub struct LatticeSlopes {
     width: usize,
     builder: StageBuilder,
     parameters: usize,
-    code: OnceLock<Option<Code>>,
+    code: OnceLock<Option<ProgramSlopes>>,
 }
 
 #[derive(Debug)]
-struct Code {
+struct ProgramSlopes {
     stages: Vec<Vec<SlopeStencil>>,
     knows_parameters: bool,
 }
@@ -84,7 +84,7 @@ impl LatticeSlopes {
     }
 
     /// The code, without derivatives by parameters where a formula has none; `None` where it has none by the state.
-    fn code(&self) -> Option<&Code> {
+    fn code(&self) -> Option<&ProgramSlopes> {
         let compile = || {
             let whole = self.compile(self.parameters);
             whole.or_else(|_| self.compile(0)).ok()
@@ -93,11 +93,11 @@ impl LatticeSlopes {
     }
 
     /// The code of slopes that numbers were made for.
-    fn known(&self) -> &Code {
+    fn known(&self) -> &ProgramSlopes {
         self.code().expect("numbers are made of code")
     }
 
-    fn compile(&self, parameters: usize) -> Result<Code, AlgebraError> {
+    fn compile(&self, parameters: usize) -> Result<ProgramSlopes, AlgebraError> {
         let geometry = self.program.geometry();
         let proxy = Proxy {
             geometry: &self.proxy,
@@ -115,8 +115,7 @@ impl LatticeSlopes {
                     continue;
                 }
                 let inputs = self.builder.graph.inputs_read(&terms);
-                let by_state = by_inputs(&mut graph, &terms, &inputs)?;
-                let by_parameters = by_parameters(&mut graph, &terms, parameters)?;
+                let [by_state, by_parameters] = slopes_of(&mut graph, &terms, &inputs, parameters)?;
                 let code = (&graph, proxy, *class, self.parameters);
                 let tap = |input| tap_of(proxy, *class, input);
                 stencils.push(SlopeStencil {
@@ -128,7 +127,7 @@ impl LatticeSlopes {
             }
             stages.push(stencils);
         }
-        graph.unless_refused(Code {
+        graph.unless_refused(ProgramSlopes {
             stages,
             knows_parameters: parameters == self.parameters,
         })
@@ -138,33 +137,21 @@ impl LatticeSlopes {
 /// A slope, the number of its output and of what it is by.
 type Slope = (Term, usize, usize);
 
-fn by_inputs(
+/// Those of terms by the inputs that they read and by the parameters, in reverse mode: stencils are wide.
+fn slopes_of(
     graph: &mut Graph,
     terms: &[Term],
     inputs: &[usize],
-) -> Result<Vec<Slope>, AlgebraError> {
-    let mut slopes = Vec::new();
-    for (output, term) in terms.iter().enumerate() {
-        for input in inputs {
-            slopes.push((graph.derivative(term, *input)?, output, *input));
-        }
-    }
-    Ok(slopes)
-}
-
-fn by_parameters(
-    graph: &mut Graph,
-    terms: &[Term],
     parameters: usize,
-) -> Result<Vec<Slope>, AlgebraError> {
-    let mut slopes = Vec::new();
-    if parameters == 0 {
-        return Ok(slopes);
-    }
+) -> Result<[Vec<Slope>; 2], AlgebraError> {
+    let behind = inputs.last().map_or(0, |last| last + 1);
+    let mut slopes = [Vec::new(), Vec::new()];
     for (output, term) in terms.iter().enumerate() {
-        let [_, gradient] = graph.gradients(term, [0, parameters])?;
-        let numbered = gradient.into_iter().enumerate();
-        slopes.extend(numbered.map(|(index, slope)| (slope, output, index)));
+        let gradients = graph.gradients(term, [behind, parameters])?;
+        for (slopes, gradient) in slopes.iter_mut().zip(gradients) {
+            let numbered = gradient.into_iter().enumerate();
+            slopes.extend(numbered.map(|(by, slope)| (slope, output, by)));
+        }
     }
     Ok(slopes)
 }
