@@ -533,6 +533,7 @@ impl LatticeSource for SceneLattice<'_> {
 }
 
 /// An error of a scene's formula, as one of its lattice.
+#[expect(clippy::boxed_local, reason = "refusals are boxed, as errors of results")]
 pub(super) fn of_lattice(refusal: Refusal) -> BuildError {
     BuildError::Lattice {
         message: refusal.message.clone(),
