@@ -14,7 +14,7 @@ use super::dense::{DENSE_LIMIT, WRITTEN_LIMIT};
 use super::instantiate::{geometry, instantiate};
 use super::lattice_functions::LatticeFunctions;
 use super::lattice_noise::SiteTerms;
-use super::names::{function, is_a_sum, parse, refusal};
+use super::names::{function, is_a_sum, of_lattice, parse, refusal};
 use super::observables::{Observable, coordinate};
 use super::sum::summands;
 use super::time::wants_time;
@@ -529,13 +529,5 @@ impl LatticeSource for SceneLattice<'_> {
             energy.site = Expression::Sum(terms);
         }
         Ok(densities)
-    }
-}
-
-/// An error of a scene's formula, as one of its lattice.
-#[expect(clippy::boxed_local, reason = "refusals are boxed, as errors of results")]
-pub(super) fn of_lattice(refusal: Refusal) -> BuildError {
-    BuildError::Lattice {
-        message: refusal.message.clone(),
     }
 }

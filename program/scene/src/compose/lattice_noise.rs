@@ -10,8 +10,7 @@ use leafwise_expression::syntax::Scope;
 use super::Refusal;
 use super::channels::{Channel, strength};
 use super::definitions::scope;
-use super::lattice::of_lattice;
-use super::names::{check_code, function, parse, refusal};
+use super::names::{check_code, function, of_lattice, parse, refusal};
 use crate::document::{NoiseSpec, SceneDocument};
 
 /// Terms w_f[i] σ_k H_k(i) of channels k and families f of increments that a map of a lattice steps.

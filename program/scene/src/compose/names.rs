@@ -1,5 +1,6 @@
 //! Names that formulas may refer to, and the errors of formulas placed in the file.
 
+use leafwise_core::BuildError;
 use leafwise_expression::syntax::{self, Formula, Scope, SyntaxError, SyntaxErrorKind};
 use leafwise_expression::{AlgebraError, Expression, Graph, Rational};
 
@@ -270,6 +271,17 @@ fn unknown_name_help(document: &SceneDocument, name: &str) -> String {
     match nearest(name, known.iter().copied()) {
         Some(near) => format!("did you mean `{near}`?"),
         None => format!("names of this scene: {}", known.join(", ")),
+    }
+}
+
+/// An error of a scene's formula, as one of its lattice.
+#[expect(
+    clippy::boxed_local,
+    reason = "refusals are boxed, as errors of results"
+)]
+pub(super) fn of_lattice(refusal: Refusal) -> BuildError {
+    BuildError::Lattice {
+        message: refusal.message.clone(),
     }
 }
 
