@@ -200,7 +200,10 @@ fn other_tensors_and_other_dynamics_are_refused() {
     let hamilton_jacobi = compose(&system, HamiltonJacobi::new(2).expect("an order"));
     for refused in [verlet, hamilton_jacobi] {
         let refused = refused.map(|_| ());
-        let is_incompatible = matches!(refused, Err(BuildError::Incompatible { .. }));
-        assert!(is_incompatible, "{refused:?}");
+        let is_typed = matches!(
+            refused,
+            Err(BuildError::Incompatible { .. } | BuildError::LiftAlone { .. })
+        );
+        assert!(is_typed, "{refused:?}");
     }
 }
