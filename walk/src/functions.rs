@@ -15,7 +15,7 @@ pub struct StateFunctions(Source);
 
 #[derive(Clone)]
 enum Source {
-    Code(SystemObservables),
+    Code(Box<SystemObservables>),
     Each { count: usize, make: Arc<Make> },
 }
 
@@ -70,7 +70,7 @@ impl StateFunctions {
 
 impl From<SystemObservables> for StateFunctions {
     fn from(code: SystemObservables) -> Self {
-        Self(Source::Code(code))
+        Self(Source::Code(Box::new(code)))
     }
 }
 
