@@ -175,3 +175,19 @@ fn channels_that_couple_all_sites_are_refused() {
         assert!(message.contains(says), "{message}");
     }
 }
+
+/// Flows of sites that meet do not commute, and cannot be one flow of a split step.
+#[test]
+fn a_split_channel_whose_sites_do_not_commute_is_refused() {
+    let text = by_templates("periodic", "split", "", &CHANNELS[1..2]);
+    let registry = leafwise::core::Registry::with_builtin();
+    let refusal = compose(&document(&text, &[]), &registry).err();
+    let refusal = refusal.expect("refused");
+    assert!(
+        refusal.message.contains("do not commute"),
+        "{}",
+        refusal.message
+    );
+    let joint = text.replace("noise = \"split\"", "noise = \"joint\"");
+    composed(&joint);
+}

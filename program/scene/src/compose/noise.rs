@@ -170,7 +170,14 @@ impl<'a> NoisySteps<'a> {
                 "noise = \"split\" needs the exact flow of every channel, and `{}` has none: {reason}",
                 self.noise.channels[channel].text
             );
-            let help = "write noise = \"joint\" into [method], or channels that are single pieces, such as coordinates";
+            let help = match self.lattice {
+                None => {
+                    "write noise = \"joint\" into [method], or channels that are single pieces, such as coordinates"
+                }
+                Some(_) => {
+                    "write noise = \"joint\" into [method], or channels that commute with those of other sites"
+                }
+            };
             let specs = &document.system.noise;
             let spec = &specs[channel.min(specs.len() - 1)].hamiltonian;
             refusal(document, spec, message, help)
@@ -179,6 +186,9 @@ impl<'a> NoisySteps<'a> {
             Ok(map) if map.pieces() == 1 => Ok(map),
             Ok(map) => Err(refuse(match map.pieces() {
                 0 => "nothing moves under it".to_owned(),
+                pieces if self.lattice.is_some() => format!(
+                    "its flows at neighbouring sites do not commute, and come apart into {pieces} pieces"
+                ),
                 pieces => {
                     format!("it comes apart into {pieces} pieces whose flows do not commute")
                 }
