@@ -2,7 +2,7 @@
 //!
 //! Tangents run forwards beside the state. Covectors run backwards. A self-adjoint map is stepped back,
 //! Φ_{−h} = Φ_h⁻¹, and nothing is kept of the run but 64 of its states. Other maps are stepped again from checkpoints,
-//! as many as the logarithm of the steps. Both are the derivatives of the map that is stepped, not approximations of
+//! four times the binary logarithm of the steps. Both are the derivatives of the map that is stepped, not approximations of
 //! the flow's.
 
 use super::checkpoints::{checkpoints, visit_in_reverse};

@@ -22,6 +22,8 @@ impl SystemFormulas {
         if self.forces().is_empty() {
             return self.with_hamiltonian(Expression::Sum(vec![self.hamiltonian().clone(), n]));
         }
+        // N names what H may name.
+        self.with_hamiltonian(n.clone())?;
         let d = self.dimension();
         let mut graph = Graph::new();
         let x: Vec<Term> = (0..d).map(|i| graph.input(i)).collect();

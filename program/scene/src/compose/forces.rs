@@ -1,6 +1,7 @@
 //! Forces beside dH: a one-form by its formulas, and damping.
 
 use leafwise_core::PoissonSystem;
+use leafwise_core::lattice::LatticeGeometry;
 use leafwise_core::system::{Damping, Forces, Metric};
 use leafwise_expression::Expression;
 use leafwise_expression::syntax::{Scope, VariablePattern};
@@ -104,6 +105,28 @@ fn by_coordinate(
     longest: usize,
     formulas: &mut [Expression],
 ) -> Result<(), Refusal> {
+    for_each_coordinate(document, scope, entries, longest, |key, place, formula| {
+        let own = formulas.get_mut(place).ok_or_else(|| {
+            let message = format!("`{}` stays as it is, and feels no force", key.value.trim());
+            Box::new(document.diagnostic(&key.place(), message, "no coordinate that moves", None))
+        })?;
+        *own = formula;
+        Ok(())
+    })
+}
+
+/// Calls `take` with the key, the place and the formula of every coordinate that is named: those with an index first, site after
+/// site, then single ones.
+///
+/// # Errors
+/// What cannot be read, and those of `take`.
+fn for_each_coordinate(
+    document: &SceneDocument,
+    scope: &Scope,
+    entries: &ByCoordinate,
+    longest: usize,
+    mut take: impl FnMut(&Located<String>, usize, Expression) -> Result<(), Refusal>,
+) -> Result<(), Refusal> {
     for is_template in [true, false] {
         for (key, formula) in entries {
             let pattern = VariablePattern::parse_one(&key.value)
@@ -114,6 +137,7 @@ fn by_coordinate(
             }
             let parsed = parse(document, formula)?;
             let sites = if is_template { longest } else { 1 };
+            let mut is_first = true;
             for site in 0..sites {
                 let index = index.map(|name| (name, site));
                 let place = pattern
@@ -123,20 +147,56 @@ fn by_coordinate(
                     .resolve(scope, index)
                     .map_err(|error| refusal(document, formula, &error))?;
                 let Some(place) = place else { continue };
-                let Some(own) = formulas.get_mut(place) else {
-                    return Err(Box::new(document.diagnostic(
-                        &key.place(),
-                        format!("`{}` stays as it is, and feels no force", pattern.name()),
-                        "no coordinate that moves",
-                        None,
-                    )));
-                };
-                *own = value.unwrap_or_else(|| 0.into());
-                check_code(document, formula, own)?;
+                let value = value.unwrap_or_else(|| 0.into());
+                // The code of one site is that of all.
+                if std::mem::take(&mut is_first) {
+                    check_code(document, formula, &value)?;
+                }
+                take(key, place, value)?;
             }
         }
     }
     Ok(())
+}
+
+/// Refuses a metric by coordinates that is negative, or not finite, at a site of a long lattice in its initial state.
+///
+/// # Errors
+/// The first such site, its formula's key underlined in the scene.
+pub(super) fn check_metric_of_sites(
+    document: &SceneDocument,
+    scope: &Scope,
+    (initial, parameters): (&[f64], &[f64]),
+    geometry: &LatticeGeometry,
+) -> Result<(), Refusal> {
+    let damping = document.system.forces.damping.as_ref();
+    let metric = damping.and_then(|damping| damping.metric.as_ref());
+    let Some(MetricSpec::Named(entries)) = metric.map(|metric| &metric.value) else {
+        return Ok(());
+    };
+    for_each_coordinate(
+        document,
+        scope,
+        entries,
+        geometry.length(),
+        |key, place, formula| {
+            let value = formula.evaluate(initial, parameters);
+            if value >= 0.0 && value.is_finite() {
+                return Ok(());
+            }
+            let coordinate = geometry.name(place);
+            let message = format!(
+                "the metric of the damping is {value:?} at {coordinate} in the initial state, and must be finite and not negative"
+            );
+            let help = "write a metric that is not negative at any site, or the one-form itself as `forces`";
+            Err(Box::new(document.diagnostic(
+                &key.place(),
+                message,
+                "feeds energy there",
+                Some(help.to_owned()),
+            )))
+        },
+    )
 }
 
 fn check_count<T>(

@@ -8,7 +8,7 @@ use super::channels::Channel;
 use super::definitions::scope;
 use super::events::{Events, events};
 use super::extended::Extension;
-use super::forces::check_damping;
+use super::forces::{check_damping, check_metric_of_sites};
 use super::initial::initial_state;
 use super::instantiate::instantiate;
 use super::lattice::{SceneLattice, has_forms, shortened};
@@ -79,6 +79,9 @@ pub fn compose_system(document: &SceneDocument) -> Result<ComposedSystem, Refusa
         events.check(document, &initial, &system.parameter_values())?;
         let near = shortened(&initial, lattice.geometry(), &geometry);
         check_damping(document, &system, &near)?;
+        let whole = scope(document, &lengths, None)?;
+        let at_start = (initial.as_slice(), &*system.parameter_values());
+        check_metric_of_sites(document, &whole, at_start, lattice.geometry())?;
         return Ok(ComposedSystem {
             noise: site_channels(document, &lattice.own(&geometry))?,
             system,
