@@ -2,7 +2,7 @@
 
 use super::error::{SyntaxError, SyntaxErrorKind};
 use super::formula::Formula;
-use super::resolve::{Resolver, Stop, inner_index};
+use super::resolve::{Resolver, Stop};
 use super::scope::Scope;
 use super::tree::{Kind, Node, Span};
 use crate::expression::Expression;
@@ -39,11 +39,8 @@ impl Formula {
             constants.push(resolver.scaled(&factors, node).map_err(unboxed)?);
         }
         let mut terms = Vec::new();
-        for (factors, index, body) in parts.sums {
-            let mut inner = inner_index(self.text(), index, None)?;
-            inner.value = site;
-            let level = inner.level;
-            if let Some(body) = resolver.inside(body, &inner, level).map_err(unboxed)? {
+        for (factors, sum) in parts.sums {
+            if let Some(body) = sum.at(self.text(), &mut resolver, site).map_err(unboxed)? {
                 let mut product = vec![body];
                 for factor in &factors {
                     product.push(factor.resolve(&mut resolver).map_err(unboxed)?);
@@ -66,16 +63,74 @@ impl Formula {
     pub fn left_out(&self, scope: &Scope, site: usize) -> Result<Vec<&str>, SyntaxError> {
         let parts = Parts::of(self.root())?;
         let mut resolver = Resolver::new(self.text(), scope);
-        for (_, index, body) in parts.sums {
-            let mut inner = inner_index(self.text(), index, None)?;
-            inner.value = site;
-            let level = inner.level;
-            if let Err(Stop::Error(error)) = resolver.inside(body, &inner, level) {
+        for (_, sum) in parts.sums {
+            if let Err(Stop::Error(error)) = sum.at(self.text(), &mut resolver, site) {
                 return Err(*error);
             }
         }
         let dropped = resolver.dropped.iter();
         Ok(dropped.map(|span| span.of(self.text())).collect())
+    }
+}
+
+/// A sum over the sites of a lattice: `sum(i, …)` over those of a chain, `sum(i, j, …)` of a plane.
+pub(super) struct SiteSum<'a> {
+    /// Its indices in the order of the text.
+    pub(super) indices: Vec<Span>,
+    pub(super) body: &'a Node,
+}
+
+impl<'a> SiteSum<'a> {
+    /// The sum of `indices` over `body`, with the indices of the sums that `body` is.
+    fn of(index: Span, mut body: &'a Node) -> Self {
+        let mut indices = vec![index];
+        while let Kind::SumOver {
+            index,
+            above: None,
+            body: inner,
+        } = &body.kind
+        {
+            indices.push(*index);
+            body = inner;
+        }
+        Self { indices, body }
+    }
+
+    /// Names of the indices in the order of the axes that the body counts by them.
+    pub(super) fn names<'b>(&self, text: &'b str) -> Vec<&'b str> {
+        let mut names: Vec<&str> = self.indices.iter().map(|span| span.of(text)).collect();
+        names.sort_by_key(|name| {
+            let mut axes = Vec::new();
+            self.body.axes_of(text, name, &mut axes);
+            axes.first().copied().unwrap_or(usize::MAX)
+        });
+        names
+    }
+
+    /// The summand at one site; `None` where it is outside.
+    fn at(
+        &self,
+        text: &str,
+        resolver: &mut Resolver<'_>,
+        site: usize,
+    ) -> Result<Option<Expression>, Stop> {
+        let (names, scope) = (self.names(text), resolver.scope);
+        let axes = scope.lengths().len();
+        if names.len() != axes {
+            let name = names.last().copied().unwrap_or_default().to_owned();
+            let kind = SyntaxErrorKind::AxisUnknown { name };
+            let kind = match axes {
+                0 | 1 => SyntaxErrorKind::SumInATemplate,
+                _ => kind,
+            };
+            return Err(SyntaxError::new(self.body.span, kind).into());
+        }
+        // The level of an outermost sum.
+        let level = 1;
+        scope.at_site(Some((&names, site)), level, &mut |bound| match bound {
+            Some(bound) => resolver.inside(self.body, bound, level),
+            None => Ok(None),
+        })
     }
 }
 
@@ -104,8 +159,8 @@ impl Factor<'_> {
 /// A combination of sums over sites.
 #[derive(Default)]
 pub(super) struct Parts<'a> {
-    /// The factors of each sum, its index and its body.
-    pub(super) sums: Vec<(Vec<Factor<'a>>, Span, &'a Node)>,
+    /// Each sum with its factors.
+    pub(super) sums: Vec<(Vec<Factor<'a>>, SiteSum<'a>)>,
     constants: Vec<(Vec<Factor<'a>>, &'a Node)>,
     misfit: Option<Span>,
 }
@@ -135,7 +190,9 @@ fn split<'a>(node: &'a Node, factors: Vec<Factor<'a>>, parts: &mut Parts<'a>) {
             }
             parts.constants.push((factors, node));
         }
-        Kind::SumOver { index, body, .. } => parts.sums.push((factors, *index, body)),
+        Kind::SumOver { index, body, .. } => {
+            parts.sums.push((factors, SiteSum::of(*index, body)));
+        }
         Kind::Sum(terms) => terms
             .iter()
             .for_each(|term| split(term, factors.clone(), parts)),

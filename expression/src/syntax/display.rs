@@ -32,16 +32,21 @@ pub(super) fn print_reference(
     formatter: &mut fmt::Formatter<'_>,
 ) -> fmt::Result {
     formatter.write_str(reference.name.of(text))?;
-    let Some(site) = reference.site else {
-        return Ok(());
-    };
-    let offset = site.offset;
-    match site.anchor {
-        Anchor::Start => write!(formatter, "[{offset}]"),
-        Anchor::End if offset == 0 => formatter.write_str("[N]"),
-        Anchor::End => write!(formatter, "[N{offset:+}]"),
-        Anchor::Name(name) if offset == 0 => write!(formatter, "[{}]", name.of(text)),
-        Anchor::Name(name) => write!(formatter, "[{}{offset:+}]", name.of(text)),
+    for (axis, site) in reference.sites.iter().enumerate() {
+        formatter.write_str(if axis == 0 { "[" } else { "," })?;
+        let offset = site.offset;
+        match site.anchor {
+            Anchor::Start => write!(formatter, "{offset}")?,
+            Anchor::End => formatter.write_str("N")?,
+            Anchor::Name(name) => formatter.write_str(name.of(text))?,
+        }
+        if site.anchor != Anchor::Start && offset != 0 {
+            write!(formatter, "{offset:+}")?;
+        }
+    }
+    match reference.sites.is_empty() {
+        true => Ok(()),
+        false => formatter.write_str("]"),
     }
 }
 
@@ -76,13 +81,14 @@ impl Printer<'_, '_> {
                 self.write("sum(")?;
                 self.write_span(*index)?;
                 let mut body = body;
-                if let Kind::SumOver {
+                // Sums over several indices are written as one.
+                while let Kind::SumOver {
                     index,
-                    above: Some(_),
+                    above,
                     body: inner,
                 } = &body.kind
                 {
-                    self.write("<")?;
+                    self.write(if above.is_some() { "<" } else { ", " })?;
                     self.write_span(*index)?;
                     body = inner;
                 }

@@ -145,6 +145,26 @@ pub enum SyntaxErrorKind {
         /// The number of its members.
         length: usize,
     },
+    /// A member of a family with too few or too many sites.
+    #[error("`{name}` has {axes} {}, and {written} {} written here: write {}",
+        axes_word(*axes), if *written == 1 { "is" } else { "are" }, example(name, *axes))]
+    AxesDiffer {
+        /// The family.
+        name: String,
+        /// How many axes it has.
+        axes: usize,
+        /// How many sites are written.
+        written: usize,
+    },
+    /// An index of a sum that counts along no axis, or along axes of different lengths.
+    #[error("the index `{name}` counts along no axis, or along axes of different lengths: use it in brackets, each index along one axis")]
+    AxisUnknown {
+        /// The index.
+        name: String,
+    },
+    /// `N` as a number on a lattice of several axes.
+    #[error("`N` as a number is the length of a chain, and this lattice has several axes: write the length of the axis as a number")]
+    LengthOfAxes,
     /// An index used as a number in a tensor or a Hamiltonian.
     #[error(
         "the index `{name}` is used as a number; tensors and Hamiltonians must be homogeneous \
@@ -224,4 +244,18 @@ pub enum SyntaxErrorKind {
         /// The text.
         name: String,
     },
+}
+
+fn axes_word(axes: usize) -> &'static str {
+    match axes {
+        1 => "axis",
+        _ => "axes",
+    }
+}
+
+/// A member of a family as it is written: `x[i,j]`.
+fn example(name: &str, axes: usize) -> String {
+    let indices = ["i", "j", "k"];
+    let sites = &indices[..axes.min(indices.len())];
+    format!("`{name}[{}]`", sites.join(","))
 }

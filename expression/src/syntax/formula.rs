@@ -40,17 +40,18 @@ impl Formula {
         &self.root
     }
 
-    /// The first index name in brackets that no `sum` introduces: `i` in `x[i+1]*sum(j, x[j])`.
+    /// Names of the indices in brackets that no `sum` introduces, of the first member of a family that has any. They
+    /// are in the order of the axes: `i` in `x[i+1]*sum(j, x[j])`, `i` and `j` in `x[i,j+1]`.
     ///
     /// A bare name is never counted, since it may as well be a parameter.
-    pub fn free_index(&self) -> Option<&str> {
-        let mut free = None;
+    pub fn free_indices(&self) -> Vec<&str> {
+        let mut free = Vec::new();
         self.visit(&mut |node, bound| {
             if let Kind::Reference(reference) = &node.kind
-                && let Some(index) = reference.index()
-                && !bound.contains(&index.of(&self.text))
+                && free.is_empty()
             {
-                free = free.or(Some(index.of(&self.text)));
+                let names = reference.indices().map(|index| index.of(&self.text));
+                free.extend(names.filter(|name| !bound.contains(name)));
             }
         });
         free
@@ -59,13 +60,13 @@ impl Formula {
     /// The names of variables, families and parameters that occur. A bare name that is the index
     /// of a sum around it or the free index is not among them.
     pub fn references(&self) -> BTreeSet<&str> {
-        let free = self.free_index();
+        let free = self.free_indices();
         let mut found = BTreeSet::new();
         self.visit(&mut |node, bound| {
             if let Kind::Reference(reference) = &node.kind {
                 let name = reference.name.of(&self.text);
-                let index = bound.contains(&name) || free == Some(name);
-                if reference.site.is_some() || !index {
+                let index = bound.contains(&name) || free.contains(&name);
+                if !reference.sites.is_empty() || !index {
                     found.insert(name);
                 }
             }

@@ -9,8 +9,8 @@
 //! term    := unary (("*" | "/") unary)*
 //! unary   := ("-" | "+") unary | power
 //! power   := atom (("^" | "**") unary)?
-//! atom    := number | name | name "[" site "]" | function "(" formula ")"
-//!          | "sum" "(" name ("<" name)? "," formula ")" | "(" formula ")"
+//! atom    := number | name | name "[" site ("," site)* "]" | function "(" formula ")"
+//!          | "sum" "(" (name ("<" name)* ",")+ formula ")" | "(" formula ")"
 //! site    := sum or difference of integers and at most one of: an index name, N
 //! ```
 //!
@@ -37,8 +37,8 @@ mod value;
 pub use density::Density;
 pub use error::{SyntaxError, SyntaxErrorKind};
 pub use formula::Formula;
-pub use offsets::{Offsets, joined};
-pub use parser::DEPTH_LIMIT;
+pub use offsets::Offsets;
+pub use parser::{AXES, DEPTH_LIMIT};
 pub use pattern::VariablePattern;
 pub use resolve::{POWER_LIMIT, TERM_LIMIT};
-pub use scope::{Boundary, Scope};
+pub use scope::{At, Boundary, Scope};

@@ -1,15 +1,39 @@
-//! How far a template looks from the site of its index.
+//! How far a template looks from the site of its indices.
 
 use std::ops::RangeInclusive;
 
 use super::density::Parts;
 use super::error::{SyntaxError, SyntaxErrorKind};
 use super::formula::Formula;
+use super::parser::AXES;
 use super::pattern::VariablePattern;
-use super::tree::{Anchor, Kind, Node};
+use super::tree::{Anchor, Kind, Node, Reference, Span};
 
-/// The offsets from its index at which a template names members of families: of `x[i-1]*x[i+2]` from −1 to 2.
-pub type Offsets = RangeInclusive<i64>;
+/// The offsets from its indices at which a template names members of families, one range an axis. Of `x[i-1]*x[i+2]`
+/// it is −1 to 2 along axis 0; axes that nothing names have 0 to 0.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Offsets([RangeInclusive<i64>; AXES]);
+
+impl Offsets {
+    /// The site itself.
+    pub fn here() -> Self {
+        Self(std::array::from_fn(|_| 0..=0))
+    }
+
+    /// The offsets of two things together.
+    #[must_use]
+    pub fn joined(&self, other: &Self) -> Self {
+        Self(std::array::from_fn(|axis| {
+            let (a, b) = (&self.0[axis], &other.0[axis]);
+            *a.start().min(b.start())..=*a.end().max(b.end())
+        }))
+    }
+
+    /// One range an axis.
+    pub fn axes(&self) -> &[RangeInclusive<i64>; AXES] {
+        &self.0
+    }
+}
 
 impl Formula {
     /// The offsets of each of the sums over sites in a formula that is a combination of these. It is taken apart as by
@@ -22,53 +46,45 @@ impl Formula {
     /// ```
     /// use leafwise_expression::syntax::Formula;
     ///
-    /// let formula = Formula::parse("sum(i, p[i]^2/2) + sum(i, q[i-1]*q[i+2])").expect("a formula");
-    /// assert_eq!(formula.offsets_of_sums().expect("sums over sites"), [0..=0, -1..=2]);
+    /// let formula = Formula::parse("sum(i, j, p[i,j]^2/2 + q[i-1,j]*q[i+2,j+1])").expect("a formula");
+    /// let offsets = formula.offsets_of_sums().expect("a sum over sites");
+    /// assert_eq!(offsets[0].axes()[..2], [-1..=2, 0..=1]);
     /// ```
     pub fn offsets_of_sums(&self) -> Result<Vec<Offsets>, SyntaxError> {
         let mut found = Vec::new();
-        for (_, index, body) in Parts::of(self.root())?.sums {
-            found.extend(self.offsets_in(index.of(self.text()), body)?);
+        for (_, sum) in Parts::of(self.root())?.sums {
+            found.extend(self.offsets_in(&sum.names(self.text()), sum.body)?);
         }
         Ok(found)
     }
 
-    /// The offsets from a free index, as of an entry of a bracket. Returns `None` where the formula names no member of
-    /// a family.
+    /// The offsets from free indices, one an axis, as of an entry of a bracket. Returns `None` where the formula names
+    /// no member of a family.
     ///
     /// # Errors
     /// [`SyntaxErrorKind::SumInATemplate`] for a sum, [`SyntaxErrorKind::SiteInATemplate`] for a member by its number.
     /// These couple sites however far they are from each other.
-    pub fn offsets_from(&self, index: &str) -> Result<Option<Offsets>, SyntaxError> {
-        self.offsets_in(index, self.root())
+    pub fn offsets_from(&self, indices: &[&str]) -> Result<Option<Offsets>, SyntaxError> {
+        self.offsets_in(indices, self.root())
     }
 
-    /// The offsets from `index` of what `node` names, `None` where it names nothing.
-    fn offsets_in(&self, index: &str, node: &Node) -> Result<Option<Offsets>, SyntaxError> {
-        let refused = |kind| Err(SyntaxError::new(node.span, kind));
+    /// The offsets from `indices` of what `node` names, `None` where it names nothing.
+    fn offsets_in(&self, indices: &[&str], node: &Node) -> Result<Option<Offsets>, SyntaxError> {
         match &node.kind {
-            Kind::SumOver { .. } => return refused(SyntaxErrorKind::SumInATemplate),
+            Kind::SumOver { .. } => {
+                let kind = SyntaxErrorKind::SumInATemplate;
+                return Err(SyntaxError::new(node.span, kind));
+            }
             Kind::Reference(reference) => {
-                let Some(site) = reference.site else {
-                    return Ok(None);
-                };
-                return match site.anchor {
-                    Anchor::Name(name) if name.of(self.text()) == index => {
-                        Ok(Some(site.offset..=site.offset))
-                    }
-                    Anchor::Name(_) => refused(SyntaxErrorKind::SumInATemplate),
-                    Anchor::Start | Anchor::End => refused(SyntaxErrorKind::SiteInATemplate {
-                        name: node.span.of(self.text()).to_owned(),
-                    }),
-                };
+                return offsets(self.text(), reference, node.span, indices);
             }
             _ => {}
         }
         let mut all: Option<Offsets> = None;
         for child in node.kind.children() {
-            let own = self.offsets_in(index, child)?;
+            let own = self.offsets_in(indices, child)?;
             all = match (all, own) {
-                (Some(all), Some(own)) => Some(joined(&all, &own)),
+                (Some(all), Some(own)) => Some(all.joined(&own)),
                 (all, own) => all.or(own),
             };
         }
@@ -77,26 +93,52 @@ impl Formula {
 }
 
 impl VariablePattern {
-    /// The offset from its index; `None` for a single variable.
+    /// The offsets from its indices; `None` for a single variable.
     ///
     /// # Errors
     /// [`SyntaxErrorKind::SiteInATemplate`] for a member of a family by its number.
     pub fn offsets(&self) -> Result<Option<Offsets>, SyntaxError> {
-        match (self.offset(), self.site()) {
-            (Some(offset), _) => Ok(Some(offset..=offset)),
-            (None, None) => Ok(None),
-            (None, Some(span)) => {
-                let name = self.to_string();
-                Err(SyntaxError::new(
-                    span,
-                    SyntaxErrorKind::SiteInATemplate { name },
-                ))
-            }
-        }
+        let (text, reference) = self.reference();
+        let place = reference.bracket().unwrap_or(reference.name);
+        offsets(text, reference, place, &self.index_names())
     }
 }
 
-/// The offsets of two things together.
-pub fn joined(a: &Offsets, b: &Offsets) -> Offsets {
-    *a.start().min(b.start())..=*a.end().max(b.end())
+/// The offsets of a member of a family from indices, one an axis; `None` for a single variable.
+fn offsets(
+    text: &str,
+    reference: &Reference,
+    place: Span,
+    indices: &[&str],
+) -> Result<Option<Offsets>, SyntaxError> {
+    if reference.sites.is_empty() {
+        return Ok(None);
+    }
+    if reference.sites.len() != indices.len() && reference.indices().next().is_some() {
+        return Err(SyntaxError::new(place, SyntaxErrorKind::SumInATemplate));
+    }
+    let mut own = Offsets::here();
+    for (axis, (site, range)) in reference.sites.iter().zip(&mut own.0).enumerate() {
+        let kind = match site.anchor {
+            Anchor::Name(name) if indices.get(axis) == Some(&name.of(text)) => {
+                *range = site.offset..=site.offset;
+                continue;
+            }
+            Anchor::Name(_) => SyntaxErrorKind::SumInATemplate,
+            Anchor::Start | Anchor::End => SyntaxErrorKind::SiteInATemplate {
+                name: reference.span().of(text).to_owned() + closing(text, reference),
+            },
+        };
+        return Err(SyntaxError::new(place, kind));
+    }
+    Ok(Some(own))
+}
+
+/// The bracket behind the sites of a member of a family, where the text goes on so far.
+fn closing(text: &str, reference: &Reference) -> &'static str {
+    let end = reference.span().end;
+    match text[end..].trim_start().starts_with(']') {
+        true => "]",
+        false => "",
+    }
 }

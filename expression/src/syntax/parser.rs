@@ -13,6 +13,9 @@ use crate::rational::Rational;
 /// deep as it is long.
 pub const DEPTH_LIMIT: usize = 200;
 
+/// The most axes of a lattice.
+pub const AXES: usize = 3;
+
 /// The greatest magnitude of an offset in brackets.
 const OFFSET_LIMIT: i64 = i32::MAX as i64;
 
@@ -198,31 +201,32 @@ impl<'a> Parser<'a> {
     fn sum_over(&mut self, start: Span) -> Parsed {
         self.position += 1;
         self.expect(Symbol::Open, "`(`, an index, `,` and a summand after `sum`")?;
-        let index = self.bind()?;
-        let greater = match self.accept(Symbol::Less) {
-            true => Some(self.bind()?),
-            false => None,
-        };
-        self.expect(Symbol::Comma, "`,` and a summand")?;
+        // Each index, and the one that it is greater than.
+        let mut indices = Vec::new();
+        while indices.is_empty() || self.is_before_index() {
+            indices.push((self.bind()?, None));
+            while self.accept(Symbol::Less) {
+                let above = indices.last().map(|(index, _)| *index);
+                indices.push((self.bind()?, above));
+            }
+            self.expect(Symbol::Comma, "`,` and a summand")?;
+        }
         let mut body = self.deeper(start, Self::sum)?;
         let close = self.expect(Symbol::Close, CLOSE)?;
         let span = start.to(close);
-        self.bound.pop();
-        if let Some(greater) = greater {
+        for (index, above) in indices.into_iter().rev() {
             self.bound.pop();
-            let kind = Kind::SumOver {
-                index: greater,
-                above: Some(index),
-                body,
-            };
-            body = node(span, kind)?;
+            body = node(span, Kind::SumOver { index, above, body })?;
         }
-        let kind = Kind::SumOver {
-            index,
-            above: None,
-            body,
-        };
-        node(span, kind)
+        Ok(body)
+    }
+
+    /// Whether a further index of a sum comes next, a name with `,` or `<` behind it.
+    fn is_before_index(&self) -> bool {
+        let next = self.tokens.get(self.position);
+        let behind = self.symbol_at(self.position + 1);
+        next.is_some_and(|token| token.kind == TokenKind::Name)
+            && matches!(behind, Some(Symbol::Comma | Symbol::Less))
     }
 
     /// The name of a sum's index, bound from here on.
@@ -241,15 +245,16 @@ impl<'a> Parser<'a> {
 
     fn reference(&mut self) -> Result<Reference, Box<SyntaxError>> {
         let name = self.index_name("the name of a variable")?;
+        let mut sites = Vec::new();
         if !self.accept(Symbol::OpenBracket) {
-            return Ok(Reference { name, site: None });
+            return Ok(Reference { name, sites });
         }
-        let site = self.site()?;
+        sites.push(self.site()?);
+        while sites.len() < AXES && self.accept(Symbol::Comma) {
+            sites.push(self.site()?);
+        }
         self.expect(Symbol::CloseBracket, "`+`, `-` or `]`")?;
-        Ok(Reference {
-            name,
-            site: Some(site),
-        })
+        Ok(Reference { name, sites })
     }
 
     fn site(&mut self) -> Result<Site, Box<SyntaxError>> {

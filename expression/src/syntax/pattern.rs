@@ -5,8 +5,8 @@ use std::fmt;
 use super::display::print_reference;
 use super::error::{SyntaxError, SyntaxErrorKind};
 use super::parser::Parser;
-use super::scope::{Bound, Place, Scope};
-use super::tree::{Anchor, Reference, Span};
+use super::scope::{At, Bound, Place, Scope};
+use super::tree::Reference;
 
 /// A variable, or the member of a family at a fixed site or near an index.
 ///
@@ -15,8 +15,8 @@ use super::tree::{Anchor, Reference, Span};
 ///
 /// let scope = Scope::new().with_family("x", 0, 4).with_boundary(Boundary::Open);
 /// let (left, right) = VariablePattern::parse_pair("x[i],x[i+1]").expect("a pair");
-/// assert_eq!(left.resolve(&scope, Some(("i", 3))), Ok(Some(3)));
-/// assert_eq!(right.resolve(&scope, Some(("i", 3))), Ok(None));
+/// assert_eq!(left.resolve(&scope, Some((&["i"], 3))), Ok(Some(3)));
+/// assert_eq!(right.resolve(&scope, Some((&["i"], 3))), Ok(None));
 /// ```
 #[derive(Clone, Debug)]
 pub struct VariablePattern {
@@ -48,7 +48,7 @@ impl VariablePattern {
         let (first, second) = Parser::new(text)
             .and_then(Parser::pair)
             .map_err(|error| *error)?;
-        let pattern = |reference| Self {
+        let pattern = |reference: Reference| Self {
             text: text.to_owned(),
             reference,
         };
@@ -60,22 +60,15 @@ impl VariablePattern {
         self.reference.name.of(&self.text)
     }
 
-    /// The name of the free index: `i` in `x[i+1]`, none in `x[3]`.
-    pub fn index_name(&self) -> Option<&str> {
-        self.reference.index().map(|span| span.of(&self.text))
+    /// The names of the free indices: `i` in `x[i+1]`, `i` and `j` in `x[i,j]`, none in `x[3]`.
+    pub fn index_names(&self) -> Vec<&str> {
+        let indices = self.reference.indices();
+        indices.map(|span| span.of(&self.text)).collect()
     }
 
-    /// The offset from the free index: 1 in `x[i+1]`. None without an index.
-    pub fn offset(&self) -> Option<i64> {
-        match self.reference.site?.anchor {
-            Anchor::Name(_) => self.reference.site.map(|site| site.offset),
-            Anchor::Start | Anchor::End => None,
-        }
-    }
-
-    /// The place of the brackets' text, if any.
-    pub(super) fn site(&self) -> Option<Span> {
-        self.reference.site.map(|site| site.span)
+    /// The variable or member as it is written.
+    pub(super) fn reference(&self) -> (&str, &Reference) {
+        (&self.text, &self.reference)
     }
 
     /// Index of the variable in the state; `None` outside an open boundary.
@@ -86,15 +79,11 @@ impl VariablePattern {
     pub fn resolve(
         &self,
         scope: &Scope,
-        index: Option<(&str, usize)>,
+        index: Option<At<'_>>,
     ) -> Result<Option<usize>, SyntaxError> {
-        let bound = index.map(|(name, value)| Bound {
-            name,
-            value,
-            level: 0,
-            outer: None,
-        });
-        match scope.place(&self.text, &self.reference, bound.as_ref())? {
+        let mut place =
+            |bound: Option<&Bound<'_>>| scope.place(&self.text, &self.reference, bound);
+        match scope.at_site(index, 0, &mut place)? {
             Place::Variable(index) => Ok(Some(index)),
             Place::Outside { .. } => Ok(None),
             Place::Parameter(_) | Place::Definition(_) => {

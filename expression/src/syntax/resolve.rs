@@ -2,7 +2,7 @@
 
 use super::error::{SyntaxError, SyntaxErrorKind};
 use super::formula::Formula;
-use super::scope::{Bound, LENGTH, Place, SUM, Scope, find};
+use super::scope::{At, Bound, Place, Scope, find};
 use super::tree::{Kind, Node, Reference, Span};
 use crate::even_powers;
 use crate::expression::Expression;
@@ -18,7 +18,7 @@ pub const TERM_LIMIT: usize = 1 << 20;
 impl Formula {
     /// The expression that the formula is at one site.
     ///
-    /// `index` is the name and the value of the free index. At an open boundary each additive term of a summand of
+    /// `index` has the names of the free indices, one an axis, and the site. At an open boundary each additive term of a summand of
     /// `sum(i, …)` that reaches outside by way of `i` is dropped. Terms are those of (a + b)c and (a + b)/c too, where
     /// c stays inside. One term each are a power, a function, and a product of which two factors reach outside. A
     /// formula that reaches outside by way of the free index is absent: `Ok(None)`. Quotients and signs of numbers are
@@ -30,16 +30,12 @@ impl Formula {
     pub fn resolve(
         &self,
         scope: &Scope,
-        index: Option<(&str, usize)>,
+        index: Option<At<'_>>,
     ) -> Result<Option<Expression>, SyntaxError> {
-        let outermost = index.map(|(name, value)| Bound {
-            name,
-            value,
-            level: 0,
-            outer: None,
-        });
         let mut resolver = Resolver::new(self.text(), scope);
-        match resolver.expression(self.root(), outermost.as_ref()) {
+        let mut resolve =
+            |bound: Option<&Bound<'_>>| resolver.expression(self.root(), bound);
+        match scope.at_site(index, 0, &mut resolve) {
             Ok(expression) => Ok(Some(expression)),
             Err(Stop::Outside { .. }) => Ok(None),
             Err(Stop::Error(error)) => Err(*error),
@@ -65,7 +61,7 @@ impl From<SyntaxError> for Stop {
 
 pub(super) struct Resolver<'a> {
     text: &'a str,
-    scope: &'a Scope,
+    pub(super) scope: &'a Scope,
     terms: usize,
     /// The terms of summands that reach outside.
     pub(super) dropped: Vec<Span>,
@@ -115,7 +111,7 @@ impl<'a> Resolver<'a> {
     }
 
     fn length(&self, span: Span) -> Result<Expression, Stop> {
-        let length = length(self.scope.shown_length(), span, LENGTH)?;
+        let length = self.scope.shown_length(span)?;
         Ok(Expression::Constant(Rational::from_integer(length as i64)))
     }
 
@@ -136,7 +132,7 @@ impl<'a> Resolver<'a> {
         bound: Option<&Bound<'_>>,
     ) -> Result<Expression, Stop> {
         let name = reference.name.of(self.text);
-        if reference.site.is_none() && find(bound, name).is_some() {
+        if reference.sites.is_empty() && find(bound, name).is_some() {
             let kind = SyntaxErrorKind::IndexAsNumber {
                 name: name.to_owned(),
             };
@@ -184,7 +180,7 @@ impl<'a> Resolver<'a> {
         body: &Node,
         (bound, level): (Option<&Bound<'_>>, usize),
     ) -> Result<Vec<Expression>, Stop> {
-        let length = length(self.scope.longest(), span, SUM)?;
+        let length = self.scope.values_of(self.text, index, body)?;
         let mut inner = inner_index(self.text, index, bound)?;
         let mut terms = Vec::new();
         for value in first_value(self.text, above, bound)..length {
@@ -330,15 +326,6 @@ pub(super) fn inner_index<'a>(
 pub(super) fn first_value(text: &str, above: Option<Span>, bound: Option<&Bound<'_>>) -> usize {
     let lower = above.and_then(|span| find(bound, span.of(text)));
     lower.map_or(0, |lower| lower.value + 1)
-}
-
-/// `known`, or the error that no family gives `name` its length.
-pub(super) fn length(
-    known: Option<usize>,
-    span: Span,
-    name: &'static str,
-) -> Result<usize, SyntaxError> {
-    known.ok_or_else(|| SyntaxError::new(span, SyntaxErrorKind::LengthUnknown { name }))
 }
 
 pub(super) fn check_terms(terms: usize, span: Span) -> Result<(), SyntaxError> {

@@ -4,8 +4,9 @@ use rustc_hash::FxHashMap;
 
 use super::error::{SyntaxError, SyntaxErrorKind};
 use super::lexer::is_name;
+use super::parser::AXES;
 use super::suggestion::{constant, nearest};
-use super::tree::{Anchor, Reference, Span};
+use super::tree::{Anchor, Node, Reference, Site, Span};
 use crate::expression::{Expression, Function};
 
 pub(super) const PI: &str = "pi";
@@ -29,9 +30,32 @@ pub enum Boundary {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Entry {
     Variable(usize),
-    Family { offset: usize, length: usize },
+    /// Members along as many axes as have a length, the last axis fastest.
+    Family { offset: usize, shape: Shape },
     Parameter(usize),
     Definition(usize),
+}
+
+/// Lengths of a family along its axes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Shape {
+    lengths: [usize; AXES],
+    axes: usize,
+}
+
+impl Shape {
+    /// The lengths, one an axis; of more than [`AXES`] the first.
+    fn of(lengths: &[usize]) -> Self {
+        let axes = lengths.len().min(AXES);
+        let mut own = [1; AXES];
+        own[..axes].copy_from_slice(&lengths[..axes]);
+        Self { lengths: own, axes }
+    }
+
+    /// One length an axis.
+    pub(super) fn lengths(&self) -> &[usize] {
+        &self.lengths[..self.axes]
+    }
 }
 
 /// A formula with a name.
@@ -59,9 +83,10 @@ pub struct Scope {
     scalars: usize,
     parameters: usize,
     definitions: Vec<Definition>,
-    longest: Option<usize>,
+    /// The lengths of the longest family, one an axis.
+    longest: Option<Shape>,
     shown_length: Option<usize>,
-    boundary: Boundary,
+    boundaries: [Boundary; AXES],
 }
 
 impl Scope {
@@ -88,9 +113,20 @@ impl Scope {
 
     /// Adds the family `name[0]` … `name[length − 1]`, whose members have the indices `offset` …
     /// `offset + length − 1` in the state.
-    pub fn with_family(mut self, name: &str, offset: usize, length: usize) -> Self {
-        self.declare(name, Entry::Family { offset, length });
-        self.longest = self.longest.max(Some(length));
+    pub fn with_family(self, name: &str, offset: usize, length: usize) -> Self {
+        self.with_lattice(name, offset, &[length])
+    }
+
+    /// Adds the family `name[0,0]`, `name[0,1]`, … of 1 to [`AXES`] axes of these lengths. The member `name[i,j]` has
+    /// the index `offset + i·lengths[1] + j` in the state.
+    pub fn with_lattice(mut self, name: &str, offset: usize, lengths: &[usize]) -> Self {
+        let shape = Shape::of(lengths);
+        self.declare(name, Entry::Family { offset, shape });
+        let longest = self.longest.get_or_insert(shape);
+        longest.axes = longest.axes.max(shape.axes);
+        for (longest, own) in longest.lengths.iter_mut().zip(shape.lengths) {
+            *longest = own.max(*longest);
+        }
         self
     }
 
@@ -114,8 +150,15 @@ impl Scope {
     }
 
     /// Sets what a reference beyond the ends of a family means; periodic unless told.
-    pub fn with_boundary(mut self, boundary: Boundary) -> Self {
-        self.boundary = boundary;
+    pub fn with_boundary(self, boundary: Boundary) -> Self {
+        self.with_boundaries(&[boundary; AXES])
+    }
+
+    /// The same along each axis; periodic along those that are not told.
+    pub fn with_boundaries(mut self, boundaries: &[Boundary]) -> Self {
+        for (own, boundary) in self.boundaries.iter_mut().zip(boundaries) {
+            *own = *boundary;
+        }
         self
     }
 
@@ -169,13 +212,89 @@ impl Scope {
     }
 
     /// `N` as a number.
-    pub(super) fn shown_length(&self) -> Option<usize> {
-        self.shown_length.or(self.longest)
+    ///
+    /// # Errors
+    /// [`SyntaxErrorKind::LengthUnknown`] without a family, [`SyntaxErrorKind::LengthOfAxes`] on a lattice of several
+    /// axes.
+    pub(super) fn shown_length(&self, span: Span) -> Result<usize, SyntaxError> {
+        let unknown = SyntaxErrorKind::LengthUnknown { name: LENGTH };
+        let several = SyntaxErrorKind::LengthOfAxes;
+        match (self.longest.as_ref().map(Shape::lengths), self.shown_length) {
+            (Some([_, _, ..]), _) => Err(SyntaxError::new(span, several)),
+            (_, Some(length)) => Ok(length),
+            (Some([length]), None) => Ok(*length),
+            _ => Err(SyntaxError::new(span, unknown)),
+        }
     }
 
-    /// The length of the longest family.
-    pub(super) fn longest(&self) -> Option<usize> {
-        self.longest
+    /// The lengths of the longest family, one an axis; none where there is no family.
+    pub fn lengths(&self) -> &[usize] {
+        self.longest.as_ref().map_or(&[], Shape::lengths)
+    }
+
+    /// How many values an index takes: the length of the axis along which `body` first counts by it. On a chain that
+    /// is the chain's length, whatever it counts.
+    ///
+    /// # Errors
+    /// [`SyntaxErrorKind::LengthUnknown`] without a family. On a lattice of several axes
+    /// [`SyntaxErrorKind::AxisUnknown`] for an index of no axis or of axes with different lengths.
+    pub(super) fn values_of(
+        &self,
+        text: &str,
+        index: Span,
+        body: &Node,
+    ) -> Result<usize, SyntaxError> {
+        let lengths = self.lengths();
+        match lengths {
+            [] => {
+                let kind = SyntaxErrorKind::LengthUnknown { name: SUM };
+                return Err(SyntaxError::new(index, kind));
+            }
+            [length] => return Ok(*length),
+            _ => {}
+        }
+        let mut axes = Vec::new();
+        body.axes_of(text, index.of(text), &mut axes);
+        let of_axis = |axis: &usize| lengths.get(*axis).copied();
+        let first = axes.first().and_then(of_axis);
+        match first.filter(|_| axes.iter().all(|axis| of_axis(axis) == first)) {
+            Some(length) => Ok(length),
+            None => {
+                let name = index.of(text).to_owned();
+                Err(SyntaxError::new(
+                    index,
+                    SyntaxErrorKind::AxisUnknown { name },
+                ))
+            }
+        }
+    }
+
+    /// The coordinates of a site counted in a row, the last axis fastest.
+    fn coordinates(&self, site: usize) -> [usize; AXES] {
+        let mut coordinates = [0; AXES];
+        let mut rest = site;
+        let lengths = self.lengths();
+        for (axis, length) in lengths.iter().enumerate().rev() {
+            coordinates[axis] = match axis {
+                0 => rest,
+                _ => rest % length.max(&1),
+            };
+            rest /= (*length).max(1);
+        }
+        coordinates
+    }
+
+    /// Calls `then` with the indices of a caller bound to a site, inside `outer`, all of one level.
+    pub(super) fn at_site<R>(
+        &self,
+        here: Option<At<'_>>,
+        level: usize,
+        then: &mut dyn FnMut(Option<&Bound<'_>>) -> R,
+    ) -> R {
+        let Some((names, site)) = here else {
+            return then(None);
+        };
+        bind(names, &self.coordinates(site), level, None, then)
     }
 
     /// Entry of the scope under the name at `span` of `text`.
@@ -190,6 +309,31 @@ impl Scope {
         })
     }
 }
+
+/// Calls `then` with each name bound to its value, inside `outer`.
+fn bind<R>(
+    names: &[&str],
+    values: &[usize],
+    level: usize,
+    outer: Option<&Bound<'_>>,
+    then: &mut dyn FnMut(Option<&Bound<'_>>) -> R,
+) -> R {
+    match (names, values) {
+        ([name, names @ ..], [value, values @ ..]) => {
+            let bound = Bound {
+                name,
+                value: *value,
+                level,
+                outer,
+            };
+            bind(names, values, level, Some(&bound), then)
+        }
+        _ => then(outer),
+    }
+}
+
+/// A site that a caller is at: the names of its indices, one an axis, and its number, the last axis fastest.
+pub type At<'a> = (&'a [&'a str], usize);
 
 /// An index with its value, and the ones around it.
 #[derive(Clone, Copy)]
@@ -227,49 +371,95 @@ impl Scope {
         bound: Option<&Bound<'_>>,
     ) -> Result<Place, SyntaxError> {
         let name = || reference.name.of(text).to_owned();
-        let (entry, site) = (self.entry(text, reference.name)?, reference.site);
-        let (offset, length, site) = match (entry, site) {
-            (Entry::Variable(index), None) => return Ok(Place::Variable(index)),
-            (Entry::Parameter(index), None) => return Ok(Place::Parameter(index)),
-            (Entry::Definition(index), None) => return Ok(Place::Definition(index)),
-            (Entry::Family { offset, length }, Some(site)) => (offset, length, site),
-            (Entry::Variable(_) | Entry::Parameter(_) | Entry::Definition(_), Some(site)) => {
+        let (entry, is_single) = (
+            self.entry(text, reference.name)?,
+            reference.sites.is_empty(),
+        );
+        let (offset, shape) = match (entry, is_single) {
+            (Entry::Variable(index), true) => return Ok(Place::Variable(index)),
+            (Entry::Parameter(index), true) => return Ok(Place::Parameter(index)),
+            (Entry::Definition(index), true) => return Ok(Place::Definition(index)),
+            (Entry::Family { offset, shape }, false) => (offset, shape),
+            (Entry::Variable(_) | Entry::Parameter(_) | Entry::Definition(_), false) => {
                 let kind = SyntaxErrorKind::NotAFamily { name: name() };
-                return Err(SyntaxError::new(reference.name.to(site.span), kind));
+                return Err(SyntaxError::new(reference.span(), kind));
             }
-            (Entry::Family { .. }, None) => {
+            (Entry::Family { .. }, true) => {
                 let kind = SyntaxErrorKind::IndexMissing { name: name() };
                 return Err(SyntaxError::new(reference.name, kind));
             }
         };
+        let axes = shape.lengths();
+        if reference.sites.len() != axes.len() {
+            let kind = SyntaxErrorKind::AxesDiffer {
+                name: name(),
+                axes: axes.len(),
+                written: reference.sites.len(),
+            };
+            return Err(SyntaxError::new(reference.span(), kind));
+        }
+        let (mut member, mut outside) = (0, None);
+        for (axis, (site, length)) in reference.sites.iter().zip(axes).enumerate() {
+            match self.along(text, (axis, *length), site, bound)? {
+                Ok(inside) => member = member * length + inside,
+                Err(Some(level)) => outside = outside.max(Some(level)),
+                Err(None) => {
+                    let kind = SyntaxErrorKind::IndexOutOfRange {
+                        name: name(),
+                        position: self.position(text, axis, site, bound)?.0,
+                        length: *length,
+                    };
+                    return Err(SyntaxError::new(site.span, kind));
+                }
+            }
+        }
+        match outside {
+            Some(level) => Ok(Place::Outside { level }),
+            None => Ok(Place::Variable(offset + member)),
+        }
+    }
+
+    /// Where a site is along its axis, and the level of its index.
+    fn position(
+        &self,
+        text: &str,
+        axis: usize,
+        site: &Site,
+        bound: Option<&Bound<'_>>,
+    ) -> Result<(i64, Option<usize>), SyntaxError> {
         let (base, level) = match site.anchor {
             Anchor::Start => (0, None),
-            Anchor::End => (self.longest.unwrap_or(length), None),
+            Anchor::End => (self.lengths().get(axis).copied().unwrap_or(0), None),
             Anchor::Name(span) => {
                 let index = find(bound, span.of(text)).ok_or_else(|| unknown(text, span, bound))?;
                 (index.value, Some(index.level))
             }
         };
-        let position = (base as i64).saturating_add(site.offset);
+        Ok(((base as i64).saturating_add(site.offset), level))
+    }
+
+    /// The place along an axis of this length that a site names. Inside `Ok`, `Err` beyond its ends, with the level of
+    /// the index that leads there.
+    fn along(
+        &self,
+        text: &str,
+        (axis, length): (usize, usize),
+        site: &Site,
+        bound: Option<&Bound<'_>>,
+    ) -> Result<Result<usize, Option<usize>>, SyntaxError> {
+        let (position, level) = self.position(text, axis, site, bound)?;
         if let Ok(inside) = usize::try_from(position)
             && inside < length
         {
-            return Ok(Place::Variable(offset + inside));
+            return Ok(Ok(inside));
         }
-        match (level, self.boundary) {
-            (Some(_), Boundary::Periodic) if length > 0 => Ok(Place::Variable(
-                offset + position.rem_euclid(length as i64) as usize,
-            )),
-            (Some(level), _) => Ok(Place::Outside { level }),
-            (None, _) => {
-                let kind = SyntaxErrorKind::IndexOutOfRange {
-                    name: name(),
-                    position,
-                    length,
-                };
-                Err(SyntaxError::new(site.span, kind))
+        let boundary = self.boundaries.get(axis).copied().unwrap_or_default();
+        Ok(match (level, boundary) {
+            (Some(_), Boundary::Periodic) if length > 0 => {
+                Ok(position.rem_euclid(length as i64) as usize)
             }
-        }
+            (level, _) => Err(level),
+        })
     }
 }
 

@@ -34,7 +34,7 @@ pub(super) enum Anchor {
     Name(Span),
 }
 
-/// The text between the brackets of `x[...]`.
+/// One of the sites between the brackets of `x[...]`: of `x[i+1,j]` the one along axis 0 or along axis 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Site {
     pub(super) anchor: Anchor,
@@ -42,20 +42,31 @@ pub(super) struct Site {
     pub(super) span: Span,
 }
 
-/// A variable by its name, with a site when it belongs to a family.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// A variable by its name, with a site along each axis when it belongs to a family.
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Reference {
     pub(super) name: Span,
-    pub(super) site: Option<Site>,
+    pub(super) sites: Vec<Site>,
 }
 
 impl Reference {
-    /// The place of the index name in the brackets, if any.
-    pub(super) fn index(&self) -> Option<Span> {
-        match self.site?.anchor {
+    /// The places of the index names in the brackets, in the order of the axes.
+    pub(super) fn indices(&self) -> impl Iterator<Item = Span> {
+        self.sites.iter().filter_map(|site| match site.anchor {
             Anchor::Name(span) => Some(span),
             Anchor::Start | Anchor::End => None,
-        }
+        })
+    }
+
+    /// The place of all that stands between the brackets, if any does.
+    pub(super) fn bracket(&self) -> Option<Span> {
+        Some(self.sites.first()?.span.to(self.sites.last()?.span))
+    }
+
+    /// The place of name and sites.
+    pub(super) fn span(&self) -> Span {
+        self.bracket()
+            .map_or(self.name, |bracket| self.name.to(bracket))
     }
 }
 
@@ -72,8 +83,22 @@ impl Node {
         matches!(self.kind, Kind::SumOver { .. }) || self.kind.children().iter().any(Self::has_sum)
     }
 
+    /// The axes along which members of families are counted by `index`, in the order of the text.
+    pub(super) fn axes_of(&self, text: &str, index: &str, axes: &mut Vec<usize>) {
+        if let Kind::Reference(reference) = &self.kind {
+            let sites = reference.sites.iter().enumerate();
+            axes.extend(sites.filter_map(|(axis, site)| match site.anchor {
+                Anchor::Name(span) if span.of(text) == index => Some(axis),
+                _ => None,
+            }));
+        }
+        for child in self.kind.children() {
+            child.axes_of(text, index, axes);
+        }
+    }
+
     pub(super) fn depends_on_sites(&self) -> bool {
-        matches!(&self.kind, Kind::Reference(reference) if reference.site.is_some())
+        matches!(&self.kind, Kind::Reference(reference) if !reference.sites.is_empty())
             || self.kind.children().iter().any(Self::depends_on_sites)
     }
 

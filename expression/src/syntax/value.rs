@@ -2,8 +2,8 @@
 
 use super::error::{SyntaxError, SyntaxErrorKind};
 use super::formula::Formula;
-use super::resolve::{check_terms, first_value, inner_index, length};
-use super::scope::{Bound, Entry, LENGTH, SUM, Scope, find};
+use super::resolve::{check_terms, first_value, inner_index};
+use super::scope::{At, Bound, Entry, Scope, find};
 use super::tree::{Kind, Node, Reference, Span};
 use crate::expression::integer_power;
 
@@ -22,23 +22,16 @@ impl Formula {
         &self,
         scope: &Scope,
         parameters: &[f64],
-        index: Option<(&str, usize)>,
+        index: Option<At<'_>>,
     ) -> Result<f64, SyntaxError> {
-        let outermost = index.map(|(name, value)| Bound {
-            name,
-            value,
-            level: 0,
-            outer: None,
-        });
         let mut evaluator = Evaluator {
             text: self.text(),
             scope,
             parameters,
             terms: 0,
         };
-        evaluator
-            .value(self.root(), outermost.as_ref())
-            .map_err(|error| *error)
+        let mut value = |bound: Option<&Bound<'_>>| evaluator.value(self.root(), bound);
+        scope.at_site(index, 0, &mut value).map_err(|error| *error)
     }
 }
 
@@ -55,7 +48,7 @@ impl Evaluator<'_> {
         match &node.kind {
             Kind::Number { rounded, .. } => Ok(*rounded),
             Kind::Pi => Ok(std::f64::consts::PI),
-            Kind::Length => Ok(length(self.scope.shown_length(), node.span, LENGTH)? as f64),
+            Kind::Length => Ok(self.scope.shown_length(node.span)? as f64),
             Kind::Reference(reference) => Ok(self.reference(reference, bound)?),
             Kind::Call(function, argument) => Ok(function.apply(self.value(argument, bound)?)),
             Kind::SumOver { index, above, body } => {
@@ -94,7 +87,7 @@ impl Evaluator<'_> {
         body: &Node,
         bound: Option<&Bound<'_>>,
     ) -> Result<f64, Box<SyntaxError>> {
-        let length = length(self.scope.longest(), span, SUM)?;
+        let length = self.scope.values_of(self.text, index, body)?;
         let mut inner = inner_index(self.text, index, bound)?;
         let mut sum = 0.0;
         for value in first_value(self.text, above, bound)..length {
@@ -110,7 +103,7 @@ impl Evaluator<'_> {
     fn integer(&self, kind: &Kind) -> Option<i64> {
         match kind {
             Kind::Number { exact, .. } => exact.to_i64(),
-            Kind::Length => i64::try_from(self.scope.shown_length()?).ok(),
+            Kind::Length => i64::try_from(self.scope.shown_length(Span { start: 0, end: 0 }).ok()?).ok(),
             Kind::Negate(operand) => self.integer(&operand.kind)?.checked_neg(),
             _ => None,
         }
@@ -122,16 +115,14 @@ impl Evaluator<'_> {
         bound: Option<&Bound<'_>>,
     ) -> Result<f64, SyntaxError> {
         let name = reference.name.of(self.text);
-        if reference.site.is_none()
+        if reference.sites.is_empty()
             && let Some(index) = find(bound, name)
         {
             return Ok(index.value as f64);
         }
-        let span = reference
-            .site
-            .map_or(reference.name, |site| reference.name.to(site.span));
+        let span = reference.span();
         let kind = match self.scope.entry(self.text, reference.name)? {
-            Entry::Parameter(_) | Entry::Definition(_) if reference.site.is_some() => {
+            Entry::Parameter(_) | Entry::Definition(_) if !reference.sites.is_empty() => {
                 SyntaxErrorKind::NotAFamily {
                     name: name.to_owned(),
                 }

@@ -1,4 +1,4 @@
-use super::super::{Boundary, SyntaxErrorKind, VariablePattern};
+use super::super::{At, Boundary, SyntaxErrorKind, VariablePattern};
 use super::*;
 
 /// u[0] … u[4] at 1 … 5 and v[0] … v[3] at 6 … 9, behind the scalar s at 0.
@@ -14,7 +14,7 @@ fn lattice(boundary: Boundary) -> Scope {
 /// The state whose entries are their own indices.
 const STATE: [f64; 10] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0];
 
-fn at(text: &str, boundary: Boundary, index: Option<(&str, usize)>) -> Option<f64> {
+fn at(text: &str, boundary: Boundary, index: Option<At<'_>>) -> Option<f64> {
     let resolved = parse(text).resolve(&lattice(boundary), index);
     let expression = resolved.unwrap_or_else(|error| panic!("{text}: {error}"));
     expression.map(|expression| expression.evaluate(&STATE, &[100.0]))
@@ -22,7 +22,7 @@ fn at(text: &str, boundary: Boundary, index: Option<(&str, usize)>) -> Option<f6
 
 #[test]
 fn periodic_references_wrap_at_the_length_of_their_own_family() {
-    let periodic = |text, value| at(text, Boundary::Periodic, Some(("i", value)));
+    let periodic = |text, value| at(text, Boundary::Periodic, Some((&["i"], value)));
     assert_eq!(periodic("u[i+1]", 3), Some(5.0));
     assert_eq!(periodic("u[i+1]", 4), Some(1.0));
     assert_eq!(periodic("u[i-2]", 0), Some(4.0));
@@ -33,7 +33,7 @@ fn periodic_references_wrap_at_the_length_of_their_own_family() {
 
 #[test]
 fn open_references_make_their_term_absent() {
-    let open = |text, value| at(text, Boundary::Open, Some(("i", value)));
+    let open = |text, value| at(text, Boundary::Open, Some((&["i"], value)));
     assert_eq!(open("u[i]*u[i+1]", 3), Some(20.0));
     assert_eq!(open("u[i]*u[i+1]", 4), None);
     assert_eq!(open("1 + u[i-1]", 0), None);
@@ -42,7 +42,7 @@ fn open_references_make_their_term_absent() {
 
 #[test]
 fn a_sum_drops_the_summands_that_its_own_index_takes_outside() {
-    let open = |text| at(text, Boundary::Open, Some(("i", 4)));
+    let open = |text| at(text, Boundary::Open, Some((&["i"], 4)));
     let neighbours = 1.0 * 2.0 + 2.0 * 3.0 + 3.0 * 4.0 + 4.0 * 5.0;
     assert_eq!(open("sum(j, u[j]*u[j+1])"), Some(neighbours));
     assert_eq!(open("s + sum(j, v[j])"), Some(30.0));
@@ -152,24 +152,26 @@ fn values_take_the_index_as_a_number() {
         let angle = 2.0 * std::f64::consts::PI * site as f64 / 8.0;
         let expected = 3.0 + 0.5 * libm::sin(angle);
         assert_eq!(
-            formula.value(&scope, &[3.0], Some(("i", site))),
+            formula.value(&scope, &[3.0], Some((&["i"], site))),
             Ok(expected)
         );
     }
-    let sum = parse("sum(j, j*i)").value(&scope, &[], Some(("i", 2)));
+    let sum = parse("sum(j, j*i)").value(&scope, &[], Some((&["i"], 2)));
     assert_eq!(sum, Ok(20.0));
 }
 
 #[test]
 fn the_free_index_is_the_one_no_sum_introduces() {
     for (text, free) in [
-        ("u[i+1]*v[i]", Some("i")),
-        ("sum(i, u[i])", None),
-        ("sum(j, u[j]*u[i])", Some("i")),
-        ("sum(j, u[j]) + u[j]", Some("j")),
-        ("u[0] + i", None),
+        ("u[i+1]*v[i]", &["i"][..]),
+        ("sum(i, u[i])", &[]),
+        ("sum(j, u[j]*u[i])", &["i"]),
+        ("sum(j, u[j]) + u[j]", &["j"]),
+        ("u[0] + i", &[]),
+        ("w[j, i+1]*w[i,j]", &["j", "i"]),
+        ("sum(i, w[i,k])", &["k"]),
     ] {
-        assert_eq!(parse(text).free_index(), free, "{text}");
+        assert_eq!(parse(text).free_indices(), free, "{text}");
     }
     let names = |text: &str| {
         let formula = parse(text);
@@ -196,20 +198,19 @@ fn patterns_lead_to_indices_of_the_state() {
         ("v[2]", 0, Some(8), Some(8)),
         ("u[N-1]", 0, Some(5), Some(5)),
     ] {
-        let at = Some(("i", index));
+        let at = Some((&["i"][..], index));
         assert_eq!(one(text).resolve(&open, at), Ok(in_open), "{text}");
         assert_eq!(one(text).resolve(&periodic, at), Ok(in_periodic), "{text}");
     }
     let pattern = one("v[ m - 1 ]");
-    assert_eq!((pattern.name(), pattern.index_name()), ("v", Some("m")));
+    assert_eq!((pattern.name(), pattern.index_names()), ("v", vec!["m"]));
+    let offsets = pattern.offsets().expect("an index").expect("a family");
     assert_eq!(
-        (pattern.offset(), pattern.to_string().as_str()),
-        (Some(-1), "v[m-1]")
+        (offsets.axes()[0].clone(), pattern.to_string().as_str()),
+        (-1..=-1, "v[m-1]")
     );
-    assert_eq!(
-        (one("u[3]").index_name(), one("u[3]").offset()),
-        (None, None)
-    );
+    assert!(one("u[3]").index_names().is_empty());
+    assert!(one("u[3]").offsets().is_err());
 }
 
 #[test]
@@ -217,8 +218,8 @@ fn patterns_that_lead_nowhere_are_refused_at_their_place() {
     let scope = lattice(Boundary::Open);
     let text = "u[i],w[i+1]";
     let (first, second) = VariablePattern::parse_pair(text).expect("a pair");
-    assert_eq!(first.resolve(&scope, Some(("i", 1))), Ok(Some(2)));
-    let error = second.resolve(&scope, Some(("i", 1))).expect_err("no w");
+    assert_eq!(first.resolve(&scope, Some((&["i"], 1))), Ok(Some(2)));
+    let error = second.resolve(&scope, Some((&["i"], 1))).expect_err("no w");
     assert_eq!(&text[error.span.clone()], "w");
     let parameter = VariablePattern::parse_one("k").expect("a name");
     let kind = SyntaxErrorKind::NotAVariable {
@@ -290,7 +291,7 @@ fn components_have_names_with_a_point() {
         .with_family("s.x", 0, 2)
         .with_family("s.y", 2, 2);
     let value = |text: &str| {
-        let resolved = parse(text).resolve(&scope, Some(("i", 1)));
+        let resolved = parse(text).resolve(&scope, Some((&["i"], 1)));
         let expression = resolved.expect("known names").expect("inside");
         expression.evaluate(&[3.0, 5.0, 7.0, 11.0], &[])
     };
@@ -304,4 +305,100 @@ fn components_have_names_with_a_point() {
         matches!(error.kind, SyntaxErrorKind::UnknownName { .. }),
         "{error:?}"
     );
+}
+
+/// w of 3 × 4 sites, w[i,j] = 10·i + j.
+fn plane(boundaries: &[Boundary]) -> (Scope, Vec<f64>) {
+    let state = (0..12).map(|at| f64::from(at / 4 * 10 + at % 4)).collect();
+    let scope = Scope::new()
+        .with_lattice("w", 0, &[3, 4])
+        .with_boundaries(boundaries);
+    (scope, state)
+}
+
+/// Members of a plane by two sites, wrapping or ending along each axis by itself.
+#[test]
+fn planes_have_an_index_an_axis() {
+    let value = |text: &str, boundaries: &[Boundary], site: usize| {
+        let (scope, state) = plane(boundaries);
+        let here = Some((&["i", "j"][..], site)).filter(|_| !text.contains("sum"));
+        let resolved = parse(text).resolve(&scope, here);
+        let resolved = resolved.unwrap_or_else(|error| panic!("{text}: {error}"));
+        resolved.map(|resolved| resolved.evaluate(&state, &[]))
+    };
+    let (around, open) = (Boundary::Periodic, Boundary::Open);
+    // Site 11 is i = 2, j = 3.
+    for (text, boundaries, expected) in [
+        ("w[i,j]", [around, around], Some(23.0)),
+        ("w[i+1,j+2]", [around, around], Some(1.0)),
+        ("w[i+1,j]", [open, around], None),
+        ("w[i,j+1]", [open, around], Some(20.0)),
+        ("w[i,j+1]", [around, open], None),
+        ("w[N-1,N-1] - w[0,N-2]", [open, open], Some(21.0)),
+        ("w[j-3,i+1]", [open, open], Some(3.0)),
+    ] {
+        assert_eq!(value(text, &boundaries, 11), expected, "{text}");
+    }
+    let whole: f64 = (0..12).map(|at| f64::from(at / 4 * 10 + at % 4)).sum();
+    for text in ["sum(i, j, w[i,j])", "sum(j, i, w[i,j])", "sum(i, sum(j, w[i+1,j-1]))"] {
+        assert_eq!(value(text, &[around, around], 0), Some(whole), "{text}");
+    }
+    // Bonds along each axis of an open plane: 2·4 and 3·3.
+    let bonds = "sum(i, j, (w[i,j] - w[i+1,j])^2/100 + (w[i,j] - w[i,j+1])^2)";
+    assert_eq!(value(bonds, &[open, open], 0), Some(17.0));
+    assert_eq!(value("sum(j, w[1,j])", &[open, open], 0), Some(46.0));
+    // Pairs i < j along one axis, sums over several indices as they are printed.
+    let pairs = "sum(i<k, j, w[i,j]*w[k,j])";
+    assert_eq!(parse(pairs).to_string(), pairs);
+    let by_hand: f64 = (0..4)
+        .map(|j| f64::from(j * (10 + j) + j * (20 + j) + (10 + j) * (20 + j)))
+        .sum();
+    assert_eq!(value(pairs, &[open, open], 0), Some(by_hand));
+}
+
+/// A site's share of a sum over a plane; all shares together are the sum.
+#[test]
+fn densities_of_planes_add_up() {
+    for boundaries in [
+        [Boundary::Open, Boundary::Periodic],
+        [Boundary::Periodic, Boundary::Open],
+        [Boundary::Open; 2],
+    ] {
+        let (scope, state) = plane(&boundaries);
+        for text in [
+            "sum(i, j, w[i,j]*w[i+1,j] + w[i,j-1]*w[i,j])",
+            "2*sum(j, i, w[i,j]*w[i+1,j]) - sum(i, j, w[i,j-1]*w[i,j]/2)",
+        ] {
+            let formula = parse(text);
+            let whole = formula.resolve(&scope, None).expect("names").expect("inside");
+            let shares = (0..12).map(|site| {
+                let density = formula.density(&scope, site).expect("a sum over sites");
+                density.site.evaluate(&state, &[])
+            });
+            assert_eq!(shares.sum::<f64>(), whole.evaluate(&state, &[]), "{text}");
+        }
+    }
+    let (scope, _) = plane(&[Boundary::Open; 2]);
+    for text in ["sum(i, w[i,0])", "sum(i, j, w[i,i])", "sum(i, j, k, w[i,j])"] {
+        let formula = parse(text);
+        let refused = formula.offsets_of_sums().is_err() || formula.density(&scope, 0).is_err();
+        assert!(refused, "{text}");
+    }
+}
+
+/// What does not fit the axes of a family is said.
+#[test]
+fn planes_refuse_what_does_not_fit_their_axes() {
+    let (scope, _) = plane(&[Boundary::Periodic; 2]);
+    for (text, message) in [
+        ("w[1]", "`w` has 2 axes, and 1 is written here: write `w[i,j]`"),
+        ("w[1,2,0]", "`w` has 2 axes, and 3 are written here: write `w[i,j]`"),
+        ("w[1,4]", "`w` has the members"),
+        ("sum(i, 1)", "the index `i` counts along no axis"),
+        ("sum(i, w[i,i])", "the index `i` counts along no axis"),
+        ("w[0,0]/N", "`N` as a number"),
+    ] {
+        let error = refusal(text, &scope);
+        assert!(error.to_string().starts_with(message), "{text}: {error}");
+    }
 }

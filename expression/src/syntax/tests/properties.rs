@@ -155,7 +155,7 @@ proptest! {
         let second = parse(&first.to_string());
         prop_assert_eq!(second.to_string(), first.to_string());
         prop_assert_eq!(second.references(), first.references());
-        let at = Some(("i", 1));
+        let at = Some((&["i"][..], 1));
         prop_assert_eq!(second.resolve(&scope, at), first.resolve(&scope, at));
     }
 
@@ -167,7 +167,8 @@ proptest! {
             Err(error) => prop_assert!(within(&error), "{error:?}"),
             Ok(formula) => {
                 prop_assert!(Formula::parse(&formula.to_string()).is_ok());
-                let index = formula.free_index().map(|name| (name, 1));
+                let names = formula.free_indices();
+                let index = (!names.is_empty()).then_some((&names[..], 1));
                 let results = [
                     formula.resolve(&scope, index).err(),
                     formula.value(&scope, &[1.0], index).err(),

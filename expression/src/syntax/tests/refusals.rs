@@ -223,7 +223,7 @@ fn values_are_functions_of_parameters_and_indices_alone() {
     let scope = scalars().with_family("u", 3, 4);
     let error = |text: &str| {
         parse(text)
-            .value(&scope, &[1.0], Some(("i", 2)))
+            .value(&scope, &[1.0], Some((&["i"], 2)))
             .expect_err(text)
     };
     for (text, name) in [("1 + x", "x"), ("a*u[i]", "u"), ("u", "u")] {
