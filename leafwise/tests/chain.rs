@@ -24,10 +24,7 @@ impl Chain {
     ) -> Self {
         let families = families.iter().map(|(name, n)| ((*name).to_owned(), *n));
         Self {
-            geometry: LatticeGeometry {
-                families: families.collect(),
-                periodic,
-            },
+            geometry: LatticeGeometry::chain(families.collect(), periodic),
             bracket: (bracket.iter())
                 .map(|(pair, entry)| ((*pair).to_owned(), (*entry).to_owned()))
                 .collect(),
@@ -41,7 +38,7 @@ impl Chain {
     }
 
     fn scope(&self, geometry: &LatticeGeometry) -> Scope {
-        let boundary = if geometry.periodic {
+        let boundary = if geometry.is_periodic() {
             Boundary::Periodic
         } else {
             Boundary::Open
@@ -84,7 +81,7 @@ impl LatticeSource for Chain {
             let (a, b) = VariablePattern::parse_pair(pair).expect("a pair");
             let entry = Formula::parse(entry).expect("a formula");
             for site in 0..geometry.length() {
-                let at = Some(("i", site));
+                let at = Some((&["i"][..], site));
                 let ends = (a.resolve(&scope, at), b.resolve(&scope, at));
                 let (Ok(Some(a)), Ok(Some(b))) = ends else {
                     continue;

@@ -28,10 +28,7 @@ impl Chain {
         hamiltonian: &'static str,
     ) -> Self {
         Self {
-            geometry: LatticeGeometry {
-                families: vec![("x".to_owned(), length)],
-                periodic,
-            },
+            geometry: LatticeGeometry::chain(vec![("x".to_owned(), length)], periodic),
             pair,
             entry,
             hamiltonian,
@@ -56,7 +53,7 @@ impl LatticeSource for Chain {
     }
 
     fn write_out(&self, geometry: &LatticeGeometry) -> Result<PoissonSystem, BuildError> {
-        let boundary = if geometry.periodic {
+        let boundary = if geometry.is_periodic() {
             Boundary::Periodic
         } else {
             Boundary::Open
@@ -69,7 +66,7 @@ impl LatticeSource for Chain {
         let template = Formula::parse(self.entry).expect("a formula");
         let mut entries = Vec::new();
         for site in 0..geometry.length() {
-            let at = Some(("i", site));
+            let at = Some((&["i"][..], site));
             let (Ok(Some(a)), Ok(Some(b))) = (a.resolve(&scope, at), b.resolve(&scope, at)) else {
                 continue;
             };

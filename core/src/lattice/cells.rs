@@ -2,7 +2,9 @@
 
 use std::ops::Range;
 
-use super::geometry::{LatticeGeometry, SHORTEST};
+use leafwise_expression::syntax::AXES;
+
+use super::geometry::{LatticeGeometry, PerAxis, SHORTEST};
 use super::locality::check_room;
 use crate::error::BuildError;
 
@@ -21,31 +23,36 @@ pub struct Cells {
 
 impl Cells {
     /// Groups `sites` into cells of `period`. Returns `None` for a ring whose length is no multiple of it, and where
-    /// a cell would be longer than a family.
+    /// a cell would be longer than a family. Along several axes a cell is one site.
     ///
     /// # Panics
     /// When `period` is 0.
     pub fn new(sites: LatticeGeometry, period: usize) -> Option<Self> {
         assert!(period > 0, "a cell has a site");
-        let fits =
-            |length: usize| length >= period && (!sites.periodic || length.is_multiple_of(period));
+        let fits = |length: usize| {
+            length >= period && (!sites.is_periodic() || length.is_multiple_of(period))
+        };
         if !sites.families.iter().all(|family| fits(family.1)) {
+            return None;
+        }
+        if period == 1 {
+            return Some(Self {
+                rows: sites.clone(),
+                sites,
+                period,
+            });
+        }
+        if sites.axes.len() != 1 {
             return None;
         }
         let families = sites.families.iter();
         let rows = families.flat_map(|(name, length)| {
             (0..period).map(move |r| {
-                let name = match period {
-                    1 => name.clone(),
-                    _ => format!("{name}[{period}i+{r}]"),
-                };
+                let name = format!("{name}[{period}i+{r}]");
                 (name, (length - r).div_ceil(period))
             })
         });
-        let rows = LatticeGeometry {
-            families: rows.collect(),
-            periodic: sites.periodic,
-        };
+        let rows = LatticeGeometry::chain(rows.collect(), sites.is_periodic());
         Some(Self {
             sites,
             period,
@@ -68,27 +75,29 @@ impl Cells {
         &self.rows
     }
 
-    /// The same with a longest row of `cells` cells, the ends as they are; `None` where a family
-    /// has no cell left.
-    fn resized(&self, cells: usize) -> Option<Self> {
-        let removed = self.rows.length().checked_sub(cells)? * self.period;
-        let sites = self
-            .sites
-            .resized(self.sites.length().checked_sub(removed)?);
-        Self::new(sites, self.period)
+    /// The same with so many cells along each axis, the ends as they are; `None` where a family has no cell left.
+    fn resized(&self, cells: &[usize]) -> Option<Self> {
+        let axes = self.sites.axes.iter().zip(&self.rows.axes);
+        let lengths = axes.zip(cells).map(|((sites, rows), cells)| {
+            let removed = rows.length.checked_sub(*cells)? * self.period;
+            sites.length.checked_sub(removed)
+        });
+        let lengths: Option<Vec<usize>> = lengths.collect();
+        Self::new(self.sites.resized(&lengths?), self.period)
     }
 
-    /// Proxy cells for code that looks at most `looks` cells away, and the number of cells at an open end that
+    /// Proxy cells for code that looks at most `looks` cells away along each axis, and the number of cells at an open end that
     /// have code of their own there. All cells where there are no more.
     ///
     /// # Errors
     /// [`BuildError::NotLocal`] where that takes too much memory.
-    pub fn proxy(&self, looks: usize) -> Result<(Self, usize), BuildError> {
+    pub fn proxy(&self, looks: PerAxis<usize>) -> Result<(Self, PerAxis<usize>), BuildError> {
         let is_long = self.sites.length() > SHORTEST;
         let short = is_long.then(|| self.rows.proxy(looks)).flatten();
-        let short = short.and_then(|(rows, width)| Some((self.resized(rows.length())?, width)));
-        let (proxy, width) = short.unwrap_or_else(|| (self.clone(), 0));
-        check_room(&proxy.sites, looks.saturating_mul(self.period), 1)?;
+        let short = short.and_then(|(rows, width)| Some((self.resized(&rows.lengths())?, width)));
+        let (proxy, width) = short.unwrap_or_else(|| (self.clone(), [0; AXES]));
+        let sites = looks.map(|cells| cells.saturating_mul(self.period));
+        check_room(&proxy.sites, sites, 1)?;
         Ok((proxy, width))
     }
 
@@ -143,10 +152,8 @@ mod tests {
 
     fn geometry(lengths: &[usize], periodic: bool) -> LatticeGeometry {
         let families = lengths.iter().enumerate();
-        LatticeGeometry {
-            families: families.map(|(k, n)| (format!("f{k}"), *n)).collect(),
-            periodic,
-        }
+        let families = families.map(|(k, n)| (format!("f{k}"), *n)).collect();
+        LatticeGeometry::chain(families, periodic)
     }
 
     #[test]
@@ -163,7 +170,9 @@ mod tests {
     fn a_shorter_lattice_of_cells_has_the_same_ends() {
         for (lengths, period) in [(&[101_usize, 100][..], 2), (&[50], 3), (&[7], 1)] {
             let cells = Cells::new(geometry(lengths, false), period).expect("open");
-            let short = cells.resized(cells.rows().length() - 1).expect("shorter");
+            let short = cells
+                .resized(&[cells.rows().length() - 1])
+                .expect("shorter");
             assert_eq!(short.rows().length() + 1, cells.rows().length());
             for (own, other) in short.sites().families.iter().zip(&cells.sites().families) {
                 assert_eq!(own.1 + period, other.1);

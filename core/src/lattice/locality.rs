@@ -1,6 +1,8 @@
 //! Which lattice is written out in the place of a long one.
 
-use super::geometry::{LatticeGeometry, SHORTEST};
+use leafwise_expression::syntax::AXES;
+
+use super::geometry::{LatticeGeometry, PerAxis, SHORTEST};
 use super::source::LatticeSource;
 use crate::error::BuildError;
 
@@ -17,12 +19,14 @@ const MOST_COORDINATES: usize = 8192;
 pub fn proxy_of(
     source: &dyn LatticeSource,
     times: usize,
-) -> Result<(LatticeGeometry, usize), BuildError> {
+) -> Result<(LatticeGeometry, PerAxis<usize>), BuildError> {
     let geometry = source.geometry();
     let reach = source.reach()?;
-    let looks = reach.of_times(times, !geometry.periodic);
+    let looks = reach.of_times(times, geometry.ends());
     let short = (geometry.length() > SHORTEST).then(|| geometry.proxy(looks));
-    let (proxy, width) = short.flatten().unwrap_or_else(|| (geometry.clone(), 0));
+    let (proxy, width) = short
+        .flatten()
+        .unwrap_or_else(|| (geometry.clone(), [0; AXES]));
     check_room(&proxy, looks, times)?;
     Ok((proxy, width))
 }
@@ -33,7 +37,7 @@ pub fn proxy_of(
 /// [`BuildError::NotLocal`].
 pub(super) fn check_room(
     written: &LatticeGeometry,
-    reach: usize,
+    reach: PerAxis<usize>,
     times: usize,
 ) -> Result<(), BuildError> {
     let (coordinates, most) = (written.dimension(), MOST_COORDINATES / times.max(1));
@@ -41,7 +45,7 @@ pub(super) fn check_room(
         return Ok(());
     }
     Err(BuildError::NotLocal {
-        reach,
+        reach: reach.into_iter().max().unwrap_or(0),
         coordinates,
         most,
     })

@@ -47,7 +47,7 @@ mod tests;
 
 pub use cells::Cells;
 pub use fields::Fields;
-pub use geometry::{LatticeGeometry, Proxy};
+pub use geometry::{Axis, LatticeGeometry, PerAxis, Proxy};
 pub use implicit::{ImplicitSweeps, ProxyCode};
 pub use locality::proxy_of;
 pub use map::LatticeMap;

@@ -5,9 +5,10 @@
 
 use std::sync::Arc;
 
+use leafwise_expression::syntax::AXES;
 use leafwise_expression::{Graph, Term};
 
-use super::geometry::{LatticeGeometry, SiteClass, site_classes};
+use super::geometry::{LatticeGeometry, Proxy, SiteClass, site_classes};
 use super::observables::code;
 use super::program::LatticeEvaluator;
 use super::sites::{SiteNumbers, proxy_of_numbers};
@@ -43,7 +44,7 @@ impl LatticePoles {
     fn of(source: &dyn LatticeSource) -> Result<Option<Self>, BuildError> {
         let geometry = source.geometry().clone();
         // The sites of a denominator, and those that move by it.
-        let reach = source.reach()?.of_times(1, true);
+        let reach = source.reach()?.of_times(1, [true; AXES]);
         let (proxy, width) = proxy_of_numbers(&geometry, reach)?;
         let system = source.write_out(&proxy)?;
         let mut graph = Graph::compilable();
@@ -80,8 +81,13 @@ impl LatticePoles {
             None => Vec::new(),
         };
         graph.unless_refused(())?;
+        let written = Proxy {
+            geometry: &proxy,
+            width,
+        };
+        let classes = site_classes(&geometry, written);
         Ok(Some(Self {
-            classes: site_classes(geometry.length(), proxy.length(), width, geometry.periodic),
+            classes,
             looks: looks(&graph, &all),
             geometry,
             proxy,
@@ -95,8 +101,8 @@ impl LatticePoles {
 
     /// The site of the proxy that stands for a site.
     fn proxy_site(&self, site: usize) -> usize {
-        let mut classes = self.classes.iter();
-        let class = classes.find(|class| (class.start..class.end).contains(&site));
+        let (mut classes, place) = (self.classes.iter(), self.geometry.place(site));
+        let class = classes.find(|class| class.sites.has(place));
         class.expect("every site is in a class").proxy
     }
 
@@ -108,13 +114,8 @@ impl LatticePoles {
             self.geometry.offsets()[family],
             self.geometry.families[family].1,
         );
-        let place = site as isize + self.proxy.shift(here, at);
-        let place = match self.geometry.periodic {
-            true => place.rem_euclid(self.geometry.length() as isize),
-            false => place,
-        };
-        let place = usize::try_from(place).ok().filter(|at| *at < length);
-        place.map(|place| start + place)
+        let other = self.geometry.beside(site, self.proxy.shift(here, at));
+        other.filter(|at| *at < length).map(|at| start + at)
     }
 
     fn written(&self, denominator: &Term, here: usize, site: usize) -> String {

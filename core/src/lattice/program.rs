@@ -1,11 +1,12 @@
 //! Stages compiled to stencils, and their sweeps over the sites.
 
-use leafwise_expression::{Execution, Kernel, Workspace};
+use leafwise_expression::syntax::AXES;
+use leafwise_expression::{Execution, Kernel};
 
 use super::fields::Fields;
 use super::geometry::{LatticeGeometry, Proxy, site_classes};
 use super::stages::{Field, StageBuilder};
-use super::stencil::Stencil;
+use super::stencil::{Stencil, SweepRoom};
 use crate::error::BuildError;
 
 /// A program over the fields of a lattice.
@@ -37,12 +38,7 @@ impl LatticeProgram {
         builder: &StageBuilder,
         parameters: usize,
     ) -> Result<Self, BuildError> {
-        let classes = site_classes(
-            geometry.length(),
-            proxy.geometry.length(),
-            proxy.width,
-            geometry.periodic,
-        );
+        let classes = site_classes(geometry, proxy);
         let offsets = geometry.offsets();
         let mut fields = builder.fields;
         let mut stages = Vec::with_capacity(builder.stages.len());
@@ -176,8 +172,10 @@ impl LatticeProgram {
                 for &(field, family) in &stencil.outputs {
                     if field == written {
                         let start = self.offsets[family];
-                        let range = start + stencil.class.start..start + stencil.class.end;
-                        fields.copy(Field(written), Field(original), range);
+                        for row in stencil.class.sites.runs(&self.geometry) {
+                            let range = start + row.start..start + row.end;
+                            fields.copy(Field(written), Field(original), range);
+                        }
                     }
                 }
             }
@@ -226,7 +224,7 @@ fn write_aside(stencils: &mut [Stencil], fields: usize) -> Vec<(usize, usize)> {
     };
     let taps = stencils.iter().flat_map(|s| &s.taps);
     let mut read: Vec<usize> = taps
-        .filter(|tap| tap.shift != 0 && is_written(tap.field, tap.family))
+        .filter(|tap| tap.shift != [0; AXES] && is_written(tap.field, tap.family))
         .map(|tap| tap.field)
         .collect();
     read.sort_unstable();
@@ -246,7 +244,7 @@ fn write_aside(stencils: &mut [Stencil], fields: usize) -> Vec<(usize, usize)> {
 
 /// Stages' kernels with their coefficients for one choice of parameters and step sizes.
 #[derive(Clone, Debug)]
-pub struct Prepared(Vec<Workspace>);
+pub struct Prepared(Vec<SweepRoom>);
 
 /// The fields and prepared kernels of one trajectory.
 #[derive(Clone, Debug)]

@@ -1,42 +1,48 @@
 //! How far the templates of a lattice look, as their indices are written.
 
-use leafwise_expression::syntax::{Formula, Offsets, SyntaxError, VariablePattern, joined};
+use leafwise_expression::syntax::{AXES, Formula, Offsets, SyntaxError, VariablePattern};
+
+use super::geometry::PerAxis;
 
 /// How far the templates of a lattice look, read off the indices that they are written with.
 ///
 /// On a short lattice `x[i+6]` may be `x[i-3]`, or beyond an open end. A trial tells how far a formula looks only
-/// where the lattice is long enough. But how long that is, the trial itself would have to tell.
+/// where the lattice is long enough. But how long that is, the trial itself would have to tell. Each number is one an
+/// axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TemplateReach {
     /// The largest distance between two sites that an entry of the bracket names, those of its pair among them.
-    pub bracket: usize,
+    pub bracket: PerAxis<usize>,
     /// The same of a term of H.
-    pub hamiltonian: usize,
+    pub hamiltonian: PerAxis<usize>,
     /// The same of a term of a Casimir.
-    pub casimirs: usize,
+    pub casimirs: PerAxis<usize>,
     /// How far forces look from the coordinate that feels them.
-    pub forces: usize,
+    pub forces: PerAxis<usize>,
     /// How far the index of such a template is from the nearest site that it names: of `sum(i, x[i+2]*x[i+3])`
     /// two sites.
-    pub beside: usize,
+    pub beside: PerAxis<usize>,
     /// How far the terms at a site look from it: of the energy, of Casimirs and of what else is observed.
-    pub terms: usize,
+    pub terms: PerAxis<usize>,
 }
 
 impl TemplateReach {
     /// How many sites the tensor and dH together look to either side, at least 1.
-    pub fn each(&self) -> usize {
-        self.bracket.saturating_add(self.hamiltonian).max(1)
+    pub fn each(&self) -> PerAxis<usize> {
+        sums(self.bracket, self.hamiltonian).map(|each| each.max(1))
     }
 
     /// Number of sites that code looks to either side which goes through tensor and dH `times` times. It is at least
-    /// what a check of Casimirs looks. On an open lattice it includes how far templates stand beside the sites that
+    /// what a check of Casimirs looks. Along an axis with ends it includes how far templates stand beside the sites that
     /// they name.
-    pub fn of_times(&self, times: usize, is_open: bool) -> usize {
-        let of_casimirs = self.casimirs.saturating_add(self.bracket).saturating_sub(1);
-        let beside = if is_open { self.beside } else { 0 };
-        let each = self.each().saturating_mul(times).max(self.forces);
-        each.max(of_casimirs).saturating_add(beside)
+    pub fn of_times(&self, times: usize, has_ends: PerAxis<bool>) -> PerAxis<usize> {
+        let (each, of_casimirs) = (self.each(), sums(self.casimirs, self.bracket));
+        std::array::from_fn(|axis| {
+            let beside = if has_ends[axis] { self.beside[axis] } else { 0 };
+            let each = each[axis].saturating_mul(times).max(self.forces[axis]);
+            let of_casimirs = of_casimirs[axis].saturating_sub(1);
+            each.max(of_casimirs).saturating_add(beside)
+        })
     }
 
     /// With an entry of the bracket.
@@ -48,14 +54,13 @@ impl TemplateReach {
         pair: [&VariablePattern; 2],
         entry: &Formula,
     ) -> Result<Self, SyntaxError> {
-        let index = pair.iter().find_map(|pattern| pattern.index_name());
-        let own = entry.offsets_from(index.unwrap_or_default())?;
+        let names = pair.map(VariablePattern::index_names);
+        let names = names.into_iter().find(|names| !names.is_empty());
+        let own = entry.offsets_from(&names.unwrap_or_default())?;
         let named = [pair[0].offsets()?, pair[1].offsets()?, own];
-        let all = named
-            .into_iter()
-            .flatten()
-            .reduce(|all, own| joined(&all, &own));
-        self.bracket = self.bracket.max(self.apart(all));
+        let all = named.into_iter().flatten();
+        let all = all.reduce(|all, own| all.joined(&own));
+        self.bracket = largest(self.bracket, self.apart(all));
         Ok(self)
     }
 
@@ -65,7 +70,7 @@ impl TemplateReach {
     /// Those of [`Formula::offsets_of_sums`].
     pub fn with_hamiltonian(self, formula: &Formula) -> Result<Self, SyntaxError> {
         let mut with = self.with_observable(formula)?;
-        with.hamiltonian = with.hamiltonian.max(with.apart(formula.offsets_of_sums()?));
+        with.hamiltonian = largest(with.hamiltonian, with.apart(formula.offsets_of_sums()?));
         Ok(with)
     }
 
@@ -75,7 +80,7 @@ impl TemplateReach {
     /// Those of [`Formula::offsets_of_sums`].
     pub fn with_casimir(self, formula: &Formula) -> Result<Self, SyntaxError> {
         let mut with = self.with_observable(formula)?;
-        with.casimirs = with.casimirs.max(with.apart(formula.offsets_of_sums()?));
+        with.casimirs = largest(with.casimirs, with.apart(formula.offsets_of_sums()?));
         Ok(with)
     }
 
@@ -84,20 +89,17 @@ impl TemplateReach {
     /// # Errors
     /// Those of [`Formula::offsets_of_sums`] and [`Formula::offsets_from`].
     pub fn with_channel(mut self, formula: &Formula) -> Result<Self, SyntaxError> {
-        let templates = match formula.free_index() {
-            Some(index) => formula.offsets_from(index)?.into_iter().collect(),
-            None => formula.offsets_of_sums()?,
+        let names = formula.free_indices();
+        let templates = match names.is_empty() {
+            false => formula.offsets_from(&names)?.into_iter().collect(),
+            true => formula.offsets_of_sums()?,
         };
-        let templates = templates.iter().map(|own| joined(own, &(0..=0)));
+        let templates = templates.iter().map(|own| own.joined(&Offsets::here()));
         let templates: Vec<Offsets> = templates.collect();
         for offsets in &templates {
-            let farthest = offsets
-                .start()
-                .unsigned_abs()
-                .max(offsets.end().unsigned_abs());
-            self.terms = self.terms.max(sites(farthest));
+            self.terms = largest(self.terms, farthest(offsets));
         }
-        self.hamiltonian = self.hamiltonian.max(self.apart(templates));
+        self.hamiltonian = largest(self.hamiltonian, self.apart(templates));
         Ok(self)
     }
 
@@ -110,11 +112,11 @@ impl TemplateReach {
         coordinate: &VariablePattern,
         formula: &Formula,
     ) -> Result<Self, SyntaxError> {
-        let index = coordinate.index_name().unwrap_or_default();
-        let named = [coordinate.offsets()?, formula.offsets_from(index)?];
+        let names = coordinate.index_names();
+        let named = [coordinate.offsets()?, formula.offsets_from(&names)?];
         let all = named.into_iter().flatten();
-        let all = all.reduce(|all, own| joined(&all, &own));
-        self.forces = self.forces.max(self.apart(all));
+        let all = all.reduce(|all, own| all.joined(&own));
+        self.forces = largest(self.forces, self.apart(all));
         Ok(self)
     }
 
@@ -124,30 +126,46 @@ impl TemplateReach {
     /// Those of [`Formula::offsets_of_sums`].
     pub fn with_observable(mut self, formula: &Formula) -> Result<Self, SyntaxError> {
         for offsets in formula.offsets_of_sums()? {
-            let farthest = offsets
-                .start()
-                .unsigned_abs()
-                .max(offsets.end().unsigned_abs());
-            self.terms = self.terms.max(sites(farthest));
+            self.terms = largest(self.terms, farthest(&offsets));
         }
         Ok(self)
     }
 
-    /// How far from each other the sites of a template are at most; takes in how far its index stands beside them.
-    fn apart(&mut self, templates: impl IntoIterator<Item = Offsets>) -> usize {
-        let mut apart = 0;
+    /// How far from each other the sites of a template are at most; takes in how far its indices stand beside them.
+    fn apart(&mut self, templates: impl IntoIterator<Item = Offsets>) -> PerAxis<usize> {
+        let mut apart = [0; AXES];
         for offsets in templates {
-            let (least, greatest) = (*offsets.start(), *offsets.end());
-            apart = apart.max(sites(least.abs_diff(greatest)));
-            let beside = match (least > 0, greatest < 0) {
-                (true, _) => least.unsigned_abs(),
-                (_, true) => greatest.unsigned_abs(),
-                _ => 0,
-            };
-            self.beside = self.beside.max(sites(beside));
+            for (axis, range) in offsets.axes().iter().enumerate() {
+                let (least, greatest) = (*range.start(), *range.end());
+                apart[axis] = apart[axis].max(sites(least.abs_diff(greatest)));
+                let beside = match (least > 0, greatest < 0) {
+                    (true, _) => least.unsigned_abs(),
+                    (_, true) => greatest.unsigned_abs(),
+                    _ => 0,
+                };
+                self.beside[axis] = self.beside[axis].max(sites(beside));
+            }
         }
         apart
     }
+}
+
+/// How far the farthest site is that a template names.
+fn farthest(offsets: &Offsets) -> PerAxis<usize> {
+    std::array::from_fn(|axis| {
+        let range = &offsets.axes()[axis];
+        sites(range.start().unsigned_abs().max(range.end().unsigned_abs()))
+    })
+}
+
+/// The larger number along each axis.
+fn largest(a: PerAxis<usize>, b: PerAxis<usize>) -> PerAxis<usize> {
+    std::array::from_fn(|axis| a[axis].max(b[axis]))
+}
+
+/// The sum along each axis.
+fn sums(a: PerAxis<usize>, b: PerAxis<usize>) -> PerAxis<usize> {
+    std::array::from_fn(|axis| a[axis].saturating_add(b[axis]))
 }
 
 /// A distance; saturated it is longer than every lattice.
@@ -171,15 +189,21 @@ mod tests {
             })
             .and_then(|reach| reach.with_observable(&formula("sum(k, x[k]*x[k-40])/2")));
         let expected = TemplateReach {
-            bracket: 9,
-            hamiltonian: 1,
-            casimirs: 0,
-            forces: 0,
-            beside: 30,
-            terms: 40,
+            bracket: [9, 0, 0],
+            hamiltonian: [1, 0, 0],
+            casimirs: [0; 3],
+            forces: [0; 3],
+            beside: [30, 0, 0],
+            terms: [40, 0, 0],
         };
         assert_eq!(reach, Ok(expected));
+        let plane = formula("sum(i, j, x[i,j]*x[i+1,j] + x[i,j]*x[i,j-2]) + sum(j, i, x[i+1,j+4])");
+        let reach = TemplateReach::default().with_hamiltonian(&plane);
+        let reach = reach.expect("sums over sites");
+        assert_eq!((reach.hamiltonian, reach.beside), ([1, 2, 0], [1, 4, 0]));
         for text in [
+            "sum(i, j, x[i,j]*x[j,i])",
+            "sum(i, j, x[i]*y[j])",
             "sum(i<j, x[i]*x[j])",
             "sum(i, x[i])^2",
             "sum(i, x[i]*x[0])",

@@ -1,14 +1,15 @@
 //! Numbers of every site of a lattice.
 
+use leafwise_expression::syntax::AXES;
 use leafwise_expression::{Arithmetic, Graph, Term};
 
-use super::geometry::{LatticeGeometry, Proxy};
+use super::geometry::{LatticeGeometry, PerAxis, Proxy};
 use super::locality::check_room;
 use super::program::{LatticeEvaluator, LatticeProgram};
 use super::stages::{Field, StageBuilder};
 use crate::error::BuildError;
 
-/// How far numbers may look at least.
+/// How far numbers may look at least along the axis of a chain.
 const REACH: usize = 8;
 
 /// Writes the numbers of a site of a lattice from the lattice's coordinates.
@@ -21,10 +22,11 @@ pub(super) type OfSite<'a> =
 /// [`BuildError::NotLocal`] where it is too long.
 pub(super) fn proxy_of_numbers(
     geometry: &LatticeGeometry,
-    reach: usize,
-) -> Result<(LatticeGeometry, usize), BuildError> {
-    let proxy = geometry.proxy(reach.max(REACH));
-    let (proxy, width) = proxy.unwrap_or_else(|| (geometry.clone(), 0));
+    reach: PerAxis<usize>,
+) -> Result<(LatticeGeometry, PerAxis<usize>), BuildError> {
+    let least = if geometry.axes.len() == 1 { REACH } else { 1 };
+    let proxy = geometry.proxy(reach.map(|reach| reach.max(least)));
+    let (proxy, width) = proxy.unwrap_or_else(|| (geometry.clone(), [0; AXES]));
     check_room(&proxy, reach, 1)?;
     Ok((proxy, width))
 }
@@ -46,7 +48,7 @@ impl SiteNumbers {
     /// # Errors
     /// [`BuildError::NotLocal`] when that is too far; those of `numbers`.
     pub(super) fn compile(
-        (geometry, reach): (&LatticeGeometry, usize),
+        (geometry, reach): (&LatticeGeometry, PerAxis<usize>),
         parameters: usize,
         numbers: &mut OfSite<'_>,
     ) -> Result<Self, BuildError> {

@@ -14,17 +14,17 @@ use std::sync::{Arc, OnceLock};
 use leafwise_expression::{AlgebraError, Arithmetic, Execution, Graph, Kernel, Term, Workspace};
 
 use super::fields::Fields;
-use super::geometry::{LatticeGeometry, Proxy, SiteClass, site_classes};
+use super::geometry::{LatticeGeometry, PerAxis, Proxy, SiteClass, site_classes};
 use super::program::{LatticeProgram, Prepared};
 use super::stages::{Field, StageBuilder};
-use super::stencil::{Tap, load, tap_of, terms_of, workspace};
+use super::stencil::{Blocks, Tap, load, tap_of, terms_of, workspace};
 
 /// Code of the slopes of a program, compiled when it is first asked for.
 #[derive(Debug)]
 pub struct LatticeSlopes {
     program: Arc<LatticeProgram>,
     proxy: LatticeGeometry,
-    width: usize,
+    width: PerAxis<usize>,
     builder: StageBuilder,
     parameters: usize,
     code: OnceLock<Option<ProgramSlopes>>,
@@ -103,8 +103,7 @@ impl LatticeSlopes {
             geometry: &self.proxy,
             width: self.width,
         };
-        let (length, short) = (geometry.length(), self.proxy.length());
-        let classes = site_classes(length, short, self.width, geometry.periodic);
+        let classes = site_classes(geometry, proxy);
         let mut graph = self.builder.graph.clone();
         let mut stages = Vec::with_capacity(self.builder.stages.len());
         for stage in &self.builder.stages {
@@ -213,16 +212,19 @@ impl Entries {
         if code.entries.is_empty() {
             return;
         }
-        for first in (0..sites).step_by(lanes) {
+        let geometry = program.geometry();
+        let runs: Vec<Range<usize>> = class.sites.runs(geometry).collect();
+        let (mut blocks, mut block) = (Blocks::new(&runs, lanes), Vec::new());
+        let mut first = 0;
+        while blocks.next_into(geometry, &mut block) {
             let count = lanes.min(sites - first);
             for (input, tap) in code.taps.iter().enumerate() {
                 load(
                     self.workspace.input_mut(input),
                     &fields.get(Field(tap.field))[program.offsets()[tap.family]..],
-                    program.geometry(),
-                    class.start + first,
+                    geometry,
                     tap.shift,
-                    count,
+                    &block,
                 );
             }
             code.kernel.evaluate_in_place(&mut self.workspace);
@@ -230,6 +232,7 @@ impl Entries {
                 let lanes = code.kernel.output(&self.workspace, at);
                 of_sites[first..first + count].copy_from_slice(&lanes[..count]);
             }
+            first += count;
         }
     }
 }
@@ -430,26 +433,42 @@ fn outputs<'a>(
         let outputs = stencil.outputs.iter();
         outputs.map(|(field, family)| (*field, *family, stencil.class))
     });
-    each.scan(0, |next, (field, family, class)| {
-        let (first, start) = (*next, program.offsets()[family] + class.start);
-        *next += class.sites();
-        Some((Field(field), start..start + class.sites(), first..*next))
+    let runs = each.flat_map(|(field, family, class)| {
+        let start = program.offsets()[family];
+        let runs = class.sites.runs(program.geometry());
+        runs.map(move |run| (Field(field), start + run.start..start + run.end))
+    });
+    runs.scan(0, |next, (field, range)| {
+        let first = *next;
+        *next += range.len();
+        Some((field, range, first..*next))
     })
 }
 
-/// Where a tap of all sites of a class stands in its field, each range with the sites that it is of: two where a
-/// ring closes.
+/// Where a tap of all sites of a class stands in its field, each range with the sites that it is of, two a row where
+/// an axis closes.
 fn places(
     program: &LatticeProgram,
     class: SiteClass,
     tap: Tap,
-) -> [(Range<usize>, Range<usize>); 2] {
-    let (length, offset) = (program.geometry().length(), program.offsets()[tap.family]);
-    let first = class.start as isize + tap.shift;
-    let first = first.rem_euclid(length as isize) as usize;
-    let (before, sites) = (class.sites().min(length - first), class.sites());
-    [(first, 0..before), (0, before..sites)].map(|(from, of_class)| {
-        let from = offset + from;
-        (from..from + of_class.len(), of_class)
+) -> impl Iterator<Item = (Range<usize>, Range<usize>)> {
+    let (geometry, offset) = (program.geometry(), program.offsets()[tap.family]);
+    let axes = geometry.axes.len();
+    let length = geometry.axes.last().map_or(1, |axis| axis.length);
+    let (rows, sites) = class.sites.rows(axes);
+    rows.enumerate().flat_map(move |(row, place)| {
+        let here = geometry.site(place);
+        // A class reads no site beyond an end.
+        let first = geometry.beside(here, tap.shift).unwrap_or(here);
+        let (row_start, at) = (first - first % length, first % length);
+        let before = sites.min(length - at);
+        let of_row = row * sites;
+        [(first, 0..before), (row_start, before..sites)].map(|(from, of_class)| {
+            let from = offset + from;
+            (
+                from..from + of_class.len(),
+                of_row + of_class.start..of_row + of_class.end,
+            )
+        })
     })
 }

@@ -5,7 +5,7 @@ use std::cell::Cell;
 use leafwise_expression::{Arithmetic, Execution, Function, Term};
 use proptest::prelude::*;
 
-use super::{Cells, Field, LatticeGeometry, LatticeProgram, Proxy, StageBuilder};
+use super::{Axis, Cells, Field, LatticeGeometry, LatticeProgram, Proxy, StageBuilder};
 
 /// How far code looks at most.
 const REACH: usize = 3;
@@ -28,22 +28,19 @@ fn rows((blocks, more, periodic, lacking, period): &Drawn) -> Option<LatticeGeom
         .map(|lacks| length.checked_sub(if *periodic { 0 } else { *lacks }));
     let lengths: Option<Vec<usize>> = std::iter::once(Some(length)).chain(lengths).collect();
     let families = ["x", "y", "z"].map(str::to_owned).into_iter().zip(lengths?);
-    let sites = LatticeGeometry {
-        families: families.collect(),
-        periodic: *periodic,
-    };
+    let sites = LatticeGeometry::chain(families.collect(), *periodic);
     Some(Cells::new(sites, *period)?.rows().clone())
 }
 
-/// What is done with a number so far and another one, which stands in a field, a family and so far away.
-type Operation = (u8, usize, usize, isize);
+/// What is done with a number so far and another one, which stands in a field, a family and so far away along each axis.
+type Operation = (u8, usize, usize, [isize; 3]);
 
 /// Values of one stage, and the field that takes them: a new one, or the state in some families.
 type Drafted = (Vec<Operation>, Option<usize>);
 
 fn stages() -> impl Strategy<Value = Vec<Drafted>> {
     let reach = REACH as isize;
-    let shift = prop_oneof![1 => Just(0), 1 => -reach..=reach];
+    let shift = [(); 3].map(|()| prop_oneof![1 => Just(0), 1 => -reach..=reach]);
     let operation = (0_u8..9, any::<usize>(), any::<usize>(), shift);
     let operations = prop::collection::vec(operation, 1..8);
     prop::collection::vec((operations, prop::option::of(any::<usize>())), 1..4)
@@ -59,13 +56,10 @@ fn write(proxy: &LatticeGeometry, stages: &[Drafted]) -> (StageBuilder, Field) {
         let mut values = Vec::with_capacity(proxy.dimension());
         for coordinate in 0..proxy.dimension() {
             let (family, site) = proxy.locate(coordinate);
-            let read = |field: usize, other: usize, shift: isize| -> Option<Term> {
+            let read = |field: usize, other: usize, shift: [isize; 3]| -> Option<Term> {
                 let other = (family + other) % proxy.families.len();
                 let length = proxy.families[other].1;
-                let at = match proxy.periodic {
-                    true => (site as isize + shift).rem_euclid(length as isize) as usize,
-                    false => site.checked_add_signed(shift)?,
-                };
+                let at = proxy.beside(site, shift)?;
                 let field = &fields[field % fields.len()];
                 (at < length).then(|| field[offsets[other] + at].clone())
             };
@@ -129,17 +123,39 @@ fn evolve(
 
 #[test]
 fn sweeps_in_place_keep_the_bits_of_copies() {
+    let chains = drawn().prop_map(|drawn| rows(&drawn));
+    keep_their_bits(chains, 100);
+}
+
+/// Planes and boxes with axes that close or end, some shorter than a proxy.
+#[test]
+fn sweeps_along_several_axes_keep_the_bits_of_copies() {
+    let axis = (1_usize..24, any::<bool>());
+    let axis = axis.prop_map(|(length, periodic)| Axis { length, periodic });
+    let axes = prop_oneof![
+        2 => prop::collection::vec(axis.clone(), 2),
+        1 => prop::collection::vec(axis, 3),
+    ];
+    let planes = axes.prop_map(|axes| {
+        let names = ["x", "y"].map(str::to_owned);
+        Some(LatticeGeometry::along(names, axes))
+    });
+    keep_their_bits(planes, 100);
+}
+
+/// Draws lattices and stages; at least so many cases go in place.
+fn keep_their_bits(lattices: impl Strategy<Value = Option<LatticeGeometry>>, least: usize) {
     let config = ProptestConfig {
         failure_persistence: None,
         ..ProptestConfig::with_cases(200)
     };
     let in_place = Cell::new(0);
-    proptest!(config, |(drawn in drawn(), stages in stages(), rounds in prop_oneof![4 => 1_usize..3, 1 => Just(150)])| {
-        let Some(geometry) = rows(&drawn) else {
+    proptest!(config, |(drawn in lattices, stages in stages(), rounds in prop_oneof![4 => 1_usize..3, 1 => Just(150)])| {
+        let Some(geometry) = drawn else {
             return Ok(());
         };
-        let proxy = geometry.proxy(REACH);
-        let (proxy, width) = proxy.unwrap_or_else(|| (geometry.clone(), 0));
+        let proxy = geometry.proxy([REACH; 3]);
+        let (proxy, width) = proxy.unwrap_or_else(|| (geometry.clone(), [0; 3]));
         let (builder, state) = write(&proxy, &stages);
         let proxy = Proxy { geometry: &proxy, width };
         let program = LatticeProgram::compile(&geometry, proxy, &builder, 1);
@@ -153,6 +169,6 @@ fn sweeps_in_place_keep_the_bits_of_copies() {
         }
     });
     if cfg!(all(feature = "jit", target_arch = "x86_64", not(windows))) {
-        assert!(in_place.get() > 100, "{} cases in place", in_place.get());
+        assert!(in_place.get() > least, "{} cases in place", in_place.get());
     }
 }

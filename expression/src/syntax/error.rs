@@ -157,13 +157,17 @@ pub enum SyntaxErrorKind {
         written: usize,
     },
     /// An index of a sum that counts along no axis, or along axes of different lengths.
-    #[error("the index `{name}` counts along no axis, or along axes of different lengths: use it in brackets, each index along one axis")]
+    #[error(
+        "the index `{name}` counts along no axis, or along axes of different lengths: use it in brackets, each index along one axis"
+    )]
     AxisUnknown {
         /// The index.
         name: String,
     },
     /// `N` as a number on a lattice of several axes.
-    #[error("`N` as a number is the length of a chain, and this lattice has several axes: write the length of the axis as a number")]
+    #[error(
+        "`N` as a number is the length of a chain, and this lattice has several axes: write the length of the axis as a number"
+    )]
     LengthOfAxes,
     /// An index used as a number in a tensor or a Hamiltonian.
     #[error(

@@ -81,8 +81,7 @@ impl VariablePattern {
         scope: &Scope,
         index: Option<At<'_>>,
     ) -> Result<Option<usize>, SyntaxError> {
-        let mut place =
-            |bound: Option<&Bound<'_>>| scope.place(&self.text, &self.reference, bound);
+        let mut place = |bound: Option<&Bound<'_>>| scope.place(&self.text, &self.reference, bound);
         match scope.at_site(index, 0, &mut place)? {
             Place::Variable(index) => Ok(Some(index)),
             Place::Outside { .. } => Ok(None),

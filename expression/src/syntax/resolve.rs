@@ -33,8 +33,7 @@ impl Formula {
         index: Option<At<'_>>,
     ) -> Result<Option<Expression>, SyntaxError> {
         let mut resolver = Resolver::new(self.text(), scope);
-        let mut resolve =
-            |bound: Option<&Bound<'_>>| resolver.expression(self.root(), bound);
+        let mut resolve = |bound: Option<&Bound<'_>>| resolver.expression(self.root(), bound);
         match scope.at_site(index, 0, &mut resolve) {
             Ok(expression) => Ok(Some(expression)),
             Err(Stop::Outside { .. }) => Ok(None),

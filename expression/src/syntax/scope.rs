@@ -31,7 +31,10 @@ pub enum Boundary {
 pub(super) enum Entry {
     Variable(usize),
     /// Members along as many axes as have a length, the last axis fastest.
-    Family { offset: usize, shape: Shape },
+    Family {
+        offset: usize,
+        shape: Shape,
+    },
     Parameter(usize),
     Definition(usize),
 }
@@ -282,6 +285,15 @@ impl Scope {
             rest /= (*length).max(1);
         }
         coordinates
+    }
+
+    /// A site by the values of its indices: `i = 3`, or `i = 3, j = 0`.
+    pub fn named_site(&self, (names, site): At<'_>) -> String {
+        let values = names.iter().zip(self.coordinates(site));
+        let values: Vec<String> = values
+            .map(|(name, value)| format!("{name} = {value}"))
+            .collect();
+        values.join(", ")
     }
 
     /// Calls `then` with the indices of a caller bound to a site, inside `outer`, all of one level.

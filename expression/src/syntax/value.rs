@@ -103,7 +103,9 @@ impl Evaluator<'_> {
     fn integer(&self, kind: &Kind) -> Option<i64> {
         match kind {
             Kind::Number { exact, .. } => exact.to_i64(),
-            Kind::Length => i64::try_from(self.scope.shown_length(Span { start: 0, end: 0 }).ok()?).ok(),
+            Kind::Length => {
+                i64::try_from(self.scope.shown_length(Span { start: 0, end: 0 }).ok()?).ok()
+            }
             Kind::Negate(operand) => self.integer(&operand.kind)?.checked_neg(),
             _ => None,
         }

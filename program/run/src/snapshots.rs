@@ -89,10 +89,7 @@ mod tests {
 
     #[test]
     fn a_long_run_of_a_long_lattice_keeps_an_even_selection() {
-        let geometry = LatticeGeometry {
-            families: vec![("x".to_owned(), 2000)],
-            periodic: true,
-        };
+        let geometry = LatticeGeometry::chain(vec![("x".to_owned(), 2000)], true);
         let mut snapshots = Snapshots::new();
         for sample in 0..5000_u32 {
             let state: Vec<f64> = (0..2000)

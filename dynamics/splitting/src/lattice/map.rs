@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use leafwise_core::lattice::{
-    Cells, Field, LatticeGeometry, LatticeMap, LatticeProgram, LatticeSlopes, LatticeSource, Proxy,
-    StageBuilder, TemplateReach,
+    Cells, Field, LatticeGeometry, LatticeMap, LatticeProgram, LatticeSlopes, LatticeSource,
+    PerAxis, Proxy, StageBuilder, TemplateReach,
 };
 use leafwise_core::solver::{MapProperties, StepMap, Stepper, Structure};
 use leafwise_core::{BuildError, Differential, PoissonSystem};
+use leafwise_expression::syntax::AXES;
 use leafwise_expression::{Arithmetic, Ring, StepSize};
 
 use super::differential::SweptFlows;
@@ -50,9 +51,12 @@ impl LatticeSplitting {
         let reach = source.reach()?;
         let mut misfit = None;
         // Terms that stand twice the reach apart have nothing to do with each other.
-        let far = Some(reach.each().saturating_mul(2));
+        let far = Some(reach.each()[0].saturating_mul(2));
         let far = far.filter(|period| (LONGEST_PERIOD + 1..=FARTHEST_PERIOD).contains(period));
-        for period in (1..=LONGEST_PERIOD).chain(far) {
+        // Along several axes a cell is one site.
+        let is_chain = geometry.axes.len() == 1;
+        let periods = (1..=LONGEST_PERIOD).chain(far);
+        for period in periods.take(if is_chain { usize::MAX } else { 1 }) {
             let Some(cells) = Cells::new(geometry.clone(), period) else {
                 misfit = misfit.or(Some(period));
                 continue;
@@ -67,6 +71,10 @@ impl LatticeSplitting {
                  try a multiple of {period}, or boundary = \"open\"",
                 geometry.length()
             ),
+            None if !is_chain => {
+                "along several axes every piece repeats from site to site, and its Hamiltonian does not split into such"
+                    .to_owned()
+            }
             None => format!(
                 "its Hamiltonian does not split into pieces that repeat every {LONGEST_PERIOD} sites or fewer, \
                  or after twice the distance that it couples"
@@ -81,17 +89,22 @@ impl LatticeSplitting {
         cells: Cells,
         reach: &TemplateReach,
     ) -> Result<Option<Self>, BuildError> {
-        let is_open = !cells.sites().periodic;
-        let [once, beside] = [
-            reach.of_times(1, is_open),
-            if is_open { reach.beside } else { 0 },
-        ]
-        .map(|sites| sites.div_ceil(cells.period()));
+        let ends = cells.sites().ends();
+        let beside = std::array::from_fn(|axis| match ends[axis] {
+            true => reach.beside[axis],
+            false => 0,
+        });
+        let [once, beside] = [reach.of_times(1, ends), beside]
+            .map(|sites: PerAxis<usize>| sites.map(|sites| sites.div_ceil(cells.period())));
         let mut looks = once;
         loop {
             match Self::on_proxy(source, &cells, cells.proxy(looks)?, (looks, beside))? {
                 Found::Splitting(splitting) => return Ok(Some(*splitting)),
-                Found::LooksFurther(cells) if cells <= FARTHEST * once => looks = cells,
+                Found::LooksFurther(cells)
+                    if (0..AXES).all(|axis| cells[axis] <= FARTHEST * once[axis]) =>
+                {
+                    looks = std::array::from_fn(|axis| cells[axis].max(looks[axis]));
+                }
                 Found::None | Found::LooksFurther(_) => return Ok(None),
             }
         }
@@ -102,8 +115,8 @@ impl LatticeSplitting {
     fn on_proxy(
         source: &dyn LatticeSource,
         cells: &Cells,
-        (proxy_cells, width): (Cells, usize),
-        (room, beside): (usize, usize),
+        (proxy_cells, width): (Cells, PerAxis<usize>),
+        (room, beside): (PerAxis<usize>, PerAxis<usize>),
     ) -> Result<Found, BuildError> {
         let proxy = source.write_out(proxy_cells.sites())?;
         proxy.without_forces(NAME)?;
@@ -113,10 +126,14 @@ impl LatticeSplitting {
             return Ok(Found::None);
         };
         if proxy_cells != *cells {
-            let most = FARTHEST * room;
-            let looks = (pieces.iter()).map(|piece| looks(piece, &proxy_cells, &ring, most));
-            let looks = looks.max().unwrap_or(0) + beside;
-            if looks > room {
+            let most = room.map(|room| FARTHEST * room);
+            let mut farthest = [0; AXES];
+            for piece in &pieces {
+                let looks = looks(piece, &proxy_cells, &ring, most);
+                farthest = std::array::from_fn(|axis| looks[axis].max(farthest[axis]));
+            }
+            let looks: PerAxis<usize> = std::array::from_fn(|axis| farthest[axis] + beside[axis]);
+            if (0..AXES).any(|axis| looks[axis] > room[axis]) {
                 return Ok(Found::LooksFurther(looks));
             }
         }
@@ -171,8 +188,8 @@ enum Found {
     Splitting(Box<LatticeSplitting>),
     /// None.
     None,
-    /// Pieces with flows that look so many cells far, further than the proxy has room for.
-    LooksFurther(usize),
+    /// Pieces with flows that look so many cells far along each axis, further than the proxy has room for.
+    LooksFurther(PerAxis<usize>),
 }
 
 /// One stage for each piece: x ← x + δ and Σδ ← Σδ + δ, where the piece moves x.

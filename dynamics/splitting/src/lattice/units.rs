@@ -3,9 +3,10 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use leafwise_core::lattice::{Cells, LatticeSource};
+use leafwise_core::lattice::{Cells, LatticeSource, PerAxis};
 use leafwise_core::{BuildError, SystemFormulas};
 use leafwise_expression::algebra::{Generator, Symbol};
+use leafwise_expression::syntax::AXES;
 use leafwise_expression::{Expression, Polynomial, Ring};
 
 use crate::field::variables;
@@ -57,13 +58,18 @@ pub fn find_repeating_pieces(
     Ok(Some(pieces))
 }
 
-/// Number of cells that the flow of a piece looks away, or `most` + 1 for more than `most`. A coordinate is moved by
-/// others, which are moved themselves by what stands as far from them, and so on. The middle of the cells is looked
-/// at, whose field is that of every cell.
-pub(super) fn looks(piece: &Piece, cells: &Cells, ring: &Ring, most: usize) -> usize {
+/// Number of cells that the flow of a piece looks away along each axis, or more than `most` where it is more. A
+/// coordinate is moved by others, which are moved themselves by what stands as far from them, and so on. The middle of
+/// the cells is looked at, whose field is that of every cell.
+pub(super) fn looks(
+    piece: &Piece,
+    cells: &Cells,
+    ring: &Ring,
+    most: PerAxis<usize>,
+) -> PerAxis<usize> {
     let rows = cells.rows();
-    let (middle, offsets) = (rows.length() / 2, rows.offsets());
-    let mut read_by: Vec<Vec<(usize, isize)>> = vec![Vec::new(); offsets.len()];
+    let (middle, offsets) = (rows.middle(), rows.offsets());
+    let mut read_by: Vec<Vec<(usize, PerAxis<isize>)>> = vec![Vec::new(); offsets.len()];
     for (&moved, velocity) in piece.field() {
         let (row, cell) = rows.locate(cells.place(moved));
         if cell == middle {
@@ -75,21 +81,25 @@ pub(super) fn looks(piece: &Piece, cells: &Cells, ring: &Ring, most: usize) -> u
                 .collect();
         }
     }
-    let mut farthest = 0;
+    let mut farthest = [0; AXES];
     for start in 0..offsets.len() {
         let mut seen = BTreeSet::new();
-        let mut open = vec![(start, 0_isize)];
+        let mut open = vec![(start, [0_isize; AXES])];
         while let Some((row, shift)) = open.pop() {
-            farthest = farthest.max(shift.unsigned_abs());
-            if farthest > most {
-                return most + 1;
+            for (farthest, shift) in farthest.iter_mut().zip(shift) {
+                *farthest = shift.unsigned_abs().max(*farthest);
+            }
+            if (0..AXES).any(|axis| farthest[axis] > most[axis]) {
+                return farthest;
             }
             if seen.insert((row, shift)) {
-                open.extend(
-                    read_by[row]
-                        .iter()
-                        .map(|(row, further)| (*row, shift + further)),
-                );
+                let further = read_by[row].iter().map(|(row, further)| {
+                    (
+                        *row,
+                        std::array::from_fn(|axis| shift[axis] + further[axis]),
+                    )
+                });
+                open.extend(further);
             }
         }
     }
@@ -100,7 +110,7 @@ pub(super) fn looks(piece: &Piece, cells: &Cells, ring: &Ring, most: usize) -> u
 /// then what stands at open ends alone.
 fn units(cells: &Cells, sites: &[Vec<SiteAtom>]) -> Vec<(usize, String)> {
     let period = cells.period();
-    let middle = cells.rows().length() / 2 * period;
+    let middle = cells.rows().middle() * period;
     let of_middle = |row: usize| sites.get(middle + row).map_or(&[][..], Vec::as_slice);
     let most = (0..period)
         .map(|row| of_middle(row).len())
@@ -169,7 +179,7 @@ fn site_atoms(
         for atom in atoms(system, ring, probe, tensor, f, &summand)? {
             let name = |variable: usize| {
                 let (family, other) = cells.sites().locate(variable);
-                format!("{family}@{}", cells.sites().shift(site, other))
+                format!("{family}@{:?}", cells.sites().shift(site, other))
             };
             let key = Key { ring, name: &name }.polynomial(&atom.hamiltonian);
             found.push(SiteAtom { key, atom });

@@ -340,7 +340,11 @@ fn planes_have_an_index_an_axis() {
         assert_eq!(value(text, &boundaries, 11), expected, "{text}");
     }
     let whole: f64 = (0..12).map(|at| f64::from(at / 4 * 10 + at % 4)).sum();
-    for text in ["sum(i, j, w[i,j])", "sum(j, i, w[i,j])", "sum(i, sum(j, w[i+1,j-1]))"] {
+    for text in [
+        "sum(i, j, w[i,j])",
+        "sum(j, i, w[i,j])",
+        "sum(i, sum(j, w[i+1,j-1]))",
+    ] {
         assert_eq!(value(text, &[around, around], 0), Some(whole), "{text}");
     }
     // Bonds along each axis of an open plane: 2·4 and 3·3.
@@ -370,7 +374,10 @@ fn densities_of_planes_add_up() {
             "2*sum(j, i, w[i,j]*w[i+1,j]) - sum(i, j, w[i,j-1]*w[i,j]/2)",
         ] {
             let formula = parse(text);
-            let whole = formula.resolve(&scope, None).expect("names").expect("inside");
+            let whole = formula
+                .resolve(&scope, None)
+                .expect("names")
+                .expect("inside");
             let shares = (0..12).map(|site| {
                 let density = formula.density(&scope, site).expect("a sum over sites");
                 density.site.evaluate(&state, &[])
@@ -379,7 +386,11 @@ fn densities_of_planes_add_up() {
         }
     }
     let (scope, _) = plane(&[Boundary::Open; 2]);
-    for text in ["sum(i, w[i,0])", "sum(i, j, w[i,i])", "sum(i, j, k, w[i,j])"] {
+    for text in [
+        "sum(i, w[i,0])",
+        "sum(i, j, w[i,i])",
+        "sum(i, j, k, w[i,j])",
+    ] {
         let formula = parse(text);
         let refused = formula.offsets_of_sums().is_err() || formula.density(&scope, 0).is_err();
         assert!(refused, "{text}");
@@ -391,8 +402,14 @@ fn densities_of_planes_add_up() {
 fn planes_refuse_what_does_not_fit_their_axes() {
     let (scope, _) = plane(&[Boundary::Periodic; 2]);
     for (text, message) in [
-        ("w[1]", "`w` has 2 axes, and 1 is written here: write `w[i,j]`"),
-        ("w[1,2,0]", "`w` has 2 axes, and 3 are written here: write `w[i,j]`"),
+        (
+            "w[1]",
+            "`w` has 2 axes, and 1 is written here: write `w[i,j]`",
+        ),
+        (
+            "w[1,2,0]",
+            "`w` has 2 axes, and 3 are written here: write `w[i,j]`",
+        ),
         ("w[1,4]", "`w` has the members"),
         ("sum(i, 1)", "the index `i` counts along no axis"),
         ("sum(i, w[i,i])", "the index `i` counts along no axis"),

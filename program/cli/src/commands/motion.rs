@@ -65,9 +65,15 @@ pub(super) fn ends(document: &SceneDocument) -> Result<Vec<String>, Refusal> {
     Ok(lines)
 }
 
-/// Sites in order, those that follow each other as `sites 3 … 7`.
+/// Ranges of sites that are printed.
+const MOST_RANGES: usize = 12;
+
+/// Sites in order, those that follow each other as `sites 3 … 7`; of many ranges their number alone.
 fn ranges(sites: &[usize]) -> String {
     let runs = sites.chunk_by(|a, b| a + 1 == *b);
+    if runs.clone().count() > MOST_RANGES {
+        return format!("{} sites next to the ends", sites.len());
+    }
     let runs = runs.map(|run| match run {
         [first, .., last] => format!("{first} … {last}"),
         _ => run[0].to_string(),

@@ -46,22 +46,23 @@ pub(super) fn channels(
         let strength = strength(document, scope, spec)?;
         let parsed = parse(document, &spec.hamiltonian)?;
         let text = spec.hamiltonian.value.trim();
-        let Some(index) = parsed.free_index() else {
+        let names = parsed.free_indices();
+        if names.is_empty() {
             channels.push(Channel {
                 text: text.to_owned(),
                 hamiltonian: function(document, scope, &spec.hamiltonian)?,
                 strength,
             });
             continue;
-        };
+        }
         for site in 0..longest {
             let own = parsed
-                .resolve(scope, Some((index, site)))
+                .resolve(scope, Some((&names, site)))
                 .map_err(|error| names::refusal(document, &spec.hamiltonian, &error))?;
             let Some(hamiltonian) = own else { continue };
             check_code(document, &spec.hamiltonian, &hamiltonian)?;
             channels.push(Channel {
-                text: format!("{text} at {index} = {site}"),
+                text: format!("{text} at {}", scope.named_site((&names, site))),
                 hamiltonian,
                 strength: strength.clone(),
             });

@@ -4,6 +4,7 @@
 
 use std::collections::BTreeSet;
 
+use leafwise_core::lattice::LatticeGeometry;
 use leafwise_expression::Expression;
 use leafwise_expression::syntax::{DEPTH_LIMIT, Formula, Scope};
 
@@ -12,17 +13,17 @@ use super::names::{declared, function, parse};
 use super::time::{TIME, names_time};
 use crate::document::{Located, SceneDocument};
 
-/// Names that the formulas of a scene may use, with its families at the given lengths, and its definitions. `N` as a
+/// Names that the formulas of a scene may use, with its families as long as those of `lattice`, and its definitions. `N` as a
 /// number stays the true length.
 ///
 /// The variable of index `time` is the time since the initial state, to which `t0` is added. Without this variable,
 /// definitions that name the time are left out.
 pub(super) fn scope(
     document: &SceneDocument,
-    lengths: &[usize],
+    lattice: &LatticeGeometry,
     time: Option<usize>,
 ) -> Result<Scope, Refusal> {
-    let mut scope = declared(document, lengths);
+    let mut scope = declared(document, lattice);
     if let Some(time) = time {
         scope = scope.with_variable(TIME, time);
         if let Some(t0) = &document.run.t0 {

@@ -1,5 +1,10 @@
 //! Terms of H that are left out at the ends of an open lattice.
 
+use std::ops::Range;
+
+use leafwise_core::lattice::LatticeGeometry;
+use leafwise_expression::syntax::Offsets;
+
 use super::Refusal;
 use super::definitions::scope;
 use super::instantiate::geometry;
@@ -11,7 +16,7 @@ use crate::document::SceneDocument;
 pub struct LeftOut {
     /// The term as it is written.
     pub term: String,
-    /// The values of its index, in order.
+    /// The numbers of the sites, in order; along one axis they are the values of its index.
     pub sites: Vec<usize>,
 }
 
@@ -24,35 +29,15 @@ pub fn left_out(document: &SceneDocument) -> Result<Vec<LeftOut>, Refusal> {
     let geometry = geometry(document);
     let hamiltonian = &document.system.hamiltonian;
     let mut found: Vec<LeftOut> = Vec::new();
-    if geometry.periodic || geometry.families.is_empty() || document.system.numbers.is_some() {
+    if geometry.is_periodic() || geometry.families.is_empty() || document.system.numbers.is_some() {
         return Ok(found);
     }
     let parsed = parse(document, hamiltonian)?;
     let Ok(offsets) = parsed.offsets_of_sums() else {
         return Ok(found);
     };
-    let lengths: Vec<usize> = geometry.families.iter().map(|family| family.1).collect();
-    let scope = scope(document, &lengths, None)?;
-    let (longest, shortest) = (
-        geometry.length() as i64,
-        lengths.iter().copied().min().unwrap_or(0) as i64,
-    );
-    let least = offsets
-        .iter()
-        .map(|offsets| *offsets.start())
-        .min()
-        .unwrap_or(0);
-    let greatest = offsets
-        .iter()
-        .map(|offsets| *offsets.end())
-        .max()
-        .unwrap_or(0);
-    let first = longest.min(least.saturating_neg()).max(0);
-    let last = shortest
-        .saturating_sub(greatest.max(0))
-        .clamp(first, longest);
-    for site in (0..first).chain(last..longest) {
-        let site = site as usize;
+    let scope = scope(document, &geometry, None)?;
+    for site in near_ends(&geometry, &offsets) {
         let terms = parsed
             .left_out(&scope, site)
             .map_err(|error| refusal(document, hamiltonian, &error))?;
@@ -68,4 +53,32 @@ pub fn left_out(document: &SceneDocument) -> Result<Vec<LeftOut>, Refusal> {
         }
     }
     Ok(found)
+}
+
+/// Sites from which a template names something beyond an end.
+fn near_ends<'a>(
+    geometry: &'a LatticeGeometry,
+    templates: &[Offsets],
+) -> impl Iterator<Item = usize> + use<'a> {
+    let shortest = geometry.families.iter().map(|family| family.1).min();
+    let along = |axis: usize| {
+        let ranges = templates.iter().map(|offsets| &offsets.axes()[axis]);
+        let least = ranges.clone().map(|range| *range.start()).min();
+        let greatest = ranges.map(|range| *range.end()).max();
+        let length = match geometry.axes.len() {
+            1 => shortest.unwrap_or(0),
+            _ => geometry.axes[axis].length,
+        } as i64;
+        let first = least.unwrap_or(0).saturating_neg().max(0);
+        let last = length.saturating_sub(greatest.unwrap_or(0).max(0));
+        (axis, first..last)
+    };
+    let ends = geometry.ends();
+    let axes = (0..geometry.axes.len()).filter(|axis| ends[*axis]);
+    let inside: Vec<(usize, Range<i64>)> = axes.map(along).collect();
+    (0..geometry.length()).filter(move |site| {
+        let place = geometry.place(*site);
+        let is_inside = |(axis, range): &(usize, Range<i64>)| range.contains(&(place[*axis] as i64));
+        !inside.iter().all(is_inside)
+    })
 }

@@ -7,6 +7,7 @@ use leafwise_walk::{Direction, Section, Stop};
 use super::Refusal;
 use super::definitions::scope;
 use super::extended::Extension;
+use super::instantiate::geometry;
 use super::names::function;
 use super::observables::Observable;
 use super::states::RecordedStates;
@@ -105,18 +106,17 @@ pub fn section_of(
     text: &str,
     direction: Direction,
 ) -> Result<Section, Refusal> {
-    let families = &document.system.families;
-    let lengths: Vec<usize> = families.iter().map(|(_, length)| length.value).collect();
+    let lattice = geometry(document);
     let given = format!("events = \"{text}\"");
     let place = Place {
         span: given.len() - text.len() - 2..given.len(),
         source: Source::Override(given.into()),
     };
     let text = Located::new(text.to_owned(), place);
-    let mut scope = scope(document, &lengths, None)?;
+    let mut scope = scope(document, &lattice, None)?;
     // No long lattice has the time as a coordinate.
     if !is_long {
-        Extension::of(document, &lengths, &mut scope)?;
+        Extension::of(document, &lattice, &mut scope)?;
     }
     let section = Section {
         text: text.value.trim().to_owned(),

@@ -13,6 +13,7 @@
 //! transformations in the extended phase-space*, Celestial Mechanics 11 (1975); E. Hairer, *Variable time step
 //! integration with symplectic methods*, Applied Numerical Mathematics 25 (1997)).
 
+use leafwise_core::lattice::LatticeGeometry;
 use leafwise_expression::Expression;
 use leafwise_expression::syntax::Scope;
 use thiserror::Error;
@@ -77,7 +78,7 @@ impl Extension {
     /// A pace that is `auto` or cannot be read, and definitions that cannot be read.
     pub(super) fn of(
         document: &SceneDocument,
-        lengths: &[usize],
+        lattice: &LatticeGeometry,
         scope: &mut Scope,
     ) -> Result<Option<Self>, Refusal> {
         if wants_time(document).is_none() {
@@ -86,7 +87,7 @@ impl Extension {
         let coordinates = document.system.dimension();
         let pace = &document.method.pace;
         if !declares_time(document) {
-            *scope = definitions::scope(document, lengths, Some(coordinates))?;
+            *scope = definitions::scope(document, lattice, Some(coordinates))?;
         }
         Ok(Some(Self {
             coordinates,

@@ -131,15 +131,15 @@ fn for_each_coordinate(
         for (key, formula) in entries {
             let pattern = VariablePattern::parse_one(&key.value)
                 .map_err(|error| refusal(document, key, &error))?;
-            let index = pattern.index_name();
-            if index.is_some() != is_template {
+            let names = pattern.index_names();
+            if names.is_empty() == is_template {
                 continue;
             }
             let parsed = parse(document, formula)?;
             let sites = if is_template { longest } else { 1 };
             let mut is_first = true;
             for site in 0..sites {
-                let index = index.map(|name| (name, site));
+                let index = is_template.then_some((&names[..], site));
                 let place = pattern
                     .resolve(scope, index)
                     .map_err(|error| refusal(document, key, &error))?;

@@ -1,5 +1,6 @@
 //! Tensors by one-forms and two-forms, and Dirac's bracket of constraints.
 
+use leafwise_core::lattice::LatticeGeometry;
 use leafwise_core::system::{Casimir, FormError};
 use leafwise_core::{BuildError, PoissonSystem, SystemFormulas};
 use leafwise_expression::Expression;
@@ -33,13 +34,13 @@ enum Form {
     Sum(Vec<(Summand, Forms)>),
 }
 
-/// Reads the forms and constraints of a scene with its families at the given lengths, by the scene's names without and
+/// Reads the forms and constraints of a scene with its families as long as those of `lattice`, by the scene's names without and
 /// with that of the time.
 pub(super) fn forms(
     document: &SceneDocument,
     [own, scope]: [&Scope; 2],
     names: &[String],
-    lengths: &[usize],
+    lattice: &LatticeGeometry,
 ) -> Result<Forms, Refusal> {
     let system = &document.system;
     let form = match &system.bracket.value {
@@ -53,16 +54,16 @@ pub(super) fn forms(
                 noun: "a two-form",
                 name: |a, b| format!("ω({a}, {b})"),
             };
-            Form::Two(table.entries(document, own, names, lengths, written)?)
+            Form::Two(table.entries(document, own, names, lattice, written)?)
         }
         BracketSpec::Sum(_) => {
-            let mut formed = summands(document, lengths)?;
+            let mut formed = summands(document, lattice)?;
             formed.retain(Summand::is_formed);
             let with_forms = |summand: Summand| {
                 let Summand {
                     document, scope, ..
                 } = &summand;
-                let own = forms(document, [scope, scope], &summand.names, &summand.lengths)?;
+                let own = forms(document, [scope, scope], &summand.names, &summand.lattice)?;
                 Ok((summand, own))
             };
             let formed: Vec<_> = formed
@@ -169,7 +170,7 @@ fn of_summand(
         document,
         scope,
         names,
-        lengths,
+        lattice,
         places,
     } = summand;
     let near: Vec<f64> = places.iter().map(|at| whole.near()[*at]).collect();
@@ -180,7 +181,7 @@ fn of_summand(
     let system = SystemFormulas::new(
         names.clone(),
         whole.parameters().to_vec(),
-        entries(&document, &scope, &names, &lengths)?,
+        entries(&document, &scope, &names, &lattice)?,
         Expression::from(0),
         Vec::new(),
         whole.convention(),

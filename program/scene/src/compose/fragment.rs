@@ -3,6 +3,7 @@
 use leafwise_core::{PoissonSystem, Registry};
 
 use super::instantiate;
+use super::instantiate::geometry;
 use crate::diagnostic::SceneDiagnostic;
 use crate::document::SceneDocument;
 
@@ -38,10 +39,8 @@ pub fn system_of_fragment(id: &str, fragment: &str) -> Result<PoissonSystem, (St
         let first = errors.diagnostics().into_iter().next();
         first.map_or_else(|| ("system".to_owned(), errors.to_string()), of_scene)
     })?;
-    let families = &document.system.families;
-    let lengths: Vec<usize> = families.iter().map(|(_, length)| length.value).collect();
     let mut instantiated =
-        instantiate(&document, &lengths).map_err(|refusal| of_scene(*refusal))?;
+        instantiate(&document, &geometry(&document)).map_err(|refusal| of_scene(*refusal))?;
     let forms = std::mem::take(&mut instantiated.forms);
     let system = instantiated.system(&document);
     let system = system.map_err(|error| ("bracket".to_owned(), error.to_string()))?;

@@ -1,9 +1,10 @@
 //! The initial state, and the parameters of sites behind it.
 
-use leafwise_expression::syntax::{Formula, Scope, VariablePattern};
+use leafwise_expression::syntax::{At, Formula, Scope, VariablePattern};
 
 use super::Refusal;
 use super::definitions::scope;
+use super::instantiate::geometry;
 use super::names::{parse, refusal};
 use crate::document::{FieldSpec, InitialSpec, Located, Place, SceneDocument};
 use crate::table::read_column;
@@ -11,11 +12,11 @@ use crate::table::read_column;
 /// The initial state of the scene: one number for each coordinate, then the parameters of sites.
 pub(super) fn initial_state(document: &SceneDocument) -> Result<Vec<f64>, Refusal> {
     let system = &document.system;
-    let lengths: Vec<usize> = system.families.iter().map(|(_, l)| l.value).collect();
+    let lattice = geometry(document);
     let parameters = system.parameters.iter();
     let mut state = State {
         document,
-        scope: scope(document, &lengths, None)?,
+        scope: scope(document, &lattice, None)?,
         parameters: parameters.map(|(_, value)| value.value.value).collect(),
         values: vec![0.0; system.dimension()],
         is_given: vec![false; system.dimension()],
@@ -80,7 +81,7 @@ impl State<'_> {
             for (key, field) in fields {
                 let pattern = VariablePattern::parse_one(&key.value)
                     .map_err(|error| refusal(self.document, key, &error))?;
-                if pattern.index_name().is_some() == wants_index {
+                if pattern.index_names().is_empty() != wants_index {
                     match field {
                         FieldSpec::Formula(formula) => {
                             let parsed = parse(self.document, formula)?;
@@ -139,13 +140,14 @@ impl State<'_> {
                 Some(help),
             )))
         };
-        let Some(index) = pattern.index_name() else {
+        let names = pattern.index_names();
+        if names.is_empty() {
             return refuse(
                 &key.place(),
                 format!("`{}` is one site, and these are numbers of many", key.value),
                 format!("write \"{}[i]\" for all sites", pattern.name()),
             );
-        };
+        }
         let length = self.length(pattern);
         let found = numbers.len();
         if found != length {
@@ -160,7 +162,7 @@ impl State<'_> {
         }
         for (i, value) in numbers.iter().enumerate() {
             let at = pattern
-                .resolve(&self.scope, Some((index, i)))
+                .resolve(&self.scope, Some((&names, i)))
                 .map_err(|error| refusal(self.document, key, &error))?;
             if let Some(at) = at {
                 self.values[at] = *value;
@@ -177,12 +179,13 @@ impl State<'_> {
         formula: &Located<String>,
         parsed: &Formula,
     ) -> Result<(), Refusal> {
-        let sites = match pattern.index_name() {
-            Some(_) => self.length(pattern),
-            None => 1,
+        let names = pattern.index_names();
+        let sites = match names.is_empty() {
+            false => self.length(pattern),
+            true => 1,
         };
         for i in 0..sites {
-            let index = pattern.index_name().map(|name| (name, i));
+            let index = (!names.is_empty()).then_some((&names[..], i));
             let at = pattern
                 .resolve(&self.scope, index)
                 .map_err(|error| refusal(self.document, key, &error))?;
@@ -203,7 +206,7 @@ impl State<'_> {
         &self,
         formula: &Located<String>,
         at: usize,
-        index: Option<(&str, usize)>,
+        index: Option<At<'_>>,
         value: f64,
     ) -> Refusal {
         let name = self.name(at);
@@ -212,7 +215,9 @@ impl State<'_> {
         } else {
             "infinite"
         };
-        let site = index.map_or_else(String::new, |(index, i)| format!(" at {index} = {i}"));
+        let site = index.map_or_else(String::new, |site| {
+            format!(" at {}", self.scope.named_site(site))
+        });
         Box::new(
             self.document.diagnostic(
                 &self
@@ -233,14 +238,11 @@ impl State<'_> {
         if let Some(name) = system.variables.get(at) {
             return name.value.clone();
         }
-        let mut site = at - system.variables.len();
-        for (name, length) in &system.families {
-            if site < length.value {
-                return format!("{}[{site}]", name.value);
-            }
-            site -= length.value;
+        let (lattice, member) = (geometry(self.document), at - system.variables.len());
+        match member < lattice.dimension() {
+            true => lattice.name(member),
+            false => format!("coordinate {at}"),
         }
-        format!("coordinate {at}")
     }
 
     fn finish(self) -> Result<Vec<f64>, Refusal> {

@@ -1,7 +1,7 @@
 //! Templates over families, written out at chosen lengths.
 
 use leafwise_core::Convention;
-use leafwise_core::lattice::LatticeGeometry;
+use leafwise_core::lattice::{Axis, LatticeGeometry};
 use leafwise_core::system::{Casimir, Forces, Metric, Parameter};
 use leafwise_core::{BuildError, PoissonSystem, SystemFormulas};
 use leafwise_expression::Expression;
@@ -43,17 +43,20 @@ pub struct Instantiated {
     pub extension: Option<Extension>,
 }
 
-/// Writes the scene's templates out with its families at `lengths`, one for each family in the order of the scene.
+/// Writes the scene's templates out with its families as long as those of `lattice`.
 /// Inside formulas, `N` stays the scene's own length. A short lattice thus stands for a long one.
 ///
 /// # Errors
 /// The first formula that cannot be read, underlined in the scene. Families of unequal lengths on a periodic boundary.
-pub fn instantiate(document: &SceneDocument, lengths: &[usize]) -> Result<Instantiated, Refusal> {
+pub fn instantiate(
+    document: &SceneDocument,
+    lattice: &LatticeGeometry,
+) -> Result<Instantiated, Refusal> {
     check_lengths(document)?;
-    let own = scope(document, lengths, None)?;
+    let own = scope(document, lattice, None)?;
     let mut scope = own.clone();
-    let mut extension = Extension::of(document, lengths, &mut scope)?;
-    let mut names = coordinate_names(document, lengths);
+    let mut extension = Extension::of(document, lattice, &mut scope)?;
+    let mut names = coordinate_names(document, lattice);
     let system = &document.system;
     let mut hamiltonian = function(document, &scope, &system.hamiltonian)?;
     let casimirs = system
@@ -67,21 +70,16 @@ pub fn instantiate(document: &SceneDocument, lengths: &[usize]) -> Result<Instan
             })
         })
         .collect::<Result<_, Refusal>>()?;
-    let mut bracket = entries(document, &own, &names, lengths)?;
-    let mut forms = forms(document, [&own, &scope], &names, lengths)?;
+    let mut bracket = entries(document, &own, &names, lattice)?;
+    let mut forms = forms(document, [&own, &scope], &names, lattice)?;
     let whole = geometry(document);
-    let is_shortened = (whole.families.iter())
-        .zip(lengths)
-        .any(|((_, whole), length)| whole != length);
-    let lattice = match is_shortened {
-        true => {
-            let lengths: Vec<usize> = whole.families.iter().map(|family| family.1).collect();
-            Some(self::scope(document, &lengths, None)?)
-        }
+    let is_shortened = whole != *lattice;
+    let of_whole = match is_shortened {
+        true => Some(self::scope(document, &whole, None)?),
         false => None,
     };
-    let lattice = lattice.as_ref().map(|names| (&whole, names));
-    let observables = observables(document, &scope, lattice)?;
+    let of_whole = of_whole.as_ref().map(|names| (&whole, names));
+    let observables = observables(document, &scope, of_whole)?;
     // Events name sites of the whole lattice.
     let events = match is_shortened {
         true => Events::default(),
@@ -92,9 +90,8 @@ pub fn instantiate(document: &SceneDocument, lengths: &[usize]) -> Result<Instan
         extension.extend(convention, &mut names, &mut bracket, &mut hamiltonian);
         forms.extend(extension);
     }
-    let moving = system.moving().len();
-    let moving = system.variables.len() + lengths[..moving].iter().sum::<usize>();
-    let longest = lengths.iter().copied().max().unwrap_or(1);
+    let moving = moving(document, lattice);
+    let longest = lattice.length().max(1);
     let forces = forces(document, &scope, &names[..moving], (names.len(), longest))?;
     let noise = channels(document, &scope, longest)?;
     Ok(Instantiated {
@@ -111,26 +108,39 @@ pub fn instantiate(document: &SceneDocument, lengths: &[usize]) -> Result<Instan
     })
 }
 
+/// The number of coordinates that move, with the families as long as those of `lattice`.
+pub(super) fn moving(document: &SceneDocument, lattice: &LatticeGeometry) -> usize {
+    let system = &document.system;
+    let families = lattice.families[..system.moving().len()].iter();
+    system.variables.len() + families.map(|family| family.1).sum::<usize>()
+}
+
 /// The families of a scene at their true lengths.
 pub(super) fn geometry(document: &SceneDocument) -> LatticeGeometry {
     let system = &document.system;
+    let periodic = |axis: usize| system.boundary_along(axis) != Boundary::Open;
     let families = system.families.iter();
-    let boundary = system.boundary.as_ref().map(|boundary| boundary.value);
-    LatticeGeometry {
-        families: families
-            .map(|(name, length)| (name.value.clone(), length.value))
-            .collect(),
-        periodic: boundary != Some(Boundary::Open),
+    match system.axes[..] {
+        [] => {
+            let families = families.map(|(name, length)| (name.value.clone(), length.value));
+            LatticeGeometry::chain(families.collect(), periodic(0))
+        }
+        _ => {
+            let axes = system.axes.iter().enumerate();
+            let axes = axes.map(|(axis, length)| Axis {
+                length: *length,
+                periodic: periodic(axis),
+            });
+            let names = families.map(|(name, _)| name.value.clone());
+            LatticeGeometry::along(names, axes.collect())
+        }
     }
 }
 
 /// On a ring every family has the same length: a site index counts all of them.
 fn check_lengths(document: &SceneDocument) -> Result<(), Refusal> {
     let system = &document.system;
-    let is_open = system
-        .boundary
-        .as_ref()
-        .is_some_and(|b| b.value == Boundary::Open);
+    let is_open = system.boundary_along(0) == Boundary::Open;
     let Some(((first, length), rest)) = system.families.split_first() else {
         return Ok(());
     };

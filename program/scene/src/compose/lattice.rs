@@ -2,10 +2,11 @@
 
 use leafwise_core::lattice::observables::SiteDensity;
 use leafwise_core::lattice::{
-    LatticeGeometry, LatticeObservables, LatticeSource, TemplateReach, proxy_of,
+    Axis, LatticeGeometry, LatticeObservables, LatticeSource, TemplateReach, proxy_of,
 };
 use leafwise_core::{BuildError, PoissonSystem};
 use leafwise_expression::Expression;
+use leafwise_expression::syntax::AXES;
 use leafwise_expression::syntax::{Formula, VariablePattern};
 
 use super::Refusal;
@@ -170,10 +171,17 @@ impl<'a> SceneLattice<'a> {
 
     /// A site of a shorter lattice, or of the whole, that moves as all sites do that are away from open ends.
     pub fn interior(&self, written: &LatticeGeometry) -> Option<usize> {
-        let (site, looks) = (written.length() / 2, self.reach.of_times(1, true));
+        let (site, looks) = (written.middle(), self.reach.of_times(1, [true; AXES]));
+        let (place, ends) = (written.place(site), written.ends());
         let shortest = written.families.iter().map(|family| family.1).min();
-        let is_inside = site >= looks && shortest.is_some_and(|shortest| site + looks < shortest);
-        (written.periodic || is_inside).then_some(site)
+        let length = |axis: usize| match written.axes.len() {
+            1 => shortest.unwrap_or(0),
+            _ => written.axes[axis].length,
+        };
+        let is_inside = |axis: usize| {
+            !ends[axis] || place[axis] >= looks[axis] && place[axis] + looks[axis] < length(axis)
+        };
+        (0..written.axes.len()).all(is_inside).then_some(site)
     }
 
     /// The system on a short lattice with what the run records, errors underlined in the scene.
@@ -185,16 +193,16 @@ impl<'a> SceneLattice<'a> {
         };
         let (mut geometry, _) = proxy_of(self, 1).map_err(refused)?;
         if geometry.length() < TRIAL_LENGTH {
-            geometry = self
-                .geometry
-                .resized(TRIAL_LENGTH.min(self.geometry.length()));
+            let lengths = self.geometry.lengths().into_iter();
+            let lengths: Vec<usize> = lengths.map(|length| TRIAL_LENGTH.min(length)).collect();
+            geometry = self.geometry.resized(&lengths);
         }
-        let written = instantiate(document, &lengths(&self.own(&geometry)))?;
+        let written = instantiate(document, &self.own(&geometry))?;
         let system = self.write_out(&geometry).map_err(refused)?;
-        let scope = scope(document, &lengths(&geometry), None)?;
+        let scope = scope(document, &geometry, None)?;
         for formula in self.sums()? {
             parse(document, formula)?
-                .density(&scope, geometry.length() / 2)
+                .density(&scope, geometry.middle())
                 .map_err(|error| refusal(document, formula, &error))?;
         }
         Ok((system, geometry, written.observables))
@@ -206,7 +214,7 @@ impl<'a> SceneLattice<'a> {
     /// [`BuildError`] where one has no code, or looks too far.
     pub fn functions(&self, parameters: &[f64]) -> Result<[LatticeFunctions; 2], BuildError> {
         let invariants = 1 + self.document.system.casimirs.len();
-        let whole = scope(self.document, &lengths(&self.geometry), None).map_err(of_lattice)?;
+        let whole = scope(self.document, &self.geometry, None).map_err(of_lattice)?;
         let mut written = Vec::new();
         for (place, formula) in self.formulas().into_iter().enumerate().skip(invariants) {
             if !is_a_sum(self.document, formula).map_err(of_lattice)? {
@@ -240,7 +248,7 @@ impl<'a> SceneLattice<'a> {
             } else if self.geometry.dimension() > WRITTEN_LIMIT {
                 // A site that is not there is said first.
                 if !formula.value.contains("sum") {
-                    let whole = scope(self.document, &lengths(&self.geometry), None)?;
+                    let whole = scope(self.document, &self.geometry, None)?;
                     function(self.document, &whole, formula)?;
                 }
                 parse(self.document, formula)?
@@ -328,8 +336,8 @@ fn force_reach(
     if let Some(damping) = &forces.damping {
         let parsed = parse(document, &damping.rate)?;
         let refused = |error| refusal(document, &damping.rate, &error);
-        parsed.offsets_from("").map_err(refused)?;
-        let one_site = vec![1; document.system.families.len()];
+        parsed.offsets_from(&[]).map_err(refused)?;
+        let one_site = one_site(document);
         let rate = function(document, &scope(document, &one_site, None)?, &damping.rate)?;
         if !rate.variables().is_empty() {
             let message = "on a lattice of this length the rate of the damping is a formula of the parameters: one rate that \
@@ -384,7 +392,7 @@ fn bracket_reach(
         // The same at every site.
         BracketSpec::LieAlgebra(_) if !document.system.vectors.is_empty() => Ok(reach),
         BracketSpec::Sum(_) => {
-            let one_site = vec![1; document.system.families.len()];
+            let one_site = one_site(document);
             for summand in summands(document, &one_site)? {
                 reach = bracket_reach(&summand.document, reach)?;
             }
@@ -441,9 +449,14 @@ pub(super) fn has_forms(bracket: &BracketSpec, constraints: &[Located<String>]) 
     is_formed || !constraints.is_empty()
 }
 
-/// The lengths of a lattice's families.
-fn lengths(geometry: &LatticeGeometry) -> Vec<usize> {
-    geometry.families.iter().map(|family| family.1).collect()
+/// A scene's lattice with a single site.
+fn one_site(document: &SceneDocument) -> LatticeGeometry {
+    let whole = geometry(document);
+    let axes = whole.axes.iter().map(|axis| Axis { length: 1, ..*axis });
+    LatticeGeometry::along(
+        whole.families.iter().map(|family| family.0.clone()),
+        axes.collect(),
+    )
 }
 
 /// A state of a shorter lattice that looks like `state` at both ends.
@@ -458,17 +471,31 @@ pub(super) fn shortened(
         .iter()
         .zip(&geometry.families)
         .zip(geometry.offsets());
-    for (((_, length), (_, full)), offset) in families {
-        for site in 0..*length {
-            let like = if site <= length / 2 {
-                site
-            } else {
-                full - (length - site)
+    for (((_, sites), (_, full)), offset) in families {
+        for site in 0..*sites {
+            let like = match geometry.axes.len() {
+                1 => like(site, *sites, *full),
+                _ => {
+                    let mut place = shorter.place(site);
+                    let axes = shorter.axes.iter().zip(&geometry.axes);
+                    for (at, (short, whole)) in place.iter_mut().zip(axes) {
+                        *at = like(*at, short.length, whole.length);
+                    }
+                    geometry.site(place)
+                }
             };
             short.push(state[offset + like]);
         }
     }
     short
+}
+
+/// The place along an axis of `full` sites that is as far from the nearer end as `at` is on one of `length` sites.
+fn like(at: usize, length: usize, full: usize) -> usize {
+    match at <= length / 2 {
+        true => at,
+        false => full - (length - at),
+    }
 }
 
 impl LatticeSource for SceneLattice<'_> {
@@ -481,12 +508,12 @@ impl LatticeSource for SceneLattice<'_> {
     }
 
     fn write_out(&self, geometry: &LatticeGeometry) -> Result<PoissonSystem, BuildError> {
-        let own = lengths(&self.own(geometry));
+        let own = self.own(geometry);
         let mut written = instantiate(self.document, &own).map_err(of_lattice)?;
         let Some(noise) = &self.noise else {
             return written.system(self.document);
         };
-        let further = own.iter().sum::<usize>()..geometry.dimension();
+        let further = own.dimension()..geometry.dimension();
         written.rest(further.map(|coordinate| geometry.name(coordinate)));
         let scope = scope(self.document, &own, None).map_err(of_lattice)?;
         let mut terms = Vec::new();
@@ -501,7 +528,7 @@ impl LatticeSource for SceneLattice<'_> {
         geometry: &LatticeGeometry,
         site: usize,
     ) -> Result<Vec<SiteDensity>, BuildError> {
-        let own = lengths(&self.own(geometry));
+        let own = self.own(geometry);
         let scope = scope(self.document, &own, None).map_err(of_lattice)?;
         let densities = self.formulas().into_iter().map(|formula| {
             let parsed = Formula::parse(&formula.value);

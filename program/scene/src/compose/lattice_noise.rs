@@ -125,9 +125,10 @@ pub(super) fn share(
     site: usize,
 ) -> Result<Option<Expression>, Refusal> {
     let parsed = parse(document, &spec.hamiltonian)?;
-    let own = match parsed.free_index() {
-        Some(index) => parsed.resolve(scope, Some((index, site))),
-        None => (parsed.density(scope, site)).map(|density| Some(density.site)),
+    let names = parsed.free_indices();
+    let own = match names.is_empty() {
+        false => parsed.resolve(scope, Some((&names, site))),
+        true => (parsed.density(scope, site)).map(|density| Some(density.site)),
     };
     own.map_err(|error| refusal(document, &spec.hamiltonian, &error))
 }
@@ -140,8 +141,7 @@ pub(super) fn site_channels(
     document: &SceneDocument,
     written: &LatticeGeometry,
 ) -> Result<Vec<Channel>, Refusal> {
-    let lengths: Vec<usize> = written.families.iter().map(|family| family.1).collect();
-    let scope = scope(document, &lengths, None)?;
+    let scope = scope(document, written, None)?;
     let channel = |spec: &NoiseSpec| {
         let mut all = Vec::new();
         for site in 0..written.length() {
@@ -166,11 +166,10 @@ pub(super) fn groups(
     document: &SceneDocument,
     geometry: &LatticeGeometry,
 ) -> Result<Vec<SiteNoise>, Refusal> {
-    let lengths: Vec<usize> = geometry.families.iter().map(|family| family.1).collect();
-    let (scope, sites) = (scope(document, &lengths, None)?, geometry.length());
+    let (scope, sites) = (scope(document, geometry, None)?, geometry.length());
     let group = |spec: &NoiseSpec| {
         let parsed = parse(document, &spec.hamiltonian)?;
-        if parsed.free_index().is_none() {
+        if parsed.free_indices().is_empty() {
             return Ok(SiteNoise { sites, apart: None });
         }
         // Beyond open ends there is nothing to move.

@@ -86,10 +86,14 @@ fn names_about(geometry: &LatticeGeometry, here: usize) -> Vec<String> {
     let name = |coordinate: usize| {
         let (family, site) = geometry.locate(coordinate);
         let family = &geometry.families[family].0;
-        match geometry.shift(here, site) {
-            0 => format!("{family}[i]"),
-            shift => format!("{family}[i{shift:+}]"),
-        }
+        let shifts = geometry.shift(here, site).into_iter().zip(["i", "j", "k"]);
+        let sites = shifts
+            .take(geometry.axes.len())
+            .map(|(shift, index)| match shift {
+                0 => index.to_owned(),
+                shift => format!("{index}{shift:+}"),
+            });
+        format!("{family}[{}]", sites.collect::<Vec<_>>().join(","))
     };
     (0..geometry.dimension()).map(name).collect()
 }

@@ -1,17 +1,18 @@
 //! Names that formulas may refer to, and the errors of formulas placed in the file.
 
 use leafwise_core::BuildError;
-use leafwise_expression::syntax::{self, Formula, Scope, SyntaxError, SyntaxErrorKind};
+use leafwise_core::lattice::LatticeGeometry;
+use leafwise_expression::syntax::{Boundary, Formula, Scope, SyntaxError, SyntaxErrorKind};
 use leafwise_expression::{AlgebraError, Expression, Graph, Rational};
 
 use super::Refusal;
 use super::dense::WRITTEN_LIMIT;
 use super::time::{about_time, is_time};
-use crate::document::{Boundary, Located, Number, SceneDocument, nearest};
+use crate::document::{Located, Number, SceneDocument, nearest};
 
-/// The variables, parameters and families of a scene, with the families at the given lengths; `N` as a
+/// The variables, parameters and families of a scene, with the families as long as those of `lattice`; `N` as a
 /// number stays the true length.
-pub(super) fn declared(document: &SceneDocument, lengths: &[usize]) -> Scope {
+pub(super) fn declared(document: &SceneDocument, lattice: &LatticeGeometry) -> Scope {
     let system = &document.system;
     let names = |list: &[Located<String>]| -> Vec<String> {
         list.iter().map(|name| name.value.clone()).collect()
@@ -25,31 +26,29 @@ pub(super) fn declared(document: &SceneDocument, lengths: &[usize]) -> Scope {
         .with_variables(&names(&system.variables))
         .with_parameters(&parameters);
     let mut offset = system.variables.len();
-    for ((name, _), length) in system.families.iter().zip(lengths) {
-        scope = scope.with_family(&name.value, offset, *length);
-        offset += length;
+    for ((name, _), (_, sites)) in system.families.iter().zip(&lattice.families) {
+        scope = match lattice.axes.len() {
+            1 => scope.with_family(&name.value, offset, *sites),
+            _ => scope.with_lattice(&name.value, offset, &lattice.lengths()),
+        };
+        offset += sites;
     }
     if let Some(longest) = system.families.iter().map(|(_, length)| length.value).max() {
         scope = scope.with_length(longest);
     }
-    scope.with_boundary(
-        match system.boundary.as_ref().map(|boundary| boundary.value) {
-            Some(Boundary::Open) => syntax::Boundary::Open,
-            Some(Boundary::Periodic) | None => syntax::Boundary::Periodic,
-        },
-    )
+    let boundaries = lattice.axes.iter().map(|axis| match axis.periodic {
+        true => Boundary::Periodic,
+        false => Boundary::Open,
+    });
+    scope.with_boundaries(&boundaries.collect::<Vec<_>>())
 }
 
-/// The names of the coordinates: single variables, then `x[0]`, `x[1]`, … of each family.
-pub(super) fn coordinate_names(document: &SceneDocument, lengths: &[usize]) -> Vec<String> {
+/// The names of the coordinates: single variables, then the members of each family, `x[0]`, `x[1]`, … or `x[0,0]`, ….
+pub(super) fn coordinate_names(document: &SceneDocument, lattice: &LatticeGeometry) -> Vec<String> {
     let system = &document.system;
     let singles = system.variables.iter().map(|name| name.value.clone());
-    let sites = system
-        .families
-        .iter()
-        .zip(lengths)
-        .flat_map(|((name, _), length)| (0..*length).map(|i| format!("{}[{i}]", name.value)));
-    singles.chain(sites).collect()
+    let members = (0..lattice.dimension()).map(|member| lattice.name(member));
+    singles.chain(members).collect()
 }
 
 /// Refuses names that formulas use for something else.

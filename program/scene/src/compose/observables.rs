@@ -113,12 +113,23 @@ fn is_written_out(document: &SceneDocument, formula: &Located<String>) -> bool {
 /// The coordinate that a text such as `q[500]` names.
 pub(super) fn coordinate(lattice: &LatticeGeometry, text: &str) -> Option<usize> {
     let (family, rest) = text.trim().split_once('[')?;
-    let site: usize = rest.strip_suffix(']')?.trim().parse().ok()?;
+    let sites = rest.strip_suffix(']')?.split(',');
+    let sites: Vec<usize> = sites.map(|site| site.trim().parse().ok()).collect::<Option<_>>()?;
     let at = lattice
         .families
         .iter()
         .position(|(name, _)| name == family.trim())?;
-    (site < lattice.families[at].1).then(|| lattice.offsets()[at] + site)
+    let (length, axes) = (lattice.families[at].1, &lattice.axes);
+    let site = match (&sites[..], axes.len()) {
+        ([site], 1) => *site,
+        (sites, count) if sites.len() == count => {
+            let pairs = sites.iter().zip(axes);
+            pairs.clone().all(|(site, axis)| *site < axis.length).then_some(())?;
+            pairs.fold(0, |all, (site, axis)| all * axis.length + site)
+        }
+        _ => return None,
+    };
+    (site < length).then(|| lattice.offsets()[at] + site)
 }
 
 /// The order that a shadow energy is asked for; `None` where the text is no shadow energy.

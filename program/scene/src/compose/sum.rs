@@ -1,5 +1,6 @@
 //! The summands of a direct sum of brackets, each as a scene of its own.
 
+use leafwise_core::lattice::LatticeGeometry;
 use std::collections::BTreeSet;
 
 use leafwise_expression::syntax::{Formula, Scope, VariablePattern};
@@ -17,7 +18,7 @@ pub(super) struct Summand {
     /// Of its own coordinates.
     pub names: Vec<String>,
     /// Of its families.
-    pub lengths: Vec<usize>,
+    pub lattice: LatticeGeometry,
     /// Where its coordinates stand among those of the scene.
     pub places: Vec<usize>,
 }
@@ -32,26 +33,26 @@ impl Summand {
     }
 }
 
-/// Summands of a scene's bracket, with its families at the given lengths. The list is empty where the bracket is no
+/// Summands of a scene's bracket, with its families as long as those of `lattice`. The list is empty where the bracket is no
 /// sum.
 ///
 /// # Errors
 /// A formula of a summand that names a variable of another one. A definition that is wrong.
 pub(super) fn summands(
     document: &SceneDocument,
-    lengths: &[usize],
+    lattice: &LatticeGeometry,
 ) -> Result<Vec<Summand>, Refusal> {
     let BracketSpec::Sum(specs) = &document.system.bracket.value else {
         return Ok(Vec::new());
     };
     let specs = specs.iter();
-    specs.map(|spec| summand(document, spec, lengths)).collect()
+    specs.map(|spec| summand(document, spec, lattice)).collect()
 }
 
 fn summand(
     document: &SceneDocument,
     spec: &SummandSpec,
-    lengths: &[usize],
+    lattice: &LatticeGeometry,
 ) -> Result<Summand, Refusal> {
     let foreign = foreign_names(document, spec);
     check_formulas(document, spec, &foreign)?;
@@ -89,15 +90,15 @@ fn summand(
     };
     let mut places: Vec<usize> = system.variables.iter().filter_map(variable).collect();
     for at in &families {
-        let start = whole.variables.len() + lengths[..*at].iter().sum::<usize>();
-        places.extend(start..start + lengths[*at]);
+        let start = whole.variables.len() + lattice.offsets()[*at];
+        places.extend(start..start + lattice.families[*at].1);
     }
-    let lengths: Vec<usize> = families.iter().map(|at| lengths[*at]).collect();
+    let lattice = lattice.of_families(families);
     Ok(Summand {
-        scope: scope(&own, &lengths, None)?,
-        names: coordinate_names(&own, &lengths),
+        scope: scope(&own, &lattice, None)?,
+        names: coordinate_names(&own, &lattice),
         document: own,
-        lengths,
+        lattice,
         places,
     })
 }

@@ -10,7 +10,7 @@ use super::events::{Events, events};
 use super::extended::Extension;
 use super::forces::{check_damping, check_metric_of_sites};
 use super::initial::initial_state;
-use super::instantiate::instantiate;
+use super::instantiate::{geometry, instantiate};
 use super::lattice::{SceneLattice, has_forms, shortened};
 use super::lattice_noise::site_channels;
 use super::names::{check_names, parse};
@@ -57,7 +57,7 @@ pub fn compose_system(document: &SceneDocument) -> Result<ComposedSystem, Refusa
         }
         let initial = initial_state(document)?;
         let system = PoissonSystem::clone(&numbers.system);
-        let scope = scope(document, &[], None)?;
+        let scope = scope(document, &geometry(document), None)?;
         let events = events(document, &scope)?;
         events.check(document, &initial, &system.parameter_values())?;
         return Ok(ComposedSystem {
@@ -73,13 +73,11 @@ pub fn compose_system(document: &SceneDocument) -> Result<ComposedSystem, Refusa
     if let Some(lattice) = SceneLattice::of(document)? {
         let (system, geometry, observables) = lattice.trial()?;
         let initial = initial_state(document)?;
-        let families = &lattice.geometry().families;
-        let lengths: Vec<usize> = families.iter().map(|family| family.1).collect();
-        let events = events(document, &scope(document, &lengths, None)?)?;
+        let whole = scope(document, lattice.geometry(), None)?;
+        let events = events(document, &whole)?;
         events.check(document, &initial, &system.parameter_values())?;
         let near = shortened(&initial, lattice.geometry(), &geometry);
         check_damping(document, &system, &near)?;
-        let whole = scope(document, &lengths, None)?;
         let at_start = (initial.as_slice(), &*system.parameter_values());
         check_metric_of_sites(document, &whole, at_start, lattice.geometry())?;
         return Ok(ComposedSystem {
@@ -150,9 +148,7 @@ fn check_sites(document: &SceneDocument) -> Result<(), Refusal> {
 /// # Errors
 /// As [`compose_system`].
 pub(super) fn written_out(document: &SceneDocument) -> Result<ComposedSystem, Refusal> {
-    let families = &document.system.families;
-    let lengths: Vec<usize> = families.iter().map(|(_, length)| length.value).collect();
-    let mut instantiated = instantiate(document, &lengths)?;
+    let mut instantiated = instantiate(document, &geometry(document))?;
     let observables = std::mem::take(&mut instantiated.observables);
     let events = std::mem::take(&mut instantiated.events);
     let forms = std::mem::take(&mut instantiated.forms);

@@ -1,11 +1,13 @@
 //! The ways to write a bracket, each to entries {x_i, x_j} with i < j.
 
+use leafwise_core::lattice::LatticeGeometry;
 use std::collections::BTreeMap;
 
-use leafwise_expression::syntax::{Scope, VariablePattern};
+use leafwise_expression::syntax::{At, Scope, VariablePattern};
 use leafwise_expression::{Arithmetic, Expression, Rational, Ring};
 
 use super::Refusal;
+use super::instantiate::moving;
 use super::lie_algebra;
 use super::names::{algebra_refusal, exact, parse, refusal};
 use super::sum::summands;
@@ -14,49 +16,42 @@ use crate::document::{BracketSpec, Convention, LieAlgebraSpec, Located, Number, 
 /// {x_i, x_j} for i < j, as the scene's author wrote them.
 pub(super) type Entries = BTreeMap<(usize, usize), Expression>;
 
-/// The entries of the scene's bracket with its families at the given lengths.
+/// The entries of the scene's bracket with its families as long as those of `lattice`.
 pub(super) fn entries(
     document: &SceneDocument,
     scope: &Scope,
     names: &[String],
-    lengths: &[usize],
+    lattice: &LatticeGeometry,
 ) -> Result<Entries, Refusal> {
     // Parameters of sites stand behind the coordinates and commute with all.
-    let coordinates = &names[..coordinates(document, lengths)];
+    let coordinates = &names[..moving(document, lattice)];
     match &document.system.bracket.value {
         BracketSpec::Entries(written) => {
             let table = Antisymmetric {
                 noun: "a bracket",
                 name: |a, b| format!("{{{a}, {b}}}"),
             };
-            table.entries(document, scope, names, lengths, written)
+            table.entries(document, scope, names, lattice, written)
         }
         // Made of its form once the state is known about which the system moves.
         BracketSpec::OneForm(_) | BracketSpec::TwoForm(_) => Ok(Entries::new()),
         BracketSpec::LieAlgebra(spec) if document.system.vectors.is_empty() => {
             lie_algebra::entries(document, spec, coordinates)
         }
-        BracketSpec::LieAlgebra(spec) => at_every_site(document, spec, lengths),
+        BracketSpec::LieAlgebra(spec) => at_every_site(document, spec, lattice),
         BracketSpec::LogCanonical(rows) => log_canonical(document, rows, coordinates),
         BracketSpec::MagneticField(field) => {
             magnetic_field(document, scope, field, coordinates.len())
         }
-        BracketSpec::Sum(_) => sum(document, lengths),
+        BracketSpec::Sum(_) => sum(document, lattice),
     }
-}
-
-/// The number of coordinates that move, with the families at the given lengths.
-fn coordinates(document: &SceneDocument, lengths: &[usize]) -> usize {
-    let system = &document.system;
-    let moving = &lengths[..system.moving().len()];
-    system.variables.len() + moving.iter().sum::<usize>()
 }
 
 /// The linear bracket of an algebra at every site of the families of vectors.
 fn at_every_site(
     document: &SceneDocument,
     spec: &LieAlgebraSpec,
-    lengths: &[usize],
+    lattice: &LatticeGeometry,
 ) -> Result<Entries, Refusal> {
     let system = &document.system;
     let is_scalar = |name: &&&Located<String>| {
@@ -82,13 +77,13 @@ fn at_every_site(
     }
     let mut all = Entries::new();
     let mut start = 0;
-    let mut lengths = lengths.iter();
+    let mut families = lattice.families.iter();
     for vector in &system.vectors {
         let components: Vec<String> = vector.components.iter().map(|c| c.value.clone()).collect();
         let at_site = lie_algebra::entries(document, spec, &components)?;
         // The components of a family have one length.
-        let own = lengths.by_ref().take(components.len()).copied();
-        let length = own.last().unwrap_or(0);
+        let own = families.by_ref().take(components.len());
+        let length = own.last().map_or(0, |family| family.1);
         for site in 0..length {
             let places: Vec<usize> = (0..components.len())
                 .map(|c| start + c * length + site)
@@ -106,14 +101,14 @@ fn at_every_site(
 }
 
 /// The entries of all summands but those that are made of forms.
-fn sum(document: &SceneDocument, lengths: &[usize]) -> Result<Entries, Refusal> {
+fn sum(document: &SceneDocument, lattice: &LatticeGeometry) -> Result<Entries, Refusal> {
     let mut sum = Entries::new();
-    for summand in summands(document, lengths)? {
+    for summand in summands(document, lattice)? {
         if summand.is_formed() {
             continue;
         }
-        let (names, lengths) = (&summand.names, &summand.lengths);
-        let own = entries(&summand.document, &summand.scope, names, lengths)?;
+        let (names, lattice) = (&summand.names, &summand.lattice);
+        let own = entries(&summand.document, &summand.scope, names, lattice)?;
         let places = &summand.places;
         for ((i, j), entry) in own {
             let (i, j, entry) = (places[i], places[j], entry.with_variables(places));
@@ -139,7 +134,7 @@ impl Antisymmetric {
         document: &SceneDocument,
         scope: &Scope,
         names: &[String],
-        lengths: &[usize],
+        lattice: &LatticeGeometry,
         written: &[(Located<String>, Located<String>)],
     ) -> Result<Entries, Refusal> {
         let mut collector = Collector {
@@ -150,7 +145,7 @@ impl Antisymmetric {
             ring: Ring::new(names.len()),
         };
         for (key, formula) in written {
-            collector.template(scope, lengths, key, formula)?;
+            collector.template(scope, lattice, key, formula)?;
         }
         let known = collector.known.into_iter();
         Ok(known.map(|(at, (entry, _))| (at, entry)).collect())
@@ -170,20 +165,20 @@ impl<'a> Collector<'a> {
     fn template(
         &mut self,
         scope: &Scope,
-        lengths: &[usize],
+        lattice: &LatticeGeometry,
         key: &'a Located<String>,
         formula: &'a Located<String>,
     ) -> Result<(), Refusal> {
         let (left, right) = VariablePattern::parse_pair(&key.value)
             .map_err(|error| refusal(self.document, key, &error))?;
         let parsed = parse(self.document, formula)?;
-        let index = left.index_name().or(right.index_name());
-        let sites: Vec<Option<(&str, usize)>> = match index {
+        let indices = [left.index_names(), right.index_names()];
+        let names = indices.into_iter().find(|names| !names.is_empty());
+        let sites: Vec<Option<At<'_>>> = match &names {
             None => vec![None],
-            Some(name) => {
-                let longest = lengths.iter().copied().max().unwrap_or(0);
-                (0..longest).map(|site| Some((name, site))).collect()
-            }
+            Some(names) => (0..lattice.length())
+                .map(|site| Some((&names[..], site)))
+                .collect(),
         };
         for site in sites {
             let resolve = |pattern: &VariablePattern| {

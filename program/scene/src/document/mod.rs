@@ -5,6 +5,7 @@
 //! - `system_section`: the contents of `[system]`, read from the scene, a library or a system without formulas;
 //! - `forces`: forces that move the system beside its Hamiltonian;
 //! - `noise`: channels that move it at random;
+//! - `families`: lengths of axes and ends of a lattice;
 //! - `field`: values that variables, sites of families and parameters of sites begin with;
 //! - `numbers`: systems that have no formulas;
 //! - `method_table`: a method as a value, written into a scene's text;
@@ -21,6 +22,7 @@ mod bracket;
 mod contradictions;
 mod ensemble;
 mod error;
+mod families;
 mod field;
 mod forces;
 mod json_schema;

@@ -165,6 +165,7 @@ fn section(id: &Located<String>, system: PoissonSystem, given: PartParameters) -
         library: Some(id.clone()),
         variables,
         families: Vec::new(),
+        axes: Vec::new(),
         sites: Vec::new(),
         vectors: Vec::new(),
         parameters: parameters.collect(),

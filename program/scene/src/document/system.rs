@@ -9,6 +9,7 @@ use toml::de::DeTable;
 
 use super::bracket::{BracketSpec, read_bracket};
 use super::error::SceneProblemCause;
+use super::families::{Families, boundaries, check_boundaries, length, on_axes, read_families};
 use super::field::{FieldSpec, family_of, read_parameters, without_sites};
 use super::forces::{ForcesSpec, read_forces};
 use super::located::{Located, Place, Source};
@@ -16,8 +17,8 @@ use super::noise::read_noise;
 use super::numbers::{asks_for_numbers, read_numbers};
 use super::reader::{Item, Problems, Table};
 use super::suggest::nearest;
-use super::system_schema::{SYSTEM, VECTORS};
-use super::system_section::{Boundary, Convention, SystemSection, VectorFamily};
+use super::system_schema::SYSTEM;
+use super::system_section::{Convention, SystemSection};
 
 /// Reads `[system]`, going to the library when it names one; the fragment used is left in
 /// `fragment` as id and text.
@@ -261,13 +262,7 @@ fn read_inline(table: &Table<'_>, problems: &mut Problems) -> Option<SystemSecti
         None => Some(Vec::new()),
     };
     let boundary = match table.get("boundary") {
-        Some(item) => choose(
-            item,
-            "boundary",
-            &[("periodic", Boundary::Periodic), ("open", Boundary::Open)],
-            problems,
-        )
-        .map(Some),
+        Some(item) => boundaries(item, problems).map(Some),
         None => Some(None),
     };
     let names_convention = table.get("convention").is_some();
@@ -290,12 +285,15 @@ fn read_inline(table: &Table<'_>, problems: &mut Problems) -> Option<SystemSecti
     let casimirs = read_casimirs(table, Vec::new(), problems);
     let forces = read_forces(table, ForcesSpec::default(), problems);
     let noise = read_noise(table, Vec::new(), problems);
-    let Families { scalars, vectors } = families?;
+    let families = families?;
+    let (scalars, axes) = on_axes(families.scalars, problems)?;
+    let vectors = families.vectors;
     let (parameters, sites) = parameters?;
     let mut system = SystemSection {
         library: None,
         variables: variables?,
         families: scalars,
+        axes,
         vectors,
         parameters,
         sites,
@@ -311,6 +309,7 @@ fn read_inline(table: &Table<'_>, problems: &mut Problems) -> Option<SystemSecti
         noise: noise?,
         numbers: None,
     };
+    check_boundaries(&system, problems);
     check_sites(&system, problems);
     add_sites(&mut system, problems);
     check_names(&system, problems);
@@ -319,79 +318,8 @@ fn read_inline(table: &Table<'_>, problems: &mut Problems) -> Option<SystemSecti
     Some(system)
 }
 
-/// More sites than a run can hold in memory, so that a slip of the keyboard is reported as one.
-const MOST_SITES: u64 = 100_000_000;
-
-fn length(item: &Item<'_>, problems: &mut Problems) -> Option<Located<usize>> {
-    let length = item.whole_in(1, MOST_SITES, problems)?;
-    Some(length.map(|length| usize::try_from(length).unwrap_or(usize::MAX)))
-}
-
-/// Families of scalars, those of vectors by their components, and the latter.
-#[derive(Default)]
-struct Families {
-    scalars: Vec<(Located<String>, Located<usize>)>,
-    vectors: Vec<VectorFamily>,
-}
-
-/// `{ x = 100, s = { components = ["x", "y", "z"], length = 100 } }`.
-fn read_families(item: &Item<'_>, problems: &mut Problems) -> Option<Families> {
-    let table = item.table(&item.title, "a table of lengths", problems)?;
-    let mut families = Families::default();
-    let mut is_whole = true;
-    for entry in &table.items {
-        if !entry.is_table() {
-            match length(entry, problems) {
-                Some(length) => families.scalars.push((entry.key.clone(), length)),
-                None => is_whole = false,
-            }
-            continue;
-        }
-        let Some((vector, length)) = vectors(entry, problems) else {
-            is_whole = false;
-            continue;
-        };
-        for component in &vector.components {
-            let name = component.clone().map(|name| vector.family(&name));
-            families.scalars.push((name, length.clone()));
-        }
-        families.vectors.push(vector);
-    }
-    is_whole.then_some(families)
-}
-
-/// `{ components = ["x", "y", "z"], length = 100 }`.
-fn vectors(item: &Item<'_>, problems: &mut Problems) -> Option<(VectorFamily, Located<usize>)> {
-    let table = item.table(&item.title, "a table", problems)?;
-    table.only(&VECTORS, problems);
-    let components = table
-        .require("components", "components = [\"x\", \"y\", \"z\"]", problems)
-        .and_then(|item| {
-            let names = item.list_of("a list of names", problems, Item::string)?;
-            if names.is_empty() {
-                problems.push(
-                    SceneProblemCause::Shape {
-                        what: "components".to_owned(),
-                        found: "no entry".to_owned(),
-                        expected: "at least one name".to_owned(),
-                    },
-                    item.place(),
-                );
-            }
-            Some(names)
-        });
-    let length = table
-        .require("length", "length = 100", problems)
-        .and_then(|item| length(item, problems));
-    let vector = VectorFamily {
-        name: item.key.clone(),
-        components: components?,
-    };
-    Some((vector, length?))
-}
-
 /// One of a few words; spaces inside the word do not matter.
-fn choose<T: Copy>(
+pub(super) fn choose<T: Copy>(
     item: &Item<'_>,
     kind: &'static str,
     choices: &[(&str, T)],

@@ -9,6 +9,12 @@ pub(super) const FIELDS: Shape = Shape::Names(&Shape::Either(&[
     table(&COLUMN, &[&["file"]]),
 ]));
 
+/// Lengths of axes.
+const LENGTHS: Shape = Shape::Either(&[Shape::Whole(1), Shape::List(&Shape::Whole(1))]);
+
+/// The ends of an axis.
+const ENDS: Shape = Shape::Words(&["periodic", "open"]);
+
 pub(super) static COLUMN: [Key; 2] = [
     key(
         "file",
@@ -66,11 +72,11 @@ pub(super) static SYSTEM: [Key; 14] = [
     key(
         "families",
         Shape::Names(&Shape::Either(&[
-            Shape::Whole(1),
+            LENGTHS,
             table(&VECTORS, &[&["components", "length"]]),
         ])),
-        "Indexed variables of a lattice and how many there are: { q = 1000, p = 1000 }, or \
-         vectors",
+        "Indexed variables of a lattice and how many there are: { q = 1000, p = 1000 }, \
+         { q = [64, 64] } along two axes, or vectors",
     )
     .not_beside(&[Beside::Note(NUMBERS_ALONE)]),
     key(
@@ -103,8 +109,8 @@ pub(super) static SYSTEM: [Key; 14] = [
     .not_beside(&[Beside::Note("a long lattice")]),
     key(
         "boundary",
-        Shape::Words(&["periodic", "open"]),
-        "The ends of a lattice: they meet, or not",
+        Shape::Either(&[ENDS, Shape::List(&ENDS)]),
+        "The ends of a lattice: they meet, or not; one for all axes, or one for each",
     )
     .default("\"periodic\""),
     key(
@@ -191,7 +197,11 @@ pub(super) static VECTORS: [Key; 2] = [
         Shape::List(&Shape::Text),
         "Names of a vector's components: of the family s, x at the site i is s.x[i]",
     ),
-    key("length", Shape::Whole(1), "The number of vectors"),
+    key(
+        "length",
+        LENGTHS,
+        "The number of vectors, or one along each of two or three axes: [64, 64]",
+    ),
 ];
 
 /// A kind of bracket by its name.

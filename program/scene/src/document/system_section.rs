@@ -39,6 +39,8 @@ pub struct SystemSection {
     /// Indexed families with their lengths, of a family of vectors one for each component; their sites follow the single
     /// variables. The last are those of [`sites`](Self::sites).
     pub families: Vec<(Located<String>, Located<usize>)>,
+    /// The lengths of the axes that all families have, where these are several; none where each family has its own.
+    pub axes: Vec<usize>,
     /// Families of vectors, whose components are families `s.x`, `s.y`, ….
     pub vectors: Vec<VectorFamily>,
     /// Parameters with their values.
@@ -51,8 +53,8 @@ pub struct SystemSection {
     pub bracket: Located<BracketSpec>,
     /// Second-class constraints, for Dirac's bracket.
     pub constraints: Vec<Located<String>>,
-    /// Boundary: how a family goes on at its ends.
-    pub boundary: Option<Located<Boundary>>,
+    /// How families go on at their ends: one for all axes, or one for each.
+    pub boundary: Option<Located<Vec<Boundary>>>,
     /// The sign convention.
     pub convention: Convention,
     /// Whether the scene names it.
@@ -92,6 +94,16 @@ impl VectorFamily {
 }
 
 impl SystemSection {
+    /// How families go on at the ends of an axis.
+    pub fn boundary_along(&self, axis: usize) -> Boundary {
+        let boundaries = self.boundary.as_ref().map(|boundary| &boundary.value[..]);
+        match boundaries {
+            None | Some([]) => Boundary::Periodic,
+            Some([one]) => *one,
+            Some(each) => each.get(axis).copied().unwrap_or(Boundary::Periodic),
+        }
+    }
+
     /// The families that a name stands for: one, or the components of vectors.
     pub fn families_of<'a>(
         &'a self,
