@@ -33,6 +33,7 @@ mod pace;
 mod paper;
 mod paper_slopes;
 mod part_names;
+mod planes;
 mod poles;
 mod reference;
 mod runs;

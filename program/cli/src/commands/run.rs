@@ -267,7 +267,11 @@ fn states_line(composed: &ComposedRun) -> Option<String> {
     if states.is_chosen || composed.plan.coordinates <= WIDEST_STATE {
         return None;
     }
+    let lattice = composed.method.lattice();
     let example = match composed.plan.families.first() {
+        Some(_) if lattice.is_some_and(|lattice| lattice.axes.len() > 1) => {
+            format!("\"{}\"", composed.names()[0])
+        }
         Some((name, _)) => format!("\"{name}[0]\", \"{name}[::100]\""),
         None => composed.names().first().map(|name| format!("\"{name}\""))?,
     };

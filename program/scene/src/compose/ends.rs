@@ -78,7 +78,8 @@ fn near_ends<'a>(
     let inside: Vec<(usize, Range<i64>)> = axes.map(along).collect();
     (0..geometry.length()).filter(move |site| {
         let place = geometry.place(*site);
-        let is_inside = |(axis, range): &(usize, Range<i64>)| range.contains(&(place[*axis] as i64));
+        let is_inside =
+            |(axis, range): &(usize, Range<i64>)| range.contains(&(place[*axis] as i64));
         !inside.iter().all(is_inside)
     })
 }

@@ -114,7 +114,9 @@ fn is_written_out(document: &SceneDocument, formula: &Located<String>) -> bool {
 pub(super) fn coordinate(lattice: &LatticeGeometry, text: &str) -> Option<usize> {
     let (family, rest) = text.trim().split_once('[')?;
     let sites = rest.strip_suffix(']')?.split(',');
-    let sites: Vec<usize> = sites.map(|site| site.trim().parse().ok()).collect::<Option<_>>()?;
+    let sites: Vec<usize> = sites
+        .map(|site| site.trim().parse().ok())
+        .collect::<Option<_>>()?;
     let at = lattice
         .families
         .iter()
@@ -124,7 +126,10 @@ pub(super) fn coordinate(lattice: &LatticeGeometry, text: &str) -> Option<usize>
         ([site], 1) => *site,
         (sites, count) if sites.len() == count => {
             let pairs = sites.iter().zip(axes);
-            pairs.clone().all(|(site, axis)| *site < axis.length).then_some(())?;
+            pairs
+                .clone()
+                .all(|(site, axis)| *site < axis.length)
+                .then_some(())?;
             pairs.fold(0, |all, (site, axis)| all * axis.length + site)
         }
         _ => return None,

@@ -23,6 +23,26 @@ pub struct StateSlice {
     /// The place of the first in the state.
     #[serde(skip)]
     offset: usize,
+    /// The lengths of the family's axes; none of a single variable.
+    #[serde(skip)]
+    axes: Vec<usize>,
+}
+
+impl StateSlice {
+    /// The name of its k-th coordinate.
+    fn name_of(&self, k: usize) -> String {
+        let Some(first) = self.first else {
+            return self.name.clone();
+        };
+        let (mut rest, mut place) = (first + k * self.step, Vec::new());
+        for length in self.axes.iter().skip(1).rev() {
+            place.push((rest % length).to_string());
+            rest /= length;
+        }
+        place.push(rest.to_string());
+        place.reverse();
+        format!("{}[{}]", self.name, place.join(","))
+    }
 }
 
 /// Coordinates of the state that a run records.
@@ -53,11 +73,7 @@ impl RecordedStates {
     /// The columns' names.
     pub fn names(&self) -> Vec<String> {
         let names = |slice: &StateSlice| -> Vec<String> {
-            let name = |k: usize| match slice.first {
-                None => slice.name.clone(),
-                Some(first) => format!("{}[{}]", slice.name, first + k * slice.step),
-            };
-            (0..slice.count).map(name).collect()
+            (0..slice.count).map(|k| slice.name_of(k)).collect()
         };
         self.slices.iter().flat_map(names).collect()
     }
@@ -141,13 +157,18 @@ fn variables(document: &SceneDocument) -> Vec<StateSlice> {
             step: 1,
             count,
             offset,
+            axes: match (length, &system.axes[..]) {
+                (None, _) => Vec::new(),
+                (Some(length), []) => vec![length],
+                (Some(_), axes) => axes.to_vec(),
+            },
         });
         offset += count;
     }
     all
 }
 
-/// `x`, `q`, `q[500]`, `q[0..10]`, `q[::100]`, `q[10:500:7]`.
+/// `x`, `q`, `q[500]`, `q[0..10]`, `q[::100]`, `q[10:500:7]`; along several axes `q` and `q[2,3]`.
 fn slice(
     document: &SceneDocument,
     all: &[StateSlice],
@@ -182,9 +203,29 @@ fn slice(
         ));
     }
     let length = whole.count;
-    let range = sites
-        .strip_suffix(']')
-        .and_then(|inner| range(inner, length));
+    let inner = sites.strip_suffix(']');
+    if whole.axes.len() > 1 {
+        let Some(site) = inner.and_then(|inner| site(inner, &whole.axes)) else {
+            let last: Vec<String> = whole.axes.iter().map(|n| (n - 1).to_string()).collect();
+            return Err(refuse(
+                format!(
+                    "`{text}` is no site of `{name}`, whose last is {name}[{}]",
+                    last.join(",")
+                ),
+                format!(
+                    "write {name} for all of it, {name}[{}] for one site",
+                    last.join(",")
+                ),
+            ));
+        };
+        return Ok(StateSlice {
+            first: Some(site),
+            count: 1,
+            offset: whole.offset + site,
+            ..whole.clone()
+        });
+    }
+    let range = inner.and_then(|inner| range(inner, length));
     let Some((first, end, step)) = range else {
         return Err(refuse(
             format!("`{text}` is no part of `{name}`"),
@@ -210,6 +251,17 @@ fn slice(
         offset: whole.offset + first,
         ..whole.clone()
     })
+}
+
+/// The number of the site `2,3` of a family with these axes.
+fn site(text: &str, axes: &[usize]) -> Option<usize> {
+    let parts: Vec<&str> = text.split(',').collect();
+    let mut number = 0;
+    for (part, length) in parts.iter().zip(axes) {
+        let at = part.trim().parse::<usize>().ok()?;
+        number = number * length + (at < *length).then_some(at)?;
+    }
+    (parts.len() == axes.len()).then_some(number)
 }
 
 /// First site, the one behind the last, and the step of `5`, `0..10`, `0:10`, `::100`, `10:500:7`.

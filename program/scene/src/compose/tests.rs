@@ -7,6 +7,7 @@ mod sites;
 mod sums;
 mod vectors;
 
+use super::instantiate::geometry;
 use leafwise_core::{Evaluator, Registry};
 use leafwise_hamilton_jacobi as _;
 use leafwise_karasev as _;
@@ -149,7 +150,7 @@ fn a_lattice_is_its_template_at_every_site() {
         let document = document(&lattice.replace("BOUNDARY", boundary), initial);
         let composed = compose_system(&document).expect("a lattice");
         assert_eq!(composed.initial, [5.0, 6.0, -1.0, 8.0, 9.0]);
-        instantiate(&document, lengths)
+        instantiate(&document, &geometry(&document).resized(lengths))
             .expect("a proxy")
             .bracket
             .len()
@@ -158,7 +159,8 @@ fn a_lattice_is_its_template_at_every_site() {
     assert_eq!(count("open", &[5]), 4);
     assert_eq!(count("periodic", &[8]), 8);
     let short = document(&lattice.replace("BOUNDARY", "periodic"), initial);
-    let diagnostic = *instantiate(&short, &[2]).expect_err("a ring of two meets itself");
+    let diagnostic = *instantiate(&short, &geometry(&short).resized(&[2]))
+        .expect_err("a ring of two meets itself");
     assert!(diagnostic.message.contains("two different values"));
 }
 

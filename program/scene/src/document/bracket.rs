@@ -136,9 +136,27 @@ fn entries(
     entries.into_iter().collect()
 }
 
+/// The parts of a key between commas that stand outside of brackets: `s.x[i,j]` and `s.y[i,j]` of `s.x[i,j],s.y[i,j]`.
+fn pair(key: &str) -> Vec<&str> {
+    let (mut parts, mut start, mut depth) = (Vec::new(), 0, 0_usize);
+    for (at, c) in key.char_indices() {
+        match c {
+            '[' => depth += 1,
+            ']' => depth = depth.saturating_sub(1),
+            ',' if depth == 0 => {
+                parts.push(&key[start..at]);
+                start = at + 1;
+            }
+            _ => {}
+        }
+    }
+    parts.push(&key[start..]);
+    parts
+}
+
 fn check_pair(entry: &Item<'_>, problems: &mut Problems) {
     let key = &entry.key.value;
-    let parts: Vec<_> = key.split(',').map(str::trim).collect();
+    let parts: Vec<&str> = pair(key).into_iter().map(str::trim).collect();
     if parts.len() != 2 || parts.iter().any(|part| part.is_empty()) {
         problems.push(
             SceneProblemCause::BracketKey {

@@ -20,8 +20,8 @@ fn a_library_system_takes_parameters_and_lengths_and_nothing_else() {
     assert_eq!(scene.system.parameters[0].1.source, Source::Scene);
     assert_eq!(scene.system.convention, Convention::HamiltonSecond);
     assert_eq!(
-        scene.system.boundary.as_ref().map(|b| b.value),
-        Some(Boundary::Periodic)
+        scene.system.boundary.as_ref().map(|b| &b.value[..]),
+        Some(&[Boundary::Periodic][..])
     );
     let hamiltonian = scene.system.hamiltonian.place();
     let diagnostic = scene.diagnostic(&hamiltonian, "m", "l", None);

@@ -1,0 +1,196 @@
+//! Lattices of two and three axes, stepped by templates, against the same systems with every site written out.
+
+use std::cell::Cell;
+use std::fmt::Write as _;
+
+use leafwise_tests::numbers::distance;
+use leafwise_tests::scenes::composed;
+use proptest::prelude::*;
+
+/// A field q, p on a torus, or on one with ends along some axes.
+#[derive(Clone, Debug)]
+struct Field {
+    lengths: Vec<usize>,
+    periodic: Vec<bool>,
+    /// Couplings: k (q − q')^power at so far an offset.
+    couplings: Vec<(Vec<i64>, u32)>,
+    method: &'static str,
+}
+
+const INDICES: [&str; 3] = ["i", "j", "k"];
+
+impl Field {
+    fn sites(&self) -> usize {
+        self.lengths.iter().product()
+    }
+
+    fn place(&self, site: usize) -> Vec<usize> {
+        let (mut place, mut rest) = (vec![0; self.lengths.len()], site);
+        for axis in (0..self.lengths.len()).rev() {
+            place[axis] = rest % self.lengths[axis];
+            rest /= self.lengths[axis];
+        }
+        place
+    }
+
+    /// The site so far from another one; `None` beyond an end.
+    fn beside(&self, site: usize, offset: &[i64]) -> Option<usize> {
+        let mut number = 0;
+        for (axis, at) in self.place(site).into_iter().enumerate() {
+            let (length, at) = (self.lengths[axis] as i64, at as i64 + offset[axis]);
+            let at = match self.periodic[axis] {
+                true => at.rem_euclid(length),
+                false if (0..length).contains(&at) => at,
+                false => return None,
+            };
+            number = number * length + at;
+        }
+        Some(number as usize)
+    }
+
+    fn initial(&self) -> Vec<f64> {
+        let angle = |site: usize| 0.7 * site as f64;
+        let q = (0..self.sites()).map(|site| 0.4 * libm::sin(angle(site)));
+        let p = (0..self.sites()).map(|site| 0.3 * libm::cos(angle(site)));
+        q.chain(p).collect()
+    }
+
+    fn tail(&self) -> String {
+        format!(
+            "[method]\n{}\ntime-step = 0.05\n[run]\nsteps = 10\n",
+            self.method
+        )
+    }
+
+    /// The scene by templates.
+    fn by_templates(&self) -> String {
+        let axes = self.lengths.len();
+        let here = INDICES[..axes].join(",");
+        let there = |offset: &[i64]| -> String {
+            let sites = INDICES.iter().zip(offset).map(|(index, by)| match by {
+                0 => (*index).to_owned(),
+                by => format!("{index}{by:+}"),
+            });
+            sites.collect::<Vec<_>>().join(",")
+        };
+        let mut terms = format!("p[{here}]^2/2 + k*q[{here}]^4");
+        for (offset, power) in &self.couplings {
+            let _ = write!(terms, " + k*(q[{here}] - q[{}])^{power}", there(offset));
+        }
+        let ends: Vec<&str> = (self.periodic.iter())
+            .map(|periodic| {
+                if *periodic {
+                    "\"periodic\""
+                } else {
+                    "\"open\""
+                }
+            })
+            .collect();
+        let sums = INDICES[..axes].join(", ");
+        format!(
+            "[system]\nfamilies = {{ q = {:?}, p = {:?} }}\nboundary = [{}]\nparameters = {{ k = 0.25 }}\n\
+             bracket = {{ \"p[{here}],q[{here}]\" = \"1\" }}\nhamiltonian = \"sum({sums}, {terms})\"\n{}[run.initial]\n\
+             \"q[{here}]\" = \"0.4*sin(0.7*({number}))\"\n\"p[{here}]\" = \"0.3*cos(0.7*({number}))\"\n",
+            self.lengths,
+            self.lengths,
+            ends.join(", "),
+            self.tail(),
+            number = self.number(),
+        )
+    }
+
+    /// The number of a site by its indices.
+    fn number(&self) -> String {
+        let mut text = "0".to_owned();
+        for (index, length) in INDICES.iter().zip(&self.lengths) {
+            text = format!("({text})*{length} + {index}");
+        }
+        text
+    }
+
+    /// The scene with single variables.
+    fn written_out(&self) -> String {
+        let sites = 0..self.sites();
+        let names =
+            |c: &str| -> Vec<String> { sites.clone().map(|at| format!("\"{c}{at}\"")).collect() };
+        let (mut terms, mut bracket) = (Vec::new(), String::new());
+        for site in sites.clone() {
+            terms.push(format!("p{site}^2/2 + k*q{site}^4"));
+            for (offset, power) in &self.couplings {
+                let other = self.beside(site, offset);
+                terms.extend(other.map(|other| format!("k*(q{site} - q{other})^{power}")));
+            }
+            let _ = writeln!(bracket, "\"p{site},q{site}\" = \"1\"");
+        }
+        let variables = [names("q"), names("p")].concat();
+        format!(
+            "[system]\nvariables = [{}]\nparameters = {{ k = 0.25 }}\nhamiltonian = \"{}\"\n[system.bracket]\n{bracket}{}\
+             initial = {:?}\n",
+            variables.join(", "),
+            terms.join(" + "),
+            self.tail(),
+            self.initial(),
+        )
+    }
+}
+
+/// Energy, casimirs and the state after ten steps.
+fn end(text: &str) -> (f64, Vec<f64>) {
+    let run = composed(text);
+    let mut energy = [0.0];
+    let mut invariants = run.invariants().expect("an energy");
+    invariants.evaluate(&run.plan.initial, &mut energy);
+    let mut walk = run.walk();
+    walk.advance(10).expect("steps");
+    (energy[0], walk.last(0).1)
+}
+
+fn fields() -> impl Strategy<Value = Field> {
+    let axis = |longest: usize| (5_usize..=longest, any::<bool>());
+    let axes = prop_oneof![
+        3 => prop::collection::vec(axis(9), 2),
+        1 => prop::collection::vec(axis(5), 3),
+    ];
+    let method = prop_oneof![
+        3 => Just("stepper = \"splitting\""),
+        1 => Just("realization = \"auto\"\ndynamics = { name = \"hamilton-jacobi\", order = 2 }"),
+    ];
+    let offset = prop::collection::vec(-2_i64..3, 3);
+    let couplings = prop::collection::vec((offset, prop_oneof![Just(2_u32), Just(4)]), 1..4);
+    (axes, couplings, method).prop_map(|(axes, couplings, method)| {
+        let (lengths, periodic): (Vec<_>, Vec<_>) = axes.into_iter().unzip();
+        let cut = |(mut offset, power): (Vec<i64>, u32)| {
+            offset.truncate(lengths.len());
+            (offset, power)
+        };
+        let couplings = couplings.into_iter().map(cut);
+        Field {
+            couplings: couplings
+                .filter(|(offset, _)| offset.iter().any(|by| *by != 0))
+                .collect(),
+            lengths: lengths.clone(),
+            periodic,
+            method,
+        }
+    })
+}
+
+/// Whatever the offsets, the ends and the method: energies and ten steps are those of the system written out, to 1e-13.
+#[test]
+fn planes_move_as_the_systems_written_out() {
+    let config = ProptestConfig {
+        failure_persistence: None,
+        ..ProptestConfig::with_cases(24)
+    };
+    let swept = Cell::new(0);
+    proptest!(config, |(field in fields())| {
+        let text = field.by_templates();
+        let is_swept = composed(&text).method.lattice().is_some();
+        swept.update(|swept| swept + usize::from(is_swept));
+        let ((energy, state), (expected, written)) = (end(&text), end(&field.written_out()));
+        prop_assert!((energy - expected).abs() <= 1e-13 * expected.abs(), "{energy} {expected}");
+        let apart = distance(&state, &written);
+        prop_assert!(apart <= 1e-13, "{apart:e}");
+    });
+    assert!(swept.get() >= 20, "{} of 24 are swept", swept.get());
+}
