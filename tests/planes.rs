@@ -194,3 +194,50 @@ fn planes_move_as_the_systems_written_out() {
     });
     assert!(swept.get() >= 20, "{} of 24 are swept", swept.get());
 }
+
+/// A spiral of spins along the second axis of a torus, with k = π/8 on 16 sites.
+fn spiral(step: f64, steps: u64) -> Vec<f64> {
+    let text = format!(
+        "[system]\nfamilies = {{ s = {{ components = [\"x\", \"y\", \"z\"], length = [5, 16] }} }}\n\
+         bracket = {{ lie-algebra = \"so3\" }}\nhamiltonian = \"-sum(i, j, s.x[i,j]*(s.x[i+1,j] + s.x[i,j+1]) + \
+         s.y[i,j]*(s.y[i+1,j] + s.y[i,j+1]) + s.z[i,j]*(s.z[i+1,j] + s.z[i,j+1]))\"\n\
+         [method]\nstepper = \"splitting\"\ncomposition = \"suzuki-4\"\ntime-step = {step}\n[run]\nsteps = {steps}\n\
+         [run.initial]\n\"s.x[i,j]\" = \"0.6*cos(pi*j/8)\"\n\"s.y[i,j]\" = \"0.6*sin(pi*j/8)\"\n\"s.z[i,j]\" = 0.8\n"
+    );
+    let run = composed(&text);
+    assert!(run.method.lattice().is_some());
+    let mut walk = run.walk();
+    walk.advance(steps).expect("steps");
+    walk.last(0).1
+}
+
+/// The exact spiral turns about z at −2Jc(1 − cos k), here −0.121792748, whatever its amplitude; spins along the other axis are parallel.
+#[test]
+fn a_spiral_on_a_torus_turns_at_the_exact_rate() {
+    let rate = -2.0 * 0.8 * (1.0 - libm::cos(std::f64::consts::PI / 8.0));
+    assert!((rate + 0.121_792_748).abs() < 5e-10, "{rate}");
+    let time = 8.0;
+    let apart = |steps: u64| {
+        let state = spiral(time / steps as f64, steps);
+        let sites = state.len() / 3;
+        let expected = |site: usize| {
+            let angle = std::f64::consts::PI * (site % 16) as f64 / 8.0 + rate * time;
+            [0.6 * libm::cos(angle), 0.6 * libm::sin(angle), 0.8]
+        };
+        let mut farthest = 0.0_f64;
+        for site in 0..sites {
+            let spin = [state[site], state[sites + site], state[2 * sites + site]];
+            let length: f64 = spin.iter().map(|x| x * x).sum();
+            assert!((length - 1.0).abs() < 1e-13, "|s|² = {length}");
+            let pairs = spin.iter().zip(expected(site));
+            farthest = pairs.fold(farthest, |most, (a, b)| most.max((a - b).abs()));
+        }
+        farthest
+    };
+    let [coarse, fine] = [100, 200].map(apart);
+    let order = libm::log2(coarse / fine);
+    assert!(
+        (order - 4.0).abs() < 0.2 && fine < 1e-5,
+        "order {order}, {fine:e} apart"
+    );
+}

@@ -145,6 +145,19 @@ pub enum SyntaxErrorKind {
         /// The number of its members.
         length: usize,
     },
+    /// A fixed site beyond the end of an axis.
+    #[error("`{name}` has the sites 0 to {last} along axis {axis}, not {position}",
+        last = length.saturating_sub(1))]
+    SiteOutOfRange {
+        /// The family.
+        name: String,
+        /// The axis, from 0 on.
+        axis: usize,
+        /// The site that is written.
+        position: i64,
+        /// The number of sites along the axis.
+        length: usize,
+    },
     /// A member of a family with too few or too many sites.
     #[error("`{name}` has {axes} {}, and {written} {} written here: write {}",
         axes_word(*axes), if *written == 1 { "is" } else { "are" }, example(name, *axes))]

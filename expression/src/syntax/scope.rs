@@ -416,10 +416,20 @@ impl Scope {
                 Ok(inside) => member = member * length + inside,
                 Err(Some(level)) => outside = outside.max(Some(level)),
                 Err(None) => {
-                    let kind = SyntaxErrorKind::IndexOutOfRange {
-                        name: name(),
-                        position: self.position(text, axis, site, bound)?.0,
-                        length: *length,
+                    let (name, length) = (name(), *length);
+                    let position = self.position(text, axis, site, bound)?.0;
+                    let kind = match axes {
+                        [_] => SyntaxErrorKind::IndexOutOfRange {
+                            name,
+                            position,
+                            length,
+                        },
+                        _ => SyntaxErrorKind::SiteOutOfRange {
+                            name,
+                            axis,
+                            position,
+                            length,
+                        },
                     };
                     return Err(SyntaxError::new(site.span, kind));
                 }

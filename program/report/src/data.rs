@@ -156,6 +156,28 @@ pub enum Trajectory {
         /// One field for each time.
         fields: Vec<Vec<f64>>,
     },
+    /// Fields over two axes of a lattice.
+    Planes {
+        /// The maps, in the order in which they are drawn.
+        maps: Vec<PlaneMap>,
+        /// Which plane of a lattice of three axes they show.
+        slice: Option<String>,
+    },
+}
+
+/// A field over two axes of a lattice at one time.
+#[derive(Clone, Debug)]
+pub struct PlaneMap {
+    /// The field and the time, as "s.z at t = 10".
+    pub title: String,
+    /// The names of the axes, across and up.
+    pub axes: [String; 2],
+    /// Sites from one value to the next along each axis; 1 where every site is there.
+    pub spacing: usize,
+    /// The number of values across.
+    pub columns: usize,
+    /// The values, one row above the other.
+    pub values: Vec<f64>,
 }
 
 /// Σ ((x_i − c_i)/a_i)² = 1.

@@ -31,6 +31,7 @@ mod lattice;
 mod number;
 mod orbit;
 mod panel;
+mod planes;
 mod reproduction;
 mod run;
 mod section;
@@ -45,7 +46,7 @@ mod work_precision;
 
 pub use comparison::{ComparisonData, render_comparison};
 pub use data::{
-    Ellipsoid, InvariantSeries, Outcome, Recorded, ReportData, SectionPoints, TimeSeries,
+    Ellipsoid, InvariantSeries, Outcome, PlaneMap, Recorded, ReportData, SectionPoints, TimeSeries,
     Trajectory,
 };
 pub use ensemble::{Band, EnsembleData, Losses, render_ensemble};

@@ -10,6 +10,7 @@ use super::figure::Figure;
 use super::history::{energy_figure, observable_figure, solver_figure};
 use super::lattice::lattice_figures;
 use super::orbit::orbit_figure;
+use super::planes::plane_figure;
 use super::section::section_figure;
 use super::template::render;
 
@@ -127,6 +128,9 @@ impl Figures {
             }) => {
                 let fields = lattice_figures(name, times, *spacing, fields)?;
                 figures.wide.extend(fields);
+            }
+            Some(Trajectory::Planes { maps, slice }) => {
+                figures.wide.push(plane_figure(maps, slice.as_deref())?);
             }
             None => {}
         }

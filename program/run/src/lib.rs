@@ -49,6 +49,7 @@ mod manifest;
 mod ordered;
 mod outcome;
 mod page;
+mod planes;
 mod progress;
 mod replaced;
 mod retraced;

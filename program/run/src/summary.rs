@@ -6,6 +6,7 @@ use super::drive::Session;
 use super::error::RunError;
 use super::manifest::{PROGRAM_VERSION, plugins};
 use super::outcome::{RunOutcome, RunReport};
+use super::planes::planes;
 use super::sampled::columns_of_states;
 use super::snapshots::spacing;
 use crate::advice::lines;
@@ -387,6 +388,16 @@ fn trajectory(
 ) -> Option<Trajectory> {
     let is_whole = run.plan.states.is_whole_in_samples();
     let lattice = run.method.lattice();
+    if let Some(geometry) = lattice.filter(|geometry| geometry.axes.len() > 1) {
+        let (begin, end) = (run.own(&run.plan.initial), run.own(session.state()));
+        return planes(
+            geometry,
+            [
+                (times.first().copied().unwrap_or(0.0), begin),
+                (session.time(), end),
+            ],
+        );
+    }
     if let Some(geometry) = lattice.filter(|_| run.dimension() > WIDEST_STATE) {
         let snapshots = session.snapshots();
         return Some(Trajectory::Lattice {

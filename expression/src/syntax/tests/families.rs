@@ -410,7 +410,7 @@ fn planes_refuse_what_does_not_fit_their_axes() {
             "w[1,2,0]",
             "`w` has 2 axes, and 3 are written here: write `w[i,j]`",
         ),
-        ("w[1,4]", "`w` has the members"),
+        ("w[1,4]", "`w` has the sites 0 to 3 along axis 1, not 4"),
         ("sum(i, 1)", "the index `i` counts along no axis"),
         ("sum(i, w[i,i])", "the index `i` counts along no axis"),
         ("w[0,0]/N", "`N` as a number"),

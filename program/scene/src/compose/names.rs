@@ -231,6 +231,34 @@ fn about_a_long_lattice(
                 ),
             })
         }
+        SyntaxErrorKind::SiteOutOfRange {
+            name,
+            axis,
+            position,
+            length,
+        } => {
+            let whole = *document.system.axes.get(*axis)?;
+            let is_there = usize::try_from(*position).is_ok_and(|position| position < whole);
+            if whole == *length {
+                return None;
+            }
+            Some(match is_there {
+                true => (
+                    format!(
+                        "a formula on a lattice of this size repeats from site to site, and cannot name single sites of \
+                         `{name}`"
+                    ),
+                    None,
+                ),
+                false => (
+                    format!(
+                        "`{name}` has the sites 0 to {} along axis {axis}, not {position}",
+                        whole - 1
+                    ),
+                    None,
+                ),
+            })
+        }
         SyntaxErrorKind::NotASumOverSites
         | SyntaxErrorKind::SumInATemplate
         | SyntaxErrorKind::SiteInATemplate { .. } => {

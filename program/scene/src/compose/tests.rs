@@ -3,6 +3,7 @@
 mod advice;
 mod definitions;
 mod forms;
+mod planes;
 mod sites;
 mod sums;
 mod vectors;

@@ -1,0 +1,103 @@
+//! Maps of the fields of a lattice of several axes, where a run begins and where it ends.
+
+use leafwise_core::lattice::LatticeGeometry;
+use leafwise_report::{PlaneMap, Trajectory};
+
+use super::summary::rounded;
+
+/// The most sites of a map along an axis.
+const MOST_SITES: usize = 64;
+
+/// The most families that are drawn.
+const MOST_FAMILIES: usize = 3;
+
+/// Maps of a family at both ends of a run; of vectors those of every component at its end.
+pub(super) fn planes(geometry: &LatticeGeometry, ends: [(f64, &[f64]); 2]) -> Option<Trajectory> {
+    let first = &geometry.families.first()?.0;
+    let vector = first.split_once('.').map(|(vector, _)| vector);
+    let chosen: Vec<(usize, usize)> = match vector {
+        None => vec![(0, 0), (0, 1)],
+        Some(vector) => {
+            let families = geometry.families.iter().enumerate();
+            let own = families.filter(|(_, (name, _))| {
+                name.split_once('.')
+                    .is_some_and(|(other, _)| other == vector)
+            });
+            own.take(MOST_FAMILIES).map(|(at, _)| (at, 1)).collect()
+        }
+    };
+    let maps = chosen
+        .into_iter()
+        .map(|(family, end)| map(geometry, family, ends[end]));
+    let slice = match geometry.axes[..] {
+        [axis, _, _] => Some(format!(
+            "The plane i = {} of the lattice, in its middle.",
+            axis.length / 2
+        )),
+        _ => None,
+    };
+    Some(Trajectory::Planes {
+        maps: maps.collect(),
+        slice,
+    })
+}
+
+/// A map over the last two axes, through the middle of the others.
+fn map(geometry: &LatticeGeometry, family: usize, (time, state): (f64, &[f64])) -> PlaneMap {
+    let axes = geometry.axes.len();
+    let [up, across] = [axes - 2, axes - 1].map(|axis| geometry.axes[axis].length);
+    let spacing = up.max(across).div_ceil(MOST_SITES).max(1);
+    let (start, mut place) = (
+        geometry.offsets()[family],
+        geometry.place(geometry.middle()),
+    );
+    let mut values = Vec::new();
+    for row in (0..up).step_by(spacing) {
+        for column in (0..across).step_by(spacing) {
+            (place[axes - 2], place[axes - 1]) = (row, column);
+            values.push(state[start + geometry.site(place)]);
+        }
+    }
+    let indices = ["i", "j", "k"];
+    PlaneMap {
+        title: format!(
+            "{} at t = {}",
+            geometry.families[family].0,
+            rounded(time, 6)
+        ),
+        axes: [indices[axes - 1], indices[axes - 2]].map(str::to_owned),
+        spacing,
+        columns: across.div_ceil(spacing),
+        values,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use leafwise_core::lattice::Axis;
+
+    use super::*;
+
+    /// A box of 3 × 4 × 200 sites: the plane i = 1, every fourth site along the last axis and so along the other.
+    #[test]
+    fn a_map_is_a_thinned_plane_through_the_middle() {
+        let axes = [3, 4, 200].map(|length| Axis {
+            length,
+            periodic: true,
+        });
+        let geometry = LatticeGeometry::along(["q".to_owned()], axes.to_vec());
+        let state: Vec<f64> = (0..2400).map(f64::from).collect();
+        let drawn = planes(&geometry, [(0.0, &state), (2.5, &state)]);
+        let Some(Trajectory::Planes { maps, slice }) = drawn else {
+            panic!("maps");
+        };
+        assert_eq!(maps.len(), 2);
+        assert!(slice.is_some_and(|slice| slice.contains("i = 1")));
+        let map = &maps[1];
+        assert_eq!(
+            (map.title.as_str(), map.columns, map.spacing),
+            ("q at t = 2.5", 50, 4)
+        );
+        assert_eq!(map.values[..2], [800.0, 804.0]);
+    }
+}

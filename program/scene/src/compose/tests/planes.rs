@@ -1,0 +1,97 @@
+//! Lattices of several axes: what is read, and what is refused where it stands.
+
+use leafwise_core::Registry;
+
+use super::{compose_system, document, refusal};
+use crate::document::SceneDocument;
+
+const INITIAL: &str = "initial = { \"x[i,j]\" = \"10*i + j\", \"x[1,2]\" = -1 }";
+
+fn plane(lengths: &str, boundary: &str, hamiltonian: &str) -> String {
+    format!(
+        "families = {{ x = {lengths} }}\nboundary = {boundary}\nbracket = {{ \"x[i,j],x[i,j+1]\" = \"1\" }}\n\
+         hamiltonian = \"{hamiltonian}\""
+    )
+}
+
+/// A plane has a bond for each pair of neighbours along an axis; a row closes or ends as it is told.
+#[test]
+fn a_plane_is_its_template_at_every_site() {
+    for (boundary, entries) in [
+        ("\"periodic\"", 3 * 5),
+        ("[\"open\", \"periodic\"]", 3 * 5),
+        ("\"open\"", 3 * 4),
+        ("[\"periodic\", \"open\"]", 3 * 4),
+    ] {
+        let text = plane("[3, 5]", boundary, "sum(i, j, x[i,j]*x[i+1,j])");
+        let composed = compose_system(&document(&text, INITIAL)).expect("a plane");
+        let formulas = composed.system.expressions().expect("formulas");
+        assert_eq!(formulas.tensor().len(), entries, "{boundary}");
+        assert_eq!(
+            composed.initial[..8],
+            [0.0, 1.0, 2.0, 3.0, 4.0, 10.0, 11.0, -1.0]
+        );
+        assert_eq!(formulas.variables()[7], "x[1,2]");
+    }
+}
+
+/// One length in a list is a chain.
+#[test]
+fn a_list_of_one_length_is_a_chain() {
+    let text = "families = { x = [6] }\nbracket = { \"x[i],x[i+1]\" = \"1\" }\nhamiltonian = \"sum(i, x[i]/N)\"";
+    let composed = compose_system(&document(text, "initial = { \"x[i]\" = \"i\" }"));
+    assert_eq!(composed.expect("a chain").initial.len(), 6);
+}
+
+#[test]
+fn what_does_not_fit_the_axes_is_refused_where_it_stands() {
+    let sum = "sum(i, j, x[i,j]^2)";
+    for (text, message) in [
+        (
+            plane("[4, 5]", "\"open\"", "sum(i, x[i]^2)"),
+            "`x` has 2 axes, and 1 is written here",
+        ),
+        (
+            plane("[4, 5]", "\"open\"", "sum(i, j, x[i,j])/N"),
+            "`N` as a number is the length of a chain",
+        ),
+        (
+            plane("[4, 5]", "\"open\"", "sum(i, j, x[j,i]*x[i,j])"),
+            "the index `i` counts along no axis",
+        ),
+        (
+            plane("[4, 5]", "\"open\"", "x[4,0]"),
+            "`x` has the sites 0 to 3 along axis 0, not 4",
+        ),
+    ] {
+        let refused = refusal(&text, INITIAL);
+        assert!(refused.message.starts_with(message), "{}", refused.message);
+    }
+    for (text, message) in [
+        (plane("[4, 5, 6, 7]", "\"open\"", sum), "1 to 3 axes"),
+        (plane("[]", "\"open\"", sum), "1 to 3 axes"),
+        (
+            plane("[100000, 100000]", "\"open\"", sum),
+            "at most 100000000 sites",
+        ),
+        (
+            plane("[4, 5]", "[\"open\", \"open\", \"open\"]", sum),
+            "one for each of the 2",
+        ),
+        (
+            plane("[4, 5], y = [4, 6]", "\"open\"", sum),
+            "all families have the same",
+        ),
+        (
+            plane("[4, 5], y = 20", "\"open\"", sum),
+            "all families have the same",
+        ),
+    ] {
+        let text = format!(
+            "[system]\n{text}\n[method]\nrealization = \"auto\"\ndynamics = \"auto\"\ntime-step = 0.1\n[run]\nsteps = 1\n{INITIAL}\n"
+        );
+        let errors = SceneDocument::parse("a.toml", &text, &Registry::empty()).expect_err(message);
+        let errors = format!("{:?}", errors.diagnostics());
+        assert!(errors.contains(message), "{errors}");
+    }
+}
