@@ -1,4 +1,4 @@
-//! Ten steps of the Volterra lattice cost a time linear in the number of sites.
+//! Ten steps of the Volterra lattice, and of spins on planes and boxes, cost a time linear in the number of sites.
 
 #![allow(clippy::print_stderr)]
 
@@ -18,6 +18,45 @@ fn advance(mut walk: Walk) -> Walk {
         walk.step().expect("a step");
     }
     walk
+}
+
+/// Heisenberg's exchange over lattices of one, two and three axes with about 2.6·10⁵ spins each.
+const SPINS: [&[usize]; 3] = [&[262_144], &[512, 512], &[64, 64, 64]];
+
+/// A spiral along the last axis, periodic along all.
+fn spins_scene(lengths: &[usize]) -> String {
+    let indices = &["i", "j", "k"][..lengths.len()];
+    let here = indices.join(",");
+    let mut bonds = Vec::new();
+    for axis in 0..indices.len() {
+        let mut there: Vec<String> = indices.iter().map(|index| (*index).to_owned()).collect();
+        there[axis].push_str("+1");
+        let there = there.join(",");
+        bonds.extend(["x", "y", "z"].map(|c| format!("s.{c}[{here}]*s.{c}[{there}]")));
+    }
+    let last = indices[indices.len() - 1];
+    format!(
+        "[system]\nfamilies = {{ s = {{ components = [\"x\", \"y\", \"z\"], length = {lengths:?} }} }}\n\
+         bracket = {{ lie-algebra = \"so3\" }}\nhamiltonian = \"-sum({}, {})\"\n\
+         [method]\nstepper = \"splitting\"\ntime-step = 0.05\n[run]\nsteps = 1\n[run.initial]\n\
+         \"s.x[{here}]\" = \"0.6*cos(pi*{last}/8)\"\n\"s.y[{here}]\" = \"0.6*sin(pi*{last}/8)\"\n\"s.z[{here}]\" = 0.8\n",
+        indices.join(", "),
+        bonds.join(" + ")
+    )
+}
+
+fn spins(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("ten steps, Heisenberg spins");
+    group.sample_size(10);
+    for lengths in SPINS {
+        let run = composed(&spins_scene(lengths));
+        let sites: usize = lengths.iter().product();
+        group.throughput(Throughput::Elements(STEPS * sites as u64));
+        group.bench_function(format!("{lengths:?}"), |bencher| {
+            bencher.iter_batched(|| run.walk(), advance, BatchSize::PerIteration);
+        });
+    }
+    group.finish();
 }
 
 fn lattice(criterion: &mut Criterion) {
@@ -41,5 +80,5 @@ fn lattice(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, lattice);
+criterion_group!(benches, lattice, spins);
 criterion_main!(benches);
