@@ -12,7 +12,7 @@ use proptest::prelude::*;
 struct Field {
     lengths: Vec<usize>,
     periodic: Vec<bool>,
-    /// Couplings: k (q − q')^power at so far an offset.
+    /// Couplings: a (q − q')^power at so far an offset.
     couplings: Vec<(Vec<i64>, u32)>,
     method: &'static str,
 }
@@ -73,9 +73,9 @@ impl Field {
             });
             sites.collect::<Vec<_>>().join(",")
         };
-        let mut terms = format!("p[{here}]^2/2 + k*q[{here}]^4");
+        let mut terms = format!("p[{here}]^2/2 + a*q[{here}]^4");
         for (offset, power) in &self.couplings {
-            let _ = write!(terms, " + k*(q[{here}] - q[{}])^{power}", there(offset));
+            let _ = write!(terms, " + a*(q[{here}] - q[{}])^{power}", there(offset));
         }
         let ends: Vec<&str> = (self.periodic.iter())
             .map(|periodic| {
@@ -88,7 +88,7 @@ impl Field {
             .collect();
         let sums = INDICES[..axes].join(", ");
         format!(
-            "[system]\nfamilies = {{ q = {:?}, p = {:?} }}\nboundary = [{}]\nparameters = {{ k = 0.25 }}\n\
+            "[system]\nfamilies = {{ q = {:?}, p = {:?} }}\nboundary = [{}]\nparameters = {{ a = 0.25 }}\n\
              bracket = {{ \"p[{here}],q[{here}]\" = \"1\" }}\nhamiltonian = \"sum({sums}, {terms})\"\n{}[run.initial]\n\
              \"q[{here}]\" = \"0.4*sin(0.7*({number}))\"\n\"p[{here}]\" = \"0.3*cos(0.7*({number}))\"\n",
             self.lengths,
@@ -115,16 +115,16 @@ impl Field {
             |c: &str| -> Vec<String> { sites.clone().map(|at| format!("\"{c}{at}\"")).collect() };
         let (mut terms, mut bracket) = (Vec::new(), String::new());
         for site in sites.clone() {
-            terms.push(format!("p{site}^2/2 + k*q{site}^4"));
+            terms.push(format!("p{site}^2/2 + a*q{site}^4"));
             for (offset, power) in &self.couplings {
                 let other = self.beside(site, offset);
-                terms.extend(other.map(|other| format!("k*(q{site} - q{other})^{power}")));
+                terms.extend(other.map(|other| format!("a*(q{site} - q{other})^{power}")));
             }
             let _ = writeln!(bracket, "\"p{site},q{site}\" = \"1\"");
         }
         let variables = [names("q"), names("p")].concat();
         format!(
-            "[system]\nvariables = [{}]\nparameters = {{ k = 0.25 }}\nhamiltonian = \"{}\"\n[system.bracket]\n{bracket}{}\
+            "[system]\nvariables = [{}]\nparameters = {{ a = 0.25 }}\nhamiltonian = \"{}\"\n[system.bracket]\n{bracket}{}\
              initial = {:?}\n",
             variables.join(", "),
             terms.join(" + "),

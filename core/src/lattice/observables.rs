@@ -1,6 +1,7 @@
 //! Sums over sites: energy, Casimirs, and what else a run watches.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use leafwise_expression::{Expression, Graph, Term};
 
@@ -15,9 +16,11 @@ use crate::observe::Observe;
 /// Evaluates sums over sites in O(N), with a compensated sum in the order of the sites.
 #[derive(Clone, Debug)]
 pub struct LatticeObservables {
-    densities: SiteNumbers,
+    densities: Arc<SiteNumbers>,
     evaluator: LatticeEvaluator,
     constants: Vec<f64>,
+    /// The constants as functions of the parameters.
+    formulas: Vec<Expression>,
 }
 
 impl LatticeObservables {
@@ -31,16 +34,13 @@ impl LatticeObservables {
         parameters: &[f64],
         selection: Range<usize>,
     ) -> Result<Self, BuildError> {
-        let mut constants = Vec::new();
+        let mut formulas = Vec::new();
         let mut of_site = |proxy: &_, site: usize, graph: &mut Graph, x: &[Term]| {
             let mut densities = source.densities(proxy, site)?;
             densities.truncate(selection.end);
             densities.drain(..selection.start.min(densities.len()));
             if site == 0 {
-                constants = densities
-                    .iter()
-                    .map(|d| d.constant.evaluate(&[], parameters))
-                    .collect();
+                formulas = densities.iter().map(|d| d.constant.clone()).collect();
             }
             let mut terms = densities.iter();
             terms.try_fold(Vec::new(), |mut terms, density| {
@@ -55,10 +55,27 @@ impl LatticeObservables {
         )?;
         Ok(Self {
             evaluator: densities.evaluator(parameters),
-            densities,
-            constants,
+            densities: Arc::new(densities),
+            constants: values(&formulas, parameters),
+            formulas,
         })
     }
+
+    /// The same at other values of the parameters.
+    pub fn at(&self, parameters: &[f64]) -> Self {
+        Self {
+            evaluator: self.densities.evaluator(parameters),
+            densities: Arc::clone(&self.densities),
+            constants: values(&self.formulas, parameters),
+            formulas: self.formulas.clone(),
+        }
+    }
+}
+
+/// Functions of the parameters alone at these values.
+fn values(formulas: &[Expression], parameters: &[f64]) -> Vec<f64> {
+    let value = |formula: &Expression| formula.evaluate(&[], parameters);
+    formulas.iter().map(value).collect()
 }
 
 /// A density as code.

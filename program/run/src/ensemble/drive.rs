@@ -69,7 +69,12 @@ impl Session<'_> {
         // Where steps are not counted, members are.
         let steps = self.ensemble.steps().unwrap_or(1);
         let from = self.tree.next();
-        let blocks = blocks(from, members, workforce);
+        let blocks = blocks(
+            from,
+            members,
+            workforce,
+            self.ensemble.population.dimension(),
+        );
         let signals = Signals::default();
         let (ensemble, directory) = (self.ensemble, self.directory);
         let (started, before) = (Instant::now(), self.wall);
@@ -140,14 +145,19 @@ struct Blocks {
     lanes: u64,
 }
 
-fn blocks(from: u64, members: u64, workforce: Workforce) -> Blocks {
+/// Coordinates of the members of a block, of which fewer go side by side the longer they are.
+const COORDINATES: usize = 1 << 16;
+
+fn blocks(from: u64, members: u64, workforce: Workforce, dimension: usize) -> Blocks {
     let threads = workforce.threads.get() as u64;
     // Few members: smaller blocks, so that every thread has some.
     let share = (members - from).div_ceil(2 * threads).max(1);
     Blocks {
         from,
         members,
-        lanes: share.min(workforce.lanes.get() as u64),
+        lanes: share
+            .min(workforce.lanes.get() as u64)
+            .min((COORDINATES / dimension.max(1)).max(1) as u64),
     }
 }
 

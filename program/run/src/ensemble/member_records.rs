@@ -119,7 +119,7 @@ impl<'a> MemberRecords<'a> {
         for (values, column) in row.chunks_exact_mut(lanes).zip(&self.ensemble.columns) {
             let (all, at) = match column {
                 Column::Invariant(at) => (invariants, at),
-                Column::Formula(at) => (formulas, at),
+                Column::Recorded(at) => (formulas, at),
             };
             values.copy_from_slice(&all[at * lanes..][..lanes]);
         }
@@ -164,7 +164,7 @@ impl<'a> MemberRecords<'a> {
         let (invariants, formulas) = (invariants.at(state), formulas.at(state));
         let value = |column: &Column| match *column {
             Column::Invariant(at) => invariants[at],
-            Column::Formula(at) => formulas[at],
+            Column::Recorded(at) => formulas[at],
         };
         Ok(ensemble.columns.iter().map(value).collect())
     }

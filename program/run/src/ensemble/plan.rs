@@ -3,14 +3,13 @@
 use std::path::Path;
 
 use leafwise_core::Registry;
-use leafwise_expression::Expression;
 use leafwise_walk::{Course, StateFunctions};
 
 use super::clock::Clock;
 use super::population::Population;
 use super::states::Members;
 use super::statistics::Shape;
-use leafwise_scene::compose::{ComposedRun, DENSE_LIMIT, Observable, Refusal, Stepping, compose};
+use leafwise_scene::compose::{ComposedRun, Observable, Refusal, compose};
 use leafwise_scene::document::{EnsembleSection, FinalStates, SceneDocument};
 
 /// Windows of steps over which the invariants' deviations are taken, at most.
@@ -44,7 +43,8 @@ pub struct ComposedEnsemble {
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Column {
     Invariant(usize),
-    Formula(usize),
+    /// A formula or a coordinate.
+    Recorded(usize),
 }
 
 /// Builds the system, the method and the members of a scene with an `[ensemble]` table. Its files are in `directory`.
@@ -86,16 +86,6 @@ fn compose_from(
         let help = Some(help.to_owned());
         Box::new(document.diagnostic(&ensemble.place, message, "here", help))
     };
-    if let Stepping::Lattice(_) = &run.method {
-        return Err(refuse(
-            format!(
-                "an ensemble of lattices of more than {DENSE_LIMIT} coordinates is not offered, and this one has {}: \
-                 they step by templates, one at a time",
-                run.plan.coordinates
-            ),
-            "shorten the lattice, or run its members one by one: leafwise run SCENE --set …",
-        ));
-    }
     check_paced(document, ensemble)?;
     let population = Population::of(document, ensemble, &run, directory, members)?;
     let every = ensemble.record.every.min(run.plan.steps.max(1));
@@ -114,28 +104,18 @@ fn compose_from(
     }
     let without_code =
         |error: leafwise_core::BuildError| refuse(error.to_string(), "record something else");
-    let mut columns = Vec::with_capacity(run.plan.observables.len());
-    let mut expressions = Vec::new();
-    for observable in &run.plan.observables {
-        columns.push(match observable {
-            Observable::Invariant { index, .. } => Column::Invariant(*index),
-            Observable::Formula { expression, .. } => {
-                expressions.push(expression.clone());
-                Column::Formula(expressions.len() - 1)
-            }
-            Observable::Coordinate { index, .. } => {
-                expressions.push(Expression::Variable(*index));
-                Column::Formula(expressions.len() - 1)
-            }
-        });
-    }
-    let expressions: Vec<&Expression> = expressions.iter().collect();
-    let formulas = run.observables(&expressions).map_err(without_code)?;
+    let mut recorded = 0..;
+    let column = |observable: &Observable| match observable {
+        Observable::Invariant { index, .. } => Column::Invariant(*index),
+        _ => Column::Recorded(recorded.next().unwrap_or_default()),
+    };
+    let columns = run.plan.observables.iter().map(column).collect();
+    let formulas = run.recorded_columns().map_err(without_code)?;
     let mut course = run.course(&[]).map_err(without_code)?;
     course.invariants_every = ensemble.drift_every;
     Ok(ComposedEnsemble {
         course,
-        formulas: formulas.into(),
+        formulas,
         columns,
         population,
         clock: Clock::of(&run, every),

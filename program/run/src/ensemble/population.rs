@@ -433,6 +433,16 @@ fn leaves(
             "declare the missing Casimirs, draw from a ball, or start on another leaf".to_owned();
         Box::new(document.diagnostic(place, message, "here", Some(help)))
     };
+    if run.method.lattice().is_some() {
+        let place = place.as_ref().unwrap_or(&ensemble.place);
+        return Err(Box::new(document.diagnostic(
+            place,
+            "on a lattice of this length every site has a leaf of its own, and the way onto them is not known: Newton's \
+             method along the Casimirs' gradients solves for a few Casimirs",
+            "on the leaf",
+            Some("draw from a ball, or give the members' states by a file".to_owned()),
+        )));
+    }
     let map = run
         .system
         .invariants_map()

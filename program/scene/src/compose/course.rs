@@ -6,7 +6,7 @@ use leafwise_expression::Expression;
 use leafwise_walk::{Course, Event, Pace, StateFunctions};
 
 use super::extended::Extension;
-use super::lattice_functions::{LatticeFunctions, of_coordinates};
+use super::lattice_functions::{LatticeFunctions, RecordedColumn, of_coordinates};
 use super::observables::Observable;
 use super::run::ComposedRun;
 use super::stepping::Stepping;
@@ -64,6 +64,36 @@ impl ComposedRun {
         Ok(self.observables(&formulas.collect::<Vec<_>>())?.into())
     }
 
+    /// The formulas and coordinates that the scene records, in their order.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where a formula has no code.
+    pub fn recorded_columns(&self) -> Result<StateFunctions, BuildError> {
+        let observables = self.plan.observables.iter();
+        let recorded = observables.filter(|o| !matches!(o, Observable::Invariant { .. }));
+        let Stepping::Lattice(lattice) = &self.method else {
+            let formulas = recorded.map(|observable| match observable {
+                Observable::Coordinate { index, .. } => Expression::Variable(*index),
+                Observable::Formula { expression, .. } => expression.clone(),
+                Observable::Invariant { .. } => Expression::from(0),
+            });
+            let formulas: Vec<Expression> = formulas.collect();
+            return Ok(self
+                .observables(&formulas.iter().collect::<Vec<_>>())?
+                .into());
+        };
+        let mut formulas = 0..lattice.formulas.observables();
+        let column = |observable: &Observable| match observable {
+            Observable::Coordinate { index, .. } => RecordedColumn::Coordinate(*index),
+            _ => RecordedColumn::Formula(formulas.next().unwrap_or_default()),
+        };
+        let columns: Vec<RecordedColumn> = recorded.map(column).collect();
+        let functions = lattice.formulas.clone();
+        Ok(StateFunctions::each(columns.len(), move |parameters| {
+            Ok(Box::new(functions.at(parameters).beside(&columns)))
+        }))
+    }
+
     /// The course of its walks, with these events beside the scene's own section, which comes first.
     ///
     /// # Errors
@@ -115,10 +145,10 @@ impl ComposedRun {
     }
 }
 
-/// Functions of a long lattice's state, at its own values of parameters.
+/// Functions of a long lattice's state.
 fn of_lattice(functions: &LatticeFunctions) -> StateFunctions {
     let functions = functions.clone();
-    StateFunctions::each(functions.observables(), move |_| {
-        Ok(Box::new(functions.clone()))
+    StateFunctions::each(functions.observables(), move |parameters| {
+        Ok(Box::new(functions.at(parameters)))
     })
 }

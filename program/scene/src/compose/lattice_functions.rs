@@ -17,6 +17,22 @@ pub struct LatticeFunctions {
     written: Option<(Vec<usize>, SystemObservables, Vec<f64>)>,
 }
 
+/// A column of what a long lattice records.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum RecordedColumn {
+    /// A coordinate of the state.
+    Coordinate(usize),
+    /// A function by its number.
+    Formula(usize),
+}
+
+/// Functions and coordinates of a long lattice's state.
+struct RecordedColumns {
+    functions: LatticeFunctions,
+    columns: Vec<RecordedColumn>,
+    values: Vec<f64>,
+}
+
 impl LatticeFunctions {
     /// Sums over sites, with formulas of all `dimension` coordinates at their places among them.
     ///
@@ -38,6 +54,45 @@ impl LatticeFunctions {
             }
         };
         Ok(Self { sums, written })
+    }
+}
+
+impl LatticeFunctions {
+    /// The same at other values of the parameters.
+    pub(super) fn at(&self, parameters: &[f64]) -> Self {
+        let written = self
+            .written
+            .as_ref()
+            .map(|(places, written, room)| (places.clone(), written.at(parameters), room.clone()));
+        Self {
+            sums: self.sums.at(parameters),
+            written,
+        }
+    }
+
+    /// These and coordinates, as the columns tell.
+    pub(super) fn beside(self, columns: &[RecordedColumn]) -> impl Observe + use<> {
+        RecordedColumns {
+            values: vec![0.0; self.observables()],
+            functions: self,
+            columns: columns.to_vec(),
+        }
+    }
+}
+
+impl Observe for RecordedColumns {
+    fn observables(&self) -> usize {
+        self.columns.len()
+    }
+
+    fn evaluate(&mut self, state: &[f64], values: &mut [f64]) {
+        self.functions.evaluate(state, &mut self.values);
+        for (value, column) in values.iter_mut().zip(&self.columns) {
+            *value = match column {
+                RecordedColumn::Coordinate(at) => state[*at],
+                RecordedColumn::Formula(at) => self.values[*at],
+            };
+        }
     }
 }
 
