@@ -73,7 +73,7 @@ VIEWS: dict[str, tuple[str, list[str]]] = {
 
 #: Further pictures of a scene: file, scene, heading, settings.
 MORE = [
-    ("tennis_racket_energy", "tennis_racket", "Energy", ["run.record.every=25"]),
+    ("tennis_racket_energy", "tennis_racket", "Energy", ["run.record.every=10"]),
     ("rigid_body_drift", "rigid_body", "Drift", []),
     ("truncated_drift", "gradient", "Drift", ["run.steps=10000"]),
 ]
