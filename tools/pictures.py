@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import html
 import re
+import shlex
 import subprocess
 import sys
 import tempfile
@@ -248,9 +249,8 @@ def main() -> int:
             files[PICTURES / f"{file}.svg"] = smaller(found[heading], f"{scenes[name].title}: {heading[0].lower()}{heading[1:]}")
         if checks:
             for name, scene in scenes.items():
-                settings = re.findall(r"--set ([^`]*?)(?= --set|`)", scene.change)
-                for at, setting in enumerate(settings):
-                    run(program, scene, [setting.strip("'")], out / f"{name}-{at}")
+                for at, options in enumerate(re.findall(r"`(--set [^`]*)`", scene.change)):
+                    run(program, scene, [word for word in shlex.split(options) if word != "--set"], out / f"{name}-{at}")
     files[GALLERY] = gallery(scenes, shown)
     large = [str(path) for path, text in files.items() if path.suffix == ".svg" and len(text.encode()) > LARGEST]
     if large:
