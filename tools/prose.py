@@ -44,7 +44,7 @@ def sentences(path: Path) -> list[tuple[int, str]]:
         text = " ".join(paragraph)
         text = re.sub(r"!\[[^\]]*\]\([^)]*\)|<[^>]*>", "", text)
         text = re.sub(r"\[((?:[^\[\]]|\[[^\]]*\])*)\]\([^)]*\)", r"\1", text)
-        text = re.sub(r"`[^`]*`", "x", text).replace("*", "")
+        text = re.sub(r"`[^`]*`", "X", text).replace("*", "")
         for sentence in re.split(r"(?<=[.!?:])\s+(?=[A-Z\"(*ẋ{])", text):
             if len(sentence.split()) > 1:
                 found.append((began, sentence.strip()))
@@ -55,9 +55,9 @@ def sentences(path: Path) -> list[tuple[int, str]]:
             in_code = not in_code
             line = ""
         is_item = re.match(r"\s*(?:[-*]|\d+\.) ", line)
-        if in_code or not line.strip() or line.startswith(("|", "#", "<", "    ")) or is_item:
+        if in_code or not line.strip() or line.startswith(("#", "<", "    ")) or line.lstrip().startswith("|") or is_item:
             end()
-        if in_code or not line.strip() or line.startswith(("|", "#", "<", "    ")):
+        if in_code or not line.strip() or line.startswith(("#", "<", "    ")) or line.lstrip().startswith("|"):
             continue
         if not paragraph:
             began = at
