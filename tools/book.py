@@ -136,12 +136,13 @@ class Book:
         for token in tokens:
             if token.type == "heading_open":
                 token.attrSet("id", next(marks))
-            for child in token.children or []:
+            for child in [token, *(token.children or [])]:
+                if child.type in ("html_block", "html_inline"):
+                    child.content = re.sub(r'(<img\s[^>]*?src=")([^"]*)', lambda m: m[1] + (self.target(m[2], page) or ""), child.content)
                 for attribute in ("href", "src"):
                     if isinstance(given := child.attrGet(attribute), str):
                         child.attrSet(attribute, self.target(given, page) or "")
         made = self.markdown.renderer.render(tokens, self.markdown.options, {})
-        made = re.sub(r'(<img\s[^>]*?src=")([^"]*)', lambda m: m[1] + (m[2] if (self.out / self.place(page).parent / m[2]).exists() else self.target(m[2], page) or ""), made)
         made = re.sub(r'<a href="">(.*?)</a>', r"\1", made, flags=re.S)
         return re.sub(r"<table>.*?</table>", lambda m: f'<div class="wide">{m[0]}</div>', made, flags=re.S)
 

@@ -198,6 +198,11 @@ def bent(element: str) -> str:
     return element.replace(points.group(1), " ".join(f"{x},{y}" for x, y in kept))
 
 
+def spoken(name: str) -> str:
+    """A scene's name as a heading."""
+    return name.replace("_", " ").capitalize()
+
+
 def gallery(scenes: dict[str, Scene], shown: dict[str, str]) -> str:
     """The page of the gallery."""
     listed = {name for names in SUBJECTS.values() for name in names}
@@ -209,14 +214,17 @@ def gallery(scenes: dict[str, Scene], shown: dict[str, str]) -> str:
         "`leafwise run scenes/NAME.toml`. Its report turns, zooms and shows every recorded quantity over time.",
         "",
         "`tools/pictures.py` makes this page and its pictures from the reports of the program.",
+        "",
     ]
+    for name in (name for names in subjects.values() for name in names if name in scenes):
+        page.append(f'<a href="#{name.replace("_", "-")}"><img src="../pictures/{name}.svg" width="118" alt="{spoken(name)}"></a>')
     for subject, names in subjects.items():
         present = [name for name in names if name in scenes]
         if present:
             page += ["", f"## {subject}"]
         for name in present:
             scene = scenes[name]
-            page += ["", f"### {name.replace('_', ' ').capitalize()}", "", f'<img src="../pictures/{name}.svg" width="420" alt="{html.escape(shown[name])}">']
+            page += ["", f"### {spoken(name)}", "", f'<img src="../pictures/{name}.svg" width="360" alt="{html.escape(shown[name])}">']
             page += ["", scene.see.replace("*", "\\*").replace("_", "\\_") if "`" not in scene.see else scene.see]
             if scene.change:
                 page += ["", f"*Change:* {scene.change}"]
