@@ -46,5 +46,5 @@ pub use leafwise_systems as systems;
 pub use leafwise_walk as walk;
 
 #[cfg(doctest)]
-#[doc = include_str!("../../README.md")]
-struct Readme;
+#[doc = include_str!("../../docs/guide/from-rust.md")]
+struct FromRust;

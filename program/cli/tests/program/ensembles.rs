@@ -338,15 +338,54 @@ fn an_endless_scene_or_file_of_states_is_refused() {
     said.says(&["cannot read /dev/zero", "larger than 64 MiB"]);
 }
 
+/// On lattices that are stepped by templates: each member as it runs alone, its energy at its own parameters, and the way onto a
+/// leaf refused.
 #[test]
-fn an_ensemble_of_long_lattices_is_refused_with_the_numbers() {
-    let chain = "[system]\nfamilies = { q = 16, p = 16 }\nbracket = { \"q[i],p[i]\" = \"-1\" }\n\
-                 boundary = \"periodic\"\nhamiltonian = \"sum(i, p[i]^2/2 + (q[i+1] - q[i])^2/2)\"\n\
-                 [method]\nstepper = \"splitting\"\ntime-step = 0.1\n[run]\nsteps = 1\n\
-                 initial = { \"q[i]\" = \"i\", \"p[i]\" = \"0\" }\n[ensemble]\nmembers = 2\n";
-    let said = Place::with(chain).leafwise(&["ensemble", "scene.toml"]);
-    assert_eq!(said.code, Some(3));
-    said.says(&["more than 24 coordinates is not offered, and this one has 32"]);
+fn members_of_an_ensemble_of_lattices_run_alone_as_ordinary_runs() {
+    for lengths in ["16", "[4, 5]"] {
+        let (here, next, sums) = match lengths {
+            "16" => ("i", "i+1", "i"),
+            _ => ("i,j", "i,j+1", "i, j"),
+        };
+        let first = if lengths == "16" { "q[0]" } else { "q[0,0]" };
+        let scene = format!(
+            "[system]\nfamilies = {{ q = {lengths}, p = {lengths} }}\nparameters = {{ a = 1 }}\n\
+             bracket = {{ \"q[{here}],p[{here}]\" = \"-1\" }}\n\
+             hamiltonian = \"a + sum({sums}, p[{here}]^2/2 + a*(q[{next}] - q[{here}])^2/2)\"\n\
+             [method]\nstepper = \"splitting\"\ntime-step = 0.1\n[run]\nsteps = 20\n\
+             initial = {{ \"q[{here}]\" = \"i\", \"p[{here}]\" = \"0\" }}\n[ensemble]\nmembers = 5\nseed = 3\n\
+             initial = {{ ball = 0.1 }}\nparameters = {{ a = [0.5, 2.0] }}\nfinal-states = true\n\
+             record = {{ every = 5, observables = [\"energy\", \"{first}\", \"sum({sums}, q[{here}]^2)\"] }}\n"
+        );
+        let place = Place::with(&scene);
+        let said = place.leafwise(&["ensemble", "scene.toml", "--quiet"]);
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        let states = place.read("runs/scene-ensemble/final_states.csv");
+        for member in [0, 4] {
+            let number = member.to_string();
+            let said = place.leafwise(&["ensemble", "scene.toml", "--member", &number, "--json"]);
+            assert_eq!(said.code, Some(0), "{}", said.err);
+            let json = said.json();
+            let state = json["final_state"].as_array().expect("a list").iter();
+            let state: Vec<String> = state
+                .map(|x| format!("{:?}", x.as_f64().expect("a number")))
+                .collect();
+            let row = states.lines().nth(1 + member).expect("a row");
+            let expected = format!("{member},done,{},", state.join(","));
+            assert!(row.starts_with(&expected), "{row}\n{expected}");
+            let energy = json["invariants"][0]["initial"].as_f64().expect("an energy");
+            let a = json["parameters"]["a"].as_f64();
+            assert!(energy.is_finite() && a.is_none_or(|a| a != 1.0));
+        }
+    }
+    let on_leaf = "[system]\nfamilies = { s = { components = [\"x\", \"y\", \"z\"], length = 16 } }\n\
+                   bracket = { lie-algebra = \"so3\" }\nhamiltonian = \"sum(i, s.x[i]*s.x[i+1])\"\n\
+                   casimirs = { lengths = \"sum(i, s.x[i]^2 + s.y[i]^2 + s.z[i]^2)\" }\n\
+                   [method]\nstepper = \"splitting\"\ntime-step = 0.1\n[run]\nsteps = 1\n\
+                   initial = { \"s.x[i]\" = 1, \"s.y[i]\" = 0, \"s.z[i]\" = 0 }\n[ensemble]\nmembers = 2\ninitial = { leaf = 0.1 }\n";
+    let said = Place::with(on_leaf).leafwise(&["ensemble", "scene.toml"]);
+    assert_eq!(said.code, Some(3), "{}", said.err);
+    said.says(&["every site has a leaf of its own", "draw from a ball"]);
 }
 
 #[test]

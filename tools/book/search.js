@@ -1,0 +1,24 @@
+// Sections whose words begin as all words of the query do; those with them in their heading first.
+const root = document.body.dataset.root;
+for (const field of document.querySelectorAll('nav input[type="search"]')) {
+  const hits = field.nextElementSibling;
+  field.addEventListener("input", () => {
+    const wanted = field.value.toLowerCase().split(/\s+/).filter(Boolean);
+    const score = (section) => {
+      const title = section.title.toLowerCase(), words = section.words.toLowerCase();
+      if (!wanted.every((word) => words.includes(word))) return 0;
+      return 1 + wanted.filter((word) => title.includes(word)).length;
+    };
+    const found = wanted.length ? sections.map((section) => [score(section), section]).filter(([points]) => points > 0) : [];
+    found.sort((one, other) => other[0] - one[0]);
+    hits.replaceChildren(...found.slice(0, 12).map(([, section]) => {
+      const row = document.createElement("li"), link = document.createElement("a"), page = document.createElement("span");
+      link.href = `${root}/${section.at}`;
+      link.textContent = section.title;
+      page.textContent = section.page;
+      link.append(page);
+      row.append(link);
+      return row;
+    }));
+  });
+}
