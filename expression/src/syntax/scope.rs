@@ -11,9 +11,11 @@ use crate::expression::{Expression, Function};
 pub(super) const PI: &str = "pi";
 pub(super) const LENGTH: &str = "N";
 pub(super) const SUM: &str = "sum";
+pub(super) const IF: &str = "if";
+pub(super) const DERIVATIVE: &str = "D";
 
 pub(super) fn is_reserved(name: &str) -> bool {
-    matches!(name, PI | LENGTH | SUM) || Function::from_name(name).is_some()
+    matches!(name, PI | LENGTH | SUM) || Function::NAMES[..Function::RESERVED].contains(&name)
 }
 
 /// Meaning of a reference beyond the ends of a family.
@@ -131,7 +133,7 @@ impl Scope {
     ///
     /// # Errors
     /// `InvalidName` when it is not one name. Fails with `ReservedName` when it is `pi`, `N`, `sum` or the name of a
-    /// function. The span covers `name`.
+    /// function from `exp` to `atanh`. The span covers `name`.
     pub fn check_name(name: &str) -> Result<(), SyntaxError> {
         let span = Span {
             start: 0,
@@ -162,6 +164,18 @@ impl Scope {
         if self.entries.insert(name.to_owned(), entry).is_none() {
             self.names.push(name.to_owned());
         }
+    }
+
+    /// The error that what is called at the start of `span` is a name of this scope.
+    pub(super) fn check_call(&self, text: &str, name: &str, span: Span) -> Result<(), SyntaxError> {
+        if !self.has(name) {
+            return Ok(());
+        }
+        let end = (span.start + name.len()).min(text.len());
+        let kind = SyntaxErrorKind::NameAndFunction {
+            name: name.to_owned(),
+        };
+        Err(SyntaxError::new(Span { start: span.start, end }, kind))
     }
 
     pub(super) fn definition(&self, index: usize) -> &Definition {
