@@ -36,6 +36,9 @@ const ROUND_OFF: f64 = 0.51 * f64::EPSILON;
 /// two.
 const FUNCTION: f64 = 2.0 * f64::EPSILON;
 
+/// Largest rounding error of special functions and their first derivatives, of their values or of 1.
+const SPECIAL: f64 = 64.0 * f64::EPSILON;
+
 /// Formulas in plain double arithmetic at these values of the parameters, with a running error bound
 /// (N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, section 3.3).
 #[derive(Clone, Debug)]
@@ -176,7 +179,10 @@ impl Arithmetic for BoundedNumbers {
     /// The error of the argument is taken with the slope there and at both ends of its interval.
     fn apply(&mut self, function: Function, a: &Bounded) -> Result<Bounded, AlgebraError> {
         let value = function.apply(a.value);
-        let mut error = FUNCTION * value.abs();
+        let mut error = match function {
+            Function::Gamma | Function::Special(..) => SPECIAL * value.abs().max(1.0),
+            _ => FUNCTION * value.abs(),
+        };
         if a.error > 0.0 && function.is_step() {
             let [low, high] = [a.value - a.error, a.value + a.error].map(|at| function.apply(at));
             error += (high - low).abs();

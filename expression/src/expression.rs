@@ -504,6 +504,19 @@ impl Expression {
         }
     }
 
+    /// Whether it is smooth in pieces: whether it holds a choice, a magnitude, a sign or a largest integer below.
+    pub fn has_seams(&self) -> bool {
+        let mut found = false;
+        self.visit(&mut |part| {
+            found |= match part {
+                Expression::Where(_) => true,
+                Expression::Apply(function, _) => function.is_step() || *function == Function::Abs,
+                _ => false,
+            };
+        });
+        found
+    }
+
     /// The integer this expression is, when it is written as a constant or a negated one.
     fn integer(&self) -> Option<i64> {
         match self {

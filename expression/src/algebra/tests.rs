@@ -402,11 +402,12 @@ fn random_formula() -> impl Strategy<Value = Expression> {
         ];
         prop_oneof![
             3 => prop::collection::vec(inner.clone(), 2..4).prop_map(Expression::Sum),
-            2 => prop::collection::vec(inner, 2..4).prop_map(Expression::Product),
+            2 => prop::collection::vec(inner.clone(), 2..4).prop_map(Expression::Product),
             1 => boxed.clone().prop_map(Expression::Negate),
             3 => (boxed.clone(), boxed.clone()).prop_map(|(a, b)| Expression::Quotient(a, b)),
             3 => (boxed.clone(), exponent).prop_map(|(a, e)| Expression::Power(a, Box::new(e))),
-            2 => (0..15_usize, boxed).prop_map(|(f, a)| Expression::Apply(Function::ALL[f], a)),
+            2 => (0..Function::ALL.len(), boxed).prop_map(|(f, a)| Expression::Apply(Function::ALL[f], a)),
+            1 => (inner.clone(), inner.clone(), inner).prop_map(|(c, a, b)| Expression::Where(Box::new([c, a, b]))),
         ]
     })
 }

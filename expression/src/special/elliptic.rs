@@ -2,7 +2,7 @@
 //!
 //! Values come from the arithmetic-geometric mean (NIST Handbook of Mathematical Functions, 19.8). Derivatives are
 //! hypergeometric: K⁽ⁿ⁾ = π/2 Π_{j<n} (a + j)(b + j)/(1 + j) F(a + n, b + n; 1 + n; m) with a = b = ½, and a = −½ for E.
-//! For m in [−1, ½] the series serves, below 0 after Pfaff's transformation (15.8.1), elsewhere the recurrence that the
+//! For m in [−4, ½] the series serves, below 0 after Pfaff's transformation (15.8.1), elsewhere the recurrence that the
 //! differential equation gives (15.10.1).
 
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -49,7 +49,7 @@ fn derivative(n: u32, m: f64, a: f64) -> f64 {
     if !(m < 1.0) {
         return f64::NAN;
     }
-    if (-1.0..=0.5).contains(&m) {
+    if (-4.0..=0.5).contains(&m) {
         let mut factor = FRAC_PI_2;
         for j in 0..n {
             let j = f64::from(j);
@@ -78,7 +78,7 @@ fn derivative(n: u32, m: f64, a: f64) -> f64 {
     slope
 }
 
-/// F(a, b; c; z) for 0 ≤ z ≤ ½.
+/// F(a, b; c; z) for 0 ≤ z ≤ 0.8.
 fn series(a: f64, b: f64, c: f64, z: f64) -> f64 {
     let (mut sum, mut term, mut k) = (1.0, 1.0, 0.0);
     loop {

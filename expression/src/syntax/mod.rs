@@ -44,7 +44,7 @@ pub use density::Density;
 pub use error::{SyntaxError, SyntaxErrorKind};
 pub use formula::Formula;
 pub use offsets::{Offsets, joined};
-pub use parser::DEPTH_LIMIT;
+pub use parser::{DEPTH_LIMIT, function_names};
 pub use pattern::VariablePattern;
 pub use resolve::{POWER_LIMIT, TERM_LIMIT};
 pub use scope::{Boundary, Scope};

@@ -553,7 +553,8 @@ fn list(parts: Vec<Node>, kind: fn(Vec<Node>) -> Kind) -> Parsed {
 fn unknown_function(name: &str, span: Span) -> Box<SyntaxError> {
     let known = function_names();
     let misspelt = || nearest(name, known).filter(|_| !is_elsewhere(name));
-    let suggestion = alias(name).or_else(|| written(name)).or_else(misspelt);
+    let suggestion = alias(&name.to_lowercase()).or_else(|| written(name));
+    let suggestion = suggestion.or_else(misspelt);
     let kind = SyntaxErrorKind::UnknownFunction {
         name: name.to_owned(),
     };
@@ -561,7 +562,7 @@ fn unknown_function(name: &str, span: Span) -> Box<SyntaxError> {
 }
 
 /// Every name that a parenthesis may follow.
-pub(super) fn function_names() -> impl Iterator<Item = &'static str> {
+pub fn function_names() -> impl Iterator<Item = &'static str> {
     let functions = Function::NAMES.into_iter().chain(Composite::names());
     functions.chain([IF, SUM, DERIVATIVE])
 }

@@ -170,7 +170,7 @@ pub(super) fn refusal(
         )),
         (None, SyntaxErrorKind::UnknownFunction { .. }) => Some(format!(
             "functions: {}",
-            leafwise_expression::Function::NAMES.join(", ")
+            syntax::function_names().collect::<Vec<_>>().join(", ")
         )),
         (None, _) => None,
     };
