@@ -37,7 +37,11 @@ fn data() -> Value {
 }
 
 fn number(value: &Value) -> f64 {
-    value.as_str().expect("a decimal").parse().expect("a double")
+    value
+        .as_str()
+        .expect("a decimal")
+        .parse()
+        .expect("a double")
 }
 
 /// Most units of 2⁻⁵² by which a derivative may be off, of the value, or of this size where the value is less. The errors
@@ -87,7 +91,10 @@ fn special_functions_have_the_values_of_mpmath() {
             if units > worst.0 {
                 worst = (units, x);
             }
-            assert!(units <= most, "{name}^({order})({x}) = {found}, not {exact}: {units:.1}");
+            assert!(
+                units <= most,
+                "{name}^({order})({x}) = {found}, not {exact}: {units:.1}"
+            );
             count += 1;
         }
         println!("{name}^({order}): {:.2} units at {}", worst.0, worst.1);
@@ -111,8 +118,15 @@ fn angles_and_remainders_have_the_values_of_mpmath() {
             };
             let off = (found - exact).abs();
             // Next to a multiple of b a remainder may be one of the other end.
-            let off = if name == "mod" { off.min((off - y.abs()).abs()) } else { off };
-            assert!(off <= 4.0 * f64::EPSILON * size, "{name}({x}, {y}) = {found}, not {exact}");
+            let off = if name == "mod" {
+                off.min((off - y.abs()).abs())
+            } else {
+                off
+            };
+            assert!(
+                off <= 4.0 * f64::EPSILON * size,
+                "{name}({x}, {y}) = {found}, not {exact}"
+            );
             if name == "mod" {
                 assert!(found * y >= 0.0 && found.abs() <= y.abs(), "{found} of {y}");
             }
@@ -168,11 +182,15 @@ fn derivatives_are_those_of_differences() {
                 state[along] += steps * h;
                 of.evaluate(&state, &[])
             };
-            let difference = (8.0 * (moved(1.0) - moved(-1.0)) - moved(2.0) + moved(-2.0)) / (12.0 * h);
+            let difference =
+                (8.0 * (moved(1.0) - moved(-1.0)) - moved(2.0) + moved(-2.0)) / (12.0 * h);
             let size = found[1 + along].abs().max(found[0].abs()).max(1.0);
             for slope in [found[1 + along], found[3 + along]] {
                 let off = (slope - difference).abs();
-                assert!(off <= 1e-8 * size, "{text} along {along}: {slope}, {difference}");
+                assert!(
+                    off <= 1e-8 * size,
+                    "{text} along {along}: {slope}, {difference}"
+                );
             }
             let name = ["x", "y"][along];
             let [own, ..] = by_code(&formula(&format!("D({text}, {name})")), at);
@@ -186,7 +204,10 @@ fn derivatives_are_those_of_differences() {
             let slope = ring.derivative(&element, along).expect("a derivative");
             let slope = ring.formula(&slope).evaluate(&at, &[]);
             let off = (slope - found[1 + along]).abs();
-            assert!(off <= 1e-12 * slope.abs().max(1.0), "{text} in the ring: {slope}");
+            assert!(
+                off <= 1e-12 * slope.abs().max(1.0),
+                "{text} in the ring: {slope}"
+            );
         }
     }
 }
@@ -227,7 +248,10 @@ fn series_are_those_of_the_derivatives() {
             let found = state.coefficient(top, k).value;
             let exact = formula(&derivative).evaluate(&[at, 0.0], &[]) / factorial;
             let off = (found - exact).abs();
-            assert!(off <= 1e-12 * exact.abs().max(1.0), "{text}, {k}: {found}, {exact}");
+            assert!(
+                off <= 1e-12 * exact.abs().max(1.0),
+                "{text}, {k}: {found}, {exact}"
+            );
             derivative = format!("D({derivative}, x)");
             factorial *= (k + 1) as f64;
         }

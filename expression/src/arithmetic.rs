@@ -247,6 +247,58 @@ pub trait Arithmetic {
     }
 }
 
+/// f(x) of a number x where that is a whole number by definition.
+///
+/// # Errors
+/// [`AlgebraError::OutsideDomain`] for a number outside the domain.
+pub(crate) fn simple_value(
+    function: Function,
+    x: &Rational,
+) -> Result<Option<Rational>, AlgebraError> {
+    let outside = || {
+        Err(AlgebraError::OutsideDomain {
+            function: function.name(),
+            argument: x.to_string(),
+        })
+    };
+    let zero_or_one = |is_one: bool| {
+        Ok(Some(match is_one {
+            true => Rational::one(),
+            false => Rational::zero(),
+        }))
+    };
+    match function {
+        Function::Ln | Function::Log10 | Function::Log2 => match x {
+            x if x.is_one() => zero_or_one(false),
+            x if x.is_zero() => outside(),
+            _ => Ok(None),
+        },
+        Function::Abs => Ok(Some(x.abs())),
+        Function::Sign => Ok(Some(Rational::from_integer(x.signum().into()))),
+        Function::Floor if x.is_integer() => Ok(Some(x.clone())),
+        Function::Acos | Function::Acosh if x.is_one() => zero_or_one(false),
+        Function::Gamma if x.is_one() => zero_or_one(true),
+        Function::Gamma if x.is_zero() => outside(),
+        Function::Special(Special::LnGamma, 0) if x.is_zero() => outside(),
+        Function::Special(Special::J0, 0)
+        | Function::Exp
+        | Function::Cos
+        | Function::Cosh
+        | Function::Erfc
+            if x.is_zero() =>
+        {
+            zero_or_one(true)
+        }
+        Function::Acos | Function::Acosh | Function::Gamma => Ok(None),
+        Function::Special(Special::J1, 0) if x.is_zero() => zero_or_one(false),
+        Function::Special(..) | Function::Erfc => Ok(None),
+        Function::Exp | Function::Cos | Function::Cosh => Ok(None),
+        _ if x.is_zero() => zero_or_one(false),
+        Function::Sqrt if x.is_one() => zero_or_one(true),
+        _ => Ok(None),
+    }
+}
+
 /// f′(u), given u and g = f(u): the one table of derivatives.
 ///
 /// # Errors

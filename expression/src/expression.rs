@@ -4,7 +4,6 @@ use std::collections::BTreeSet;
 use std::fmt;
 
 use crate::analytic::{FunctionPair, Member};
-use crate::arithmetic::AlgebraError;
 use crate::elementary;
 use crate::pairs::SINE_AND_COSINE;
 use crate::rational::Rational;
@@ -164,55 +163,6 @@ impl Function {
         }
     }
 
-    /// The value at a number where that is a whole number that follows from the definition.
-    ///
-    /// # Errors
-    /// [`AlgebraError::OutsideDomain`] for a number outside the domain.
-    pub(crate) fn simple_value(self, x: &Rational) -> Result<Option<Rational>, AlgebraError> {
-        let outside = || {
-            Err(AlgebraError::OutsideDomain {
-                function: self.name(),
-                argument: x.to_string(),
-            })
-        };
-        let zero_or_one = |is_one: bool| {
-            Ok(Some(match is_one {
-                true => Rational::one(),
-                false => Rational::zero(),
-            }))
-        };
-        match self {
-            Function::Ln | Function::Log10 | Function::Log2 => match x {
-                x if x.is_one() => zero_or_one(false),
-                x if x.is_zero() => outside(),
-                _ => Ok(None),
-            },
-            Function::Abs => Ok(Some(x.abs())),
-            Function::Sign => Ok(Some(Rational::from_integer(x.signum().into()))),
-            Function::Floor if x.is_integer() => Ok(Some(x.clone())),
-            Function::Acos | Function::Acosh if x.is_one() => zero_or_one(false),
-            Function::Gamma if x.is_one() => zero_or_one(true),
-            Function::Gamma if x.is_zero() => outside(),
-            Function::Special(Special::LnGamma, 0) if x.is_zero() => outside(),
-            Function::Special(Special::J0, 0)
-            | Function::Exp
-            | Function::Cos
-            | Function::Cosh
-            | Function::Erfc
-                if x.is_zero() =>
-            {
-                zero_or_one(true)
-            }
-            Function::Acos | Function::Acosh | Function::Gamma => Ok(None),
-            Function::Special(Special::J1, 0) if x.is_zero() => zero_or_one(false),
-            Function::Special(..) | Function::Erfc => Ok(None),
-            Function::Exp | Function::Cos | Function::Cosh => Ok(None),
-            _ if x.is_zero() => zero_or_one(false),
-            Function::Sqrt if x.is_one() => zero_or_one(true),
-            _ => Ok(None),
-        }
-    }
-
     /// Whether f(−x) is f(x), or −f(x) for every x; `None` where neither holds.
     pub(crate) fn parity(self) -> Option<Parity> {
         match self {
@@ -268,7 +218,9 @@ impl Function {
 impl fmt::Display for Function {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Function::Special(special, order @ 1..) => write!(formatter, "{}^({order})", special.name()),
+            Function::Special(special, order @ 1..) => {
+                write!(formatter, "{}^({order})", special.name())
+            }
             plain => formatter.write_str(plain.name()),
         }
     }
@@ -303,7 +255,9 @@ impl Side {
 /// v where c is of this side, 0 elsewhere; NaN where c is not finite.
 pub(crate) fn kept(side: Side, c: f64, v: f64) -> f64 {
     let is_kept = (c > 0.0) == (side == Side::Above);
-    (if is_kept { v } else { 0.0 }) + (c - c)
+    // 0, or no number.
+    let nothing = if c.is_finite() { 0.0 } else { f64::NAN };
+    (if is_kept { v } else { 0.0 }) + nothing
 }
 
 /// A formula whose names are resolved: variables and parameters by their index.

@@ -34,7 +34,8 @@ impl Expression {
             }
         };
         let mut graph = Graph::compilable();
-        let code = formula.evaluate_in(&mut graph, &mut |graph: &mut Graph, at| Ok(graph.input(at)))?;
+        let code =
+            formula.evaluate_in(&mut graph, &mut |graph: &mut Graph, at| Ok(graph.input(at)))?;
         let slope = graph.derivative(&code, input)?;
         let formulas = graph.shared_formulas(&[slope]);
         let slope = formulas.and_then(|formulas| formulas.into_iter().next());

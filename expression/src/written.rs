@@ -107,7 +107,9 @@ impl Names<'_> {
             },
             Expression::Apply(function, argument) => self.function(*function, argument),
             Expression::Where(parts) => {
-                let [c, a, b] = parts.each_ref().map(|part| self.written(part).signed().text);
+                let [c, a, b] = parts
+                    .each_ref()
+                    .map(|part| self.written(part).signed().text);
                 Written::atom(format!("if({c} > 0, {a}, {b})"))
             }
             Expression::Shared(shared) => self.written(shared),

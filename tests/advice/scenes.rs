@@ -77,7 +77,11 @@ fn shortened_steps_and_seams_are_told() {
     let step = 10.0 / 34.0;
     assert_eq!(shortened.change, format!("time-step = {step:?}"));
     let message = "`until` = 10 is no whole number of steps of 0.3: 34 steps of";
-    assert!(shortened.message.starts_with(message), "{}", shortened.message);
+    assert!(
+        shortened.message.starts_with(message),
+        "{}",
+        shortened.message
+    );
     let whole = text("q^2/2", 2, "9");
     assert_eq!(told_of_kind(&whole, AdviceKind::ShortenedStep), None);
     for (potential, order, is_told) in [

@@ -6,7 +6,7 @@ use super::generator::{Atom, Generator};
 use super::monomial::{Monomial, Symbol};
 use super::packed;
 use super::polynomial::{Coefficient, CoefficientRing, Polynomial};
-use crate::arithmetic::{AlgebraError, Arithmetic, function_derivative};
+use crate::arithmetic::{AlgebraError, Arithmetic, function_derivative, simple_value};
 use crate::expression::{Function, Parity, Side};
 use crate::rational::Rational;
 use crate::reach::Reach;
@@ -362,7 +362,7 @@ impl Ring {
                     argument: value.to_string(),
                 });
             }
-            if let Some(simple) = function.simple_value(&value)? {
+            if let Some(simple) = simple_value(function, &value)? {
                 return Ok(Coefficient::constant(simple));
             }
         }

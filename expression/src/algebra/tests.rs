@@ -78,9 +78,8 @@ impl DualNumbers<'_> {
             }
             Expression::Where(parts) => {
                 let [c, a, b] = parts.each_ref().map(|part| self.of(part));
-                let mut kept = |side, a: Bounded| {
-                    self.numbers.kept(side, &c.0, &a).expect("a number")
-                };
+                let mut kept =
+                    |side, a: Bounded| self.numbers.kept(side, &c.0, &a).expect("a number");
                 let [above, below] = [(Side::Above, a), (Side::Below, b)]
                     .map(|(side, part)| [kept(side, part.0), kept(side, part.1)]);
                 Dual(
@@ -184,7 +183,11 @@ impl DualNumbers<'_> {
                 numbers.multiply(&value, &digamma)
             }
             Function::Log10 | Function::Log2 => {
-                let base = if function == Function::Log10 { 10.0 } else { 2.0 };
+                let base = if function == Function::Log10 {
+                    10.0
+                } else {
+                    2.0
+                };
                 let below = numbers.multiply(&u, &Bounded::exact(libm::log(base)));
                 numbers.divide(&one, &below).expect("a number")
             }

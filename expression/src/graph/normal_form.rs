@@ -4,7 +4,7 @@ use rustc_hash::FxHashMap;
 
 use super::node::{Graph, Node, Operation, Term, Tier};
 use crate::analytic::AnalyticFunction;
-use crate::arithmetic::{AlgebraError, Arithmetic};
+use crate::arithmetic::{AlgebraError, Arithmetic, simple_value};
 use crate::expression::{Function, Side};
 use crate::rational::Rational;
 
@@ -354,7 +354,7 @@ impl Arithmetic for Graph {
 
     fn apply(&mut self, function: Function, a: &Term) -> Result<Term, AlgebraError> {
         if let Some(value) = self.as_rational(a)
-            && let Some(simple) = function.simple_value(&value)?
+            && let Some(simple) = simple_value(function, &value)?
         {
             return Ok(Self::number(simple));
         }

@@ -270,7 +270,7 @@ struct Emitter<'a> {
     code: Draft,
     places: FxHashMap<Node, u32>,
     scaled: FxHashMap<(Node, u64), u32>,
-    /// What keeps numbers on a side of a slot's 0.
+    /// Numbers that keep others on a side of a slot's 0.
     seams: FxHashMap<(Side, u32), [u32; 3]>,
     /// The slot of each graph input, where that is not its number.
     input_slots: Option<FxHashMap<u32, u32>>,
@@ -441,9 +441,8 @@ impl<'a> Emitter<'a> {
         }
     }
 
-    /// v between −w and w, where w is ∞ on this side of c = 0 and 0 on the other, and c − c, which is 0 unless c is no
-    /// number. The larger and the smaller of two are the second where one is no number: v may be none where it is
-    /// not kept.
+    /// v between −w and w, where w is ∞ on this side of c = 0 and 0 on the other. To it c − c is added, which is 0 unless c
+    /// is no number. Of two of which one is no number the larger is the second: where v is not kept it may be none.
     fn emit_kept(&mut self, side: Side, c: u32, v: u32) -> u32 {
         let [width, opposite, nothing] = self.seam(side, c);
         let low = self.push(|out| Instruction::Larger {

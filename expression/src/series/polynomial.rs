@@ -139,7 +139,10 @@ impl<A: Arithmetic> Arithmetic for Univariate<'_, A> {
         v: &Self::Element,
     ) -> Result<Self::Element, AlgebraError> {
         let c = self.constant_part(c, "if")?;
-        let parts: Result<Vec<_>, _> = v.iter().map(|part| self.inner.kept(side, &c, part)).collect();
+        let parts: Result<Vec<_>, _> = v
+            .iter()
+            .map(|part| self.inner.kept(side, &c, part))
+            .collect();
         Ok(self.trim(parts?))
     }
     fn apply(

@@ -76,9 +76,7 @@ impl Tape {
             Step::Product(a, b)
             | Step::Quotient(a, b)
             | Step::Power(a, b)
-            | Step::Kept(_, a, b) => {
-                self.is_constant(*a) && self.is_constant(*b)
-            }
+            | Step::Kept(_, a, b) => self.is_constant(*a) && self.is_constant(*b),
             Step::Function(_, u) => self.is_constant(*u),
         }
     }

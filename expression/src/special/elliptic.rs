@@ -1,9 +1,9 @@
 //! Complete elliptic integrals of the parameter m = k² and their derivatives, for m < 1.
 //!
-//! Values come from the arithmetic-geometric mean (NIST Handbook of Mathematical Functions, 19.8). Derivatives are
-//! hypergeometric: K⁽ⁿ⁾ = π/2 Π_{j<n} (a + j)(b + j)/(1 + j) F(a + n, b + n; 1 + n; m) with a = b = ½, and a = −½ for E.
-//! For m in [−4, ½] the series serves, below 0 after Pfaff's transformation (15.8.1), elsewhere the recurrence that the
-//! differential equation gives (15.10.1).
+//! Values come from the arithmetic-geometric mean (NIST Handbook of Mathematical Functions, 19.8). The n-th derivative is
+//! c F(a + n, b + n; 1 + n; m). Here F is hypergeometric, a = b = ½ of K and a = −½ of E, and c is
+//! π/2 Π_{j<n} (a + j)(b + j)/(1 + j). For m in [−4, ½] the series of F serves, below 0 after Pfaff's transformation
+//! (15.8.1). Elsewhere the differential equation (15.10.1) gives a recurrence.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -46,7 +46,7 @@ fn both(m: f64) -> (f64, f64) {
 
 /// The derivative of order n ≥ 1 of π/2 F(a, ½; 1; m).
 fn derivative(n: u32, m: f64, a: f64) -> f64 {
-    if !(m < 1.0) {
+    if m >= 1.0 || m.is_nan() {
         return f64::NAN;
     }
     if (-4.0..=0.5).contains(&m) {

@@ -3,8 +3,6 @@
 //! Above y = 16 + k the asymptotic series serves, below it ψ⁽ⁿ⁾(x) = ψ⁽ⁿ⁾(x + 1) − (−1)ⁿ n!/xⁿ⁺¹ (NIST Handbook of Mathematical
 //! Functions, 5.11.2, 5.5.2, 5.15.5 and 5.15.8).
 
-use crate::expression::integer_power;
-
 /// Derivatives have no values below −10⁴: each unit is a step of the recurrence.
 const LOWEST: f64 = -1e4;
 
@@ -29,7 +27,7 @@ pub(super) fn ln_gamma(order: u32, x: f64) -> f64 {
     if order == 0 {
         return libm::lgamma(x);
     }
-    if !(x >= LOWEST) {
+    if x < LOWEST || x.is_nan() {
         return f64::NAN;
     }
     let n = order - 1;
@@ -42,7 +40,7 @@ pub(super) fn ln_gamma(order: u32, x: f64) -> f64 {
     let mut j = steps;
     while j > 0.0 {
         j -= 1.0;
-        below += integer_power(x + j, -(i64::from(n) + 1));
+        below += libm::pow(x + j, -f64::from(order));
     }
     asymptotic(n, x + steps) - sign * factorial * below
 }
@@ -70,5 +68,5 @@ fn asymptotic(n: u32, y: f64) -> f64 {
     let factorial: f64 = (1..whole).map(f64::from).product();
     let sign = if whole.is_multiple_of(2) { -1.0 } else { 1.0 };
     let series = 1.0 + 0.5 * n / y + sum;
-    sign * factorial * integer_power(y, -i64::from(whole)) * series
+    sign * factorial * libm::pow(y, -n) * series
 }

@@ -3,8 +3,8 @@
 use std::fmt;
 
 use super::formula::Formula;
-use crate::expression::Function;
 use super::tree::{Anchor, Kind, Node, Reference, Span};
+use crate::expression::Function;
 
 /// How tightly a part holds together; a part in a place that needs more is put in parentheses.
 #[derive(Clone, Copy, PartialEq, PartialOrd)]

@@ -1,8 +1,8 @@
 //! From tokens to the tree, by recursive descent of bounded depth.
 
+use super::composite::Composite;
 use super::error::{SyntaxError, SyntaxErrorKind};
 use super::lexer::{Symbol, Token, TokenKind, tokens};
-use super::composite::Composite;
 use super::scope::{DERIVATIVE, IF, LENGTH, PI, SUM};
 use super::suggestion::{alias, is_elsewhere, nearest, written};
 use super::tree::{Anchor, Kind, Node, Reference, Relation, Site, Span};

@@ -93,12 +93,14 @@ impl<'a> Resolver<'a> {
             Kind::Length => self.length(node.span),
             Kind::Reference(reference) => self.reference(reference, bound),
             Kind::Call(function, argument) => {
-                self.scope.check_call(self.text, function.name(), node.span)?;
+                self.scope
+                    .check_call(self.text, function.name(), node.span)?;
                 let argument = self.expression(argument, bound)?;
                 Ok(even_powers::apply(*function, argument))
             }
             Kind::Composite(composite, arguments) => {
-                self.scope.check_call(self.text, composite.name(), node.span)?;
+                self.scope
+                    .check_call(self.text, composite.name(), node.span)?;
                 let mut arguments = self.expressions(arguments, bound)?.into_iter();
                 let mut next = || arguments.next().unwrap_or(Expression::Sum(Vec::new()));
                 Ok(composite.formula([next(), next()]))
@@ -164,12 +166,14 @@ impl<'a> Resolver<'a> {
                 let y = self.expression(&pair[1], bound)?;
                 Ok(compared(*relation, [x, y], a, b))
             }
-            Kind::Or(parts) => parts.iter().rev().try_fold(b, |b, part| {
-                self.choice(part, a.clone(), b, bound)
-            }),
-            Kind::And(parts) => parts.iter().rev().try_fold(a, |a, part| {
-                self.choice(part, a, b.clone(), bound)
-            }),
+            Kind::Or(parts) => parts
+                .iter()
+                .rev()
+                .try_fold(b, |b, part| self.choice(part, a.clone(), b, bound)),
+            Kind::And(parts) => parts
+                .iter()
+                .rev()
+                .try_fold(a, |a, part| self.choice(part, a, b.clone(), bound)),
             _ => self.expression(condition, bound),
         }
     }

@@ -175,7 +175,13 @@ impl Scope {
         let kind = SyntaxErrorKind::NameAndFunction {
             name: name.to_owned(),
         };
-        Err(SyntaxError::new(Span { start: span.start, end }, kind))
+        Err(SyntaxError::new(
+            Span {
+                start: span.start,
+                end,
+            },
+            kind,
+        ))
     }
 
     pub(super) fn definition(&self, index: usize) -> &Definition {

@@ -77,8 +77,7 @@ const WRITTEN: [(&str, &str); 28] = [
 ];
 
 /// Functions of other languages that no misspelling is: they begin or end like those that there are.
-const ELSEWHERE: [&str; 6] = ["rint", "trunc", "int", "beta", "besselj", "gammainc",
-];
+const ELSEWHERE: [&str; 6] = ["rint", "trunc", "int", "beta", "besselj", "gammainc"];
 
 /// How a function known elsewhere as `name` is written here.
 pub(super) fn written(name: &str) -> Option<&'static str> {

@@ -59,11 +59,13 @@ impl Evaluator<'_> {
             Kind::Length => Ok(length(self.scope.shown_length(), node.span, LENGTH)? as f64),
             Kind::Reference(reference) => Ok(self.reference(reference, bound)?),
             Kind::Call(function, argument) => {
-                self.scope.check_call(self.text, function.name(), node.span)?;
+                self.scope
+                    .check_call(self.text, function.name(), node.span)?;
                 Ok(function.apply(self.value(argument, bound)?))
             }
             Kind::Composite(composite, arguments) => {
-                self.scope.check_call(self.text, composite.name(), node.span)?;
+                self.scope
+                    .check_call(self.text, composite.name(), node.span)?;
                 let mut values = [0.0; 2];
                 for (value, argument) in values.iter_mut().zip(arguments) {
                     *value = self.value(argument, bound)?;

@@ -199,11 +199,7 @@ fn derivatives(function: Function, x: f64, g: f64) -> (f64, f64) {
             }
         }
         Function::Erf | Function::Erfc => {
-            let sign = if function == Function::Erf {
-                1.0
-            } else {
-                -1.0
-            };
+            let sign = if function == Function::Erf { 1.0 } else { -1.0 };
             let slope = sign * std::f64::consts::FRAC_2_SQRT_PI * libm::exp(-x * x);
             (slope, -2.0 * x * slope)
         }
@@ -212,7 +208,11 @@ fn derivatives(function: Function, x: f64, g: f64) -> (f64, f64) {
             (g * first, g * (first * first + second))
         }
         Function::Log10 | Function::Log2 => {
-            let base = if function == Function::Log10 { 10.0 } else { 2.0 };
+            let base = if function == Function::Log10 {
+                10.0
+            } else {
+                2.0
+            };
             let slope = 1.0 / (x * libm::log(base));
             (slope, -slope / x)
         }
@@ -287,7 +287,8 @@ impl Tree {
                 let (value, error) = c.parts[0];
                 let mut kept = along(if value > 0.0 { a } else { b });
                 // Next to the seam, and where c has no value, either may be taken.
-                let is_sure = value.abs() > 2.0 * error && value.is_finite() || value == 0.0 && error == 0.0;
+                let is_sure =
+                    value.abs() > 2.0 * error && value.is_finite() || value == 0.0 && error == 0.0;
                 kept.is_rough |= c.is_rough || !is_sure;
                 kept
             }

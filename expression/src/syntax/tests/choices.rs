@@ -10,7 +10,12 @@ fn value(text: &str) -> f64 {
     let value = resolve(text).evaluate(&POINT, &parameters);
     let printed = parse(text).to_string();
     assert_eq!(resolve(&printed).evaluate(&POINT, &parameters), value);
-    let names = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
+    let names = |names: &[&str]| {
+        names
+            .iter()
+            .map(|name| (*name).to_owned())
+            .collect::<Vec<_>>()
+    };
     let written = resolve(text).written(&names(&["x", "y", "z"]), &names(&["a", "b"]));
     assert_eq!(
         resolve(&written).evaluate(&POINT, &parameters),
@@ -73,8 +78,16 @@ fn a_choice_takes_one_value_and_does_not_look_at_the_other() {
         assert_eq!(value(text), expected, "{text}");
     }
     // What has no value is of no side.
-    for text in ["if(ln(y) > 0, 1, 2)", "if(ln(y) <= 0, 1, 2)", "max(ln(y), 1)", "atan2(x - 2, 0)"] {
-        assert!(resolve(text).evaluate(&POINT, &[0.0, 0.0]).is_nan(), "{text}");
+    for text in [
+        "if(ln(y) > 0, 1, 2)",
+        "if(ln(y) <= 0, 1, 2)",
+        "max(ln(y), 1)",
+        "atan2(x - 2, 0)",
+    ] {
+        assert!(
+            resolve(text).evaluate(&POINT, &[0.0, 0.0]).is_nan(),
+            "{text}"
+        );
     }
 }
 
@@ -90,10 +103,20 @@ fn values_of_parameters_take_the_same_functions() {
         "ellipk(1/a) + lgamma(a, 2)",
     ] {
         let parameters = [7.0, 11.0];
-        let number = parse(text).value(&scalars(), &parameters, None).expect(text);
-        assert_eq!(number, resolve(text).evaluate(&POINT, &parameters), "{text}");
+        let number = parse(text)
+            .value(&scalars(), &parameters, None)
+            .expect(text);
+        assert_eq!(
+            number,
+            resolve(text).evaluate(&POINT, &parameters),
+            "{text}"
+        );
     }
-    assert!(parse("D(a*x, a)").value(&scalars(), &[7.0, 11.0], None).is_err());
+    assert!(
+        parse("D(a*x, a)")
+            .value(&scalars(), &[7.0, 11.0], None)
+            .is_err()
+    );
 }
 
 #[test]
@@ -116,10 +139,15 @@ fn a_derivative_is_the_formula_of_one() {
         ("D(lgamma(x), x) - lgamma(x, 1)", 0.0),
     ] {
         let found = value(text);
-        assert!((found - expected).abs() <= 4.0 * f64::EPSILON, "{text}: {found}");
+        assert!(
+            (found - expected).abs() <= 4.0 * f64::EPSILON,
+            "{text}: {found}"
+        );
     }
     let scope = scalars().with_definition("r", resolve("sqrt(x^2 + y^2)"));
-    let slope = parse("D(1/r, x)").resolve(&scope, None).expect("known names");
+    let slope = parse("D(1/r, x)")
+        .resolve(&scope, None)
+        .expect("known names");
     let slope = slope.expect("no boundary").evaluate(&POINT, &[0.0, 0.0]);
     let expected = -2.0 / (13.0 * libm::sqrt(13.0));
     assert!((slope - expected).abs() <= 4.0 * f64::EPSILON);
@@ -141,15 +169,43 @@ fn what_is_wrong_with_a_choice_or_a_derivative_is_said() {
         .with_definition("r", resolve("x^2"))
         .with_parameters(&["gamma", "D"]);
     for (text, place, message) in [
-        ("if(x, 1, 2)", ",", "expected `<`, `<=`, `>` or `>=`, found `,`"),
-        ("if(x < 1, 2)", ")", "expected `,` and the value elsewhere, found `)`"),
-        ("if(x < 1)", ")", "expected `,` and the value where the condition holds, found `)`"),
+        (
+            "if(x, 1, 2)",
+            ",",
+            "expected `<`, `<=`, `>` or `>=`, found `,`",
+        ),
+        (
+            "if(x < 1, 2)",
+            ")",
+            "expected `,` and the value elsewhere, found `)`",
+        ),
+        (
+            "if(x < 1)",
+            ")",
+            "expected `,` and the value where the condition holds, found `)`",
+        ),
         ("x < 1", "<", "expected an operator"),
-        ("atan2(x)", ")", "expected `,` and a second argument, found `)`"),
+        (
+            "atan2(x)",
+            ")",
+            "expected `,` and a second argument, found `)`",
+        ),
         ("abs(x, y)", ",", "expected an operator or `)`, found `,`"),
-        ("j0(x, y)", "y", "expected a whole number below 256, how often the function is differentiated"),
-        ("gamma(x)", "gamma", "`gamma` is a name of the scene here and no function"),
-        ("D(x^2, x)", "D", "`D` is a name of the scene here and no function"),
+        (
+            "j0(x, y)",
+            "y",
+            "expected a whole number below 256, how often the function is differentiated",
+        ),
+        (
+            "gamma(x)",
+            "gamma",
+            "`gamma` is a name of the scene here and no function",
+        ),
+        (
+            "D(x^2, x)",
+            "D",
+            "`D` is a name of the scene here and no function",
+        ),
         ("arctan(x)", "arctan", "did you mean `atan`?"),
         ("fabs(x)", "fabs", "did you mean `abs`?"),
         ("Log(x)", "Log", "did you mean `ln`?"),
@@ -167,10 +223,21 @@ fn what_is_wrong_with_a_choice_or_a_derivative_is_said() {
     assert!(matches!(kind("D(x, r)"), Kind::DerivativeByFormula { name } if name == "r"));
     assert!(matches!(kind("D(x, w)"), Kind::UnknownName { name } if name == "w"));
     assert!(matches!(kind("D(x^y, x)"), Kind::NoDerivative { .. }));
-    assert!(matches!(refusal("D(x, 2)", &scope).kind, Kind::Expected { .. }));
-    assert!(matches!(refusal("D(x)", &scope).kind, Kind::Expected { .. }));
+    assert!(matches!(
+        refusal("D(x, 2)", &scope).kind,
+        Kind::Expected { .. }
+    ));
+    assert!(matches!(
+        refusal("D(x)", &scope).kind,
+        Kind::Expected { .. }
+    ));
     // A name that is a function's stands for itself where no parenthesis follows.
     let scope = Scope::new().with_parameters(&["gamma", "D", "j1", "if"]);
     let sum = parse("gamma + D + j1 + if").resolve(&scope, None);
-    assert_eq!(sum.expect("names").expect("a sum").evaluate(&[], &[1.0, 2.0, 3.0, 4.0]), 10.0);
+    assert_eq!(
+        sum.expect("names")
+            .expect("a sum")
+            .evaluate(&[], &[1.0, 2.0, 3.0, 4.0]),
+        10.0
+    );
 }

@@ -174,8 +174,8 @@ pub(crate) fn orbit_from(
     states
 }
 
-/// Advice about a scene, with no step of its method: parameters that no formula names, an initial state off the
-/// constraints, Hamilton's equations that run backwards in time, steps that were shortened, seams of the Hamiltonian.
+/// Advice about a scene, with no step of its method. It tells of parameters that no formula names and of an initial state
+/// off the constraints. It also tells of motion backwards in time, shortened steps and seams of the Hamiltonian.
 pub fn about_the_scene(document: &SceneDocument, run: &ComposedRun) -> Vec<Advice> {
     let mut advice = unused::unused_parameters(document);
     advice.extend(off_constraints(document, run, &run.plan.initial, ""));

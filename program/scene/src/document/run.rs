@@ -167,8 +167,8 @@ fn read_end(
 /// How far a number of steps may be from a whole one, relative to it: what the rounding of a quotient of decimals leaves.
 const WHOLE: f64 = 8.0 * f64::EPSILON;
 
-/// Makes a number of steps of a time at the end, where all steps are alike: the fewest that are not longer than the
-/// scene's, which are shortened so that a whole number of them ends there.
+/// Makes a number of steps of a time at the end, where all steps are alike. It is the least of steps that are not longer
+/// than the scene's; these are shortened until a whole number of them ends there.
 pub(super) fn count_steps(
     run: &mut RunSection,
     method: &mut MethodSection,
@@ -196,7 +196,9 @@ pub(super) fn count_steps(
     }
     if !is_whole {
         run.shortened = Some(step);
-        method.step.shorten(until.value.value / count, steps / count);
+        method
+            .step
+            .shorten(until.value.value / count, steps / count);
     }
     run.steps.value = count as u64;
     run.until = None;
