@@ -1,9 +1,28 @@
 //! Functions that are formulas of others: their pieces, and choices between formulas.
 
-use super::tree::Relation;
 use crate::expression::{Expression, Function};
 use crate::operators::negated;
 use crate::rational::Rational;
+
+/// How two numbers are compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Relation {
+    Less,
+    LessOrEqual,
+    Greater,
+    GreaterOrEqual,
+}
+
+impl Relation {
+    pub(super) fn sign(self) -> &'static str {
+        match self {
+            Self::Less => "<",
+            Self::LessOrEqual => "<=",
+            Self::Greater => ">",
+            Self::GreaterOrEqual => ">=",
+        }
+    }
+}
 
 /// A function of one argument or two by a formula.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,11 +82,12 @@ impl Composite {
         match self {
             Self::Min => choice(&x - &y, y, x),
             Self::Max => choice(&x - &y, x, y),
-            // x − y floor(x/y) is below 0 by a rounding where x/y rounds up to an integer.
+            // x − y floor(x/y) is not from 0 to y where the quotient is rounded across an integer.
             Self::Mod => {
                 let whole = apply(Function::Floor, &(&x / &y));
                 let rest = (&x - &y * whole).shared();
-                choice(-(&rest * &y), &rest + &y, rest)
+                let within = choice(&y * (&y - &rest), rest.clone(), &rest - &y);
+                choice(-(&rest * &y), &rest + &y, within)
             }
             // arctan of the quotient of which the denominator is the larger, and a quarter or half turn.
             Self::Atan2 => {

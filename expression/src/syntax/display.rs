@@ -64,8 +64,8 @@ impl Printer<'_, '_> {
     fn bare(&mut self, kind: &Kind) -> fmt::Result {
         match kind {
             Kind::Number { literal, .. } => self.write_span(*literal),
-            Kind::Pi => self.write(super::scope::PI),
-            Kind::Length => self.write(super::scope::LENGTH),
+            Kind::Pi => self.write(super::vocabulary::PI),
+            Kind::Length => self.write(super::vocabulary::LENGTH),
             Kind::Reference(reference) => print_reference(self.text, reference, self.formatter),
             Kind::Call(function, argument) => {
                 self.write(function.name())?;
@@ -77,7 +77,7 @@ impl Printer<'_, '_> {
                 self.write(")")
             }
             Kind::Composite(composite, arguments) => self.called(composite.name(), arguments),
-            Kind::If(parts) => self.called(super::scope::IF, parts.as_slice()),
+            Kind::If(parts) => self.called(super::vocabulary::IF, parts.as_slice()),
             Kind::Compare(relation, pair) => {
                 self.print(&pair[0], Binding::Sum)?;
                 write!(self.formatter, " {} ", relation.sign())?;
@@ -85,7 +85,7 @@ impl Printer<'_, '_> {
             }
             Kind::And(parts) => self.list(parts, " and "),
             Kind::Or(parts) => self.list(parts, " or "),
-            Kind::Derivative(pair) => self.called(super::scope::DERIVATIVE, pair.as_slice()),
+            Kind::Derivative(pair) => self.called(super::vocabulary::DERIVATIVE, pair.as_slice()),
             Kind::SumOver { index, body, .. } => {
                 self.write("sum(")?;
                 self.write_span(*index)?;

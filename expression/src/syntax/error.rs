@@ -3,8 +3,8 @@
 use std::fmt;
 use std::ops::Range;
 
-use super::parser::function_names;
 use super::tree::Span;
+use super::vocabulary::function_names;
 use crate::arithmetic::AlgebraError;
 use crate::rational::DecimalError;
 

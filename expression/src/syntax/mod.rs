@@ -39,12 +39,14 @@ mod suggestion;
 mod tests;
 mod tree;
 mod value;
+mod vocabulary;
 
 pub use density::Density;
 pub use error::{SyntaxError, SyntaxErrorKind};
 pub use formula::Formula;
 pub use offsets::{Offsets, joined};
-pub use parser::{DEPTH_LIMIT, function_names};
+pub use parser::DEPTH_LIMIT;
 pub use pattern::VariablePattern;
 pub use resolve::{POWER_LIMIT, TERM_LIMIT};
 pub use scope::{Boundary, Scope};
+pub use vocabulary::function_names;

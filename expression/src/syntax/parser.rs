@@ -1,11 +1,11 @@
 //! From tokens to the tree, by recursive descent of bounded depth.
 
-use super::composite::Composite;
+use super::composite::{Composite, Relation};
 use super::error::{SyntaxError, SyntaxErrorKind};
 use super::lexer::{Symbol, Token, TokenKind, tokens};
-use super::scope::{DERIVATIVE, IF, LENGTH, PI, SUM};
 use super::suggestion::{alias, is_elsewhere, nearest, written};
-use super::tree::{Anchor, Kind, Node, Reference, Relation, Site, Span};
+use super::tree::{Anchor, Kind, Node, Reference, Site, Span};
+use super::vocabulary::{DERIVATIVE, IF, LENGTH, PI, SUM, function_names, is_reserved};
 use crate::expression::Function;
 use crate::rational::Rational;
 
@@ -163,7 +163,7 @@ impl<'a> Parser<'a> {
         let name = span.of(self.text);
         let is_call = self.symbol_at(self.position + 1) == Some(Symbol::Open);
         if let Some(function) = Function::from_name(name)
-            && (is_call || super::scope::is_reserved(name))
+            && (is_call || is_reserved(name))
         {
             return self.call(span, function);
         }
@@ -449,7 +449,7 @@ impl<'a> Parser<'a> {
 
     fn refuse_reserved(&self, span: Span, expected: &'static str) -> Result<(), Box<SyntaxError>> {
         let name = span.of(self.text);
-        if super::scope::is_reserved(name) {
+        if is_reserved(name) {
             let kind = SyntaxErrorKind::Expected {
                 expected,
                 found: name.to_owned(),
@@ -559,12 +559,6 @@ fn unknown_function(name: &str, span: Span) -> Box<SyntaxError> {
         name: name.to_owned(),
     };
     Box::new(SyntaxError::new(span, kind).suggesting(suggestion))
-}
-
-/// Every name that a parenthesis may follow.
-pub fn function_names() -> impl Iterator<Item = &'static str> {
-    let functions = Function::NAMES.into_iter().chain(Composite::names());
-    functions.chain([IF, SUM, DERIVATIVE])
 }
 
 fn too_deep(span: Span) -> Box<SyntaxError> {

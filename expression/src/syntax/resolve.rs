@@ -3,8 +3,9 @@
 use super::composite::compared;
 use super::error::{SyntaxError, SyntaxErrorKind};
 use super::formula::Formula;
-use super::scope::{Bound, DERIVATIVE, IF, LENGTH, Place, SUM, Scope, find};
+use super::scope::{Bound, Place, Scope, find};
 use super::tree::{Kind, Node, Reference, Span};
+use super::vocabulary::{DERIVATIVE, IF, LENGTH, SUM};
 use crate::even_powers;
 use crate::expression::Expression;
 use crate::operators::{Quantity, negated, quotient};

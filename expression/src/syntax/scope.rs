@@ -6,17 +6,8 @@ use super::error::{SyntaxError, SyntaxErrorKind};
 use super::lexer::is_name;
 use super::suggestion::{constant, nearest};
 use super::tree::{Anchor, Reference, Span};
-use crate::expression::{Expression, Function};
-
-pub(super) const PI: &str = "pi";
-pub(super) const LENGTH: &str = "N";
-pub(super) const SUM: &str = "sum";
-pub(super) const IF: &str = "if";
-pub(super) const DERIVATIVE: &str = "D";
-
-pub(super) fn is_reserved(name: &str) -> bool {
-    matches!(name, PI | LENGTH | SUM) || Function::NAMES[..Function::RESERVED].contains(&name)
-}
+use super::vocabulary::{LENGTH, PI, is_reserved};
+use crate::expression::Expression;
 
 /// Meaning of a reference beyond the ends of a family.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]

@@ -1,6 +1,6 @@
 //! The tree of a formula before its names are resolved.
 
-use super::composite::Composite;
+use super::composite::{Composite, Relation};
 use crate::expression::Function;
 use crate::rational::Rational;
 
@@ -81,26 +81,6 @@ impl Node {
     /// Whether the formula has the same value at every site.
     pub(super) fn is_constant(&self) -> bool {
         !self.has_sum() && !self.depends_on_sites()
-    }
-}
-
-/// How two numbers are compared.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Relation {
-    Less,
-    LessOrEqual,
-    Greater,
-    GreaterOrEqual,
-}
-
-impl Relation {
-    pub(super) fn sign(self) -> &'static str {
-        match self {
-            Self::Less => "<",
-            Self::LessOrEqual => "<=",
-            Self::Greater => ">",
-            Self::GreaterOrEqual => ">=",
-        }
     }
 }
 

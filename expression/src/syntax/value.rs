@@ -4,8 +4,9 @@ use super::composite::compared;
 use super::error::{SyntaxError, SyntaxErrorKind};
 use super::formula::Formula;
 use super::resolve::{Resolver, Stop, check_terms, first_value, inner_index, length};
-use super::scope::{Bound, Entry, IF, LENGTH, SUM, Scope, find};
+use super::scope::{Bound, Entry, Scope, find};
 use super::tree::{Kind, Node, Reference, Span};
+use super::vocabulary::{IF, LENGTH, SUM};
 use crate::expression::{Expression, integer_power};
 
 impl Formula {
