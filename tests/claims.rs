@@ -14,6 +14,7 @@ mod exact_methods;
 mod expansion;
 mod flows;
 mod forces;
+mod functions;
 mod gradients;
 mod guiding_centre;
 mod jacobi;

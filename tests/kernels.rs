@@ -67,7 +67,9 @@ fn formula() -> impl Strategy<Value = Expression> {
                 let exponent = Expression::Constant(Rational::from_integer(n));
                 Expression::Power(a.into(), exponent.into())
             }),
-            (functions, inner).prop_map(|(f, a)| Expression::Apply(f, a.into())),
+            (functions, inner.clone()).prop_map(|(f, a)| Expression::Apply(f, a.into())),
+            (inner.clone(), inner.clone(), inner)
+                .prop_map(|(c, a, b)| Expression::Where(Box::new([c, a, b]))),
         ]
     })
 }

@@ -5,7 +5,7 @@ use std::sync::Mutex;
 
 use leafwise::core::Registry;
 use leafwise::expression::{
-    AnalyticFunction, Arithmetic, Execution, Function, Graph, Kernel, Rational, Term,
+    AnalyticFunction, Arithmetic, Execution, Function, Graph, Kernel, Rational, Side, Term,
 };
 use leafwise::run::RunOptions;
 use leafwise::run::{Quiet, run};
@@ -34,6 +34,7 @@ enum Choice {
     Power(usize, usize),
     Apply(Function, usize),
     ApplyAnalytic(u32, usize),
+    Kept(Side, usize, usize),
 }
 
 fn choice() -> impl Strategy<Value = Choice> {
@@ -48,6 +49,9 @@ fn choice() -> impl Strategy<Value = Choice> {
         1 => (at(), at()).prop_map(|(a, b)| Choice::Power(a, b)),
         2 => (0..Function::ALL.len(), at()).prop_map(|(f, a)| Choice::Apply(Function::ALL[f], a)),
         1 => (0_u32..5, at()).prop_map(|(k, a)| Choice::ApplyAnalytic(k, a)),
+        2 => (any::<bool>(), at(), at()).prop_map(|(is_above, c, v)| {
+            Choice::Kept(if is_above { Side::Above } else { Side::Below }, c, v)
+        }),
     ]
 }
 
@@ -90,6 +94,7 @@ fn kernel(choices: &[Choice], outputs: &[usize]) -> Kernel {
             Choice::Power(a, b) => graph.power(&term(a), &term(b)),
             Choice::Apply(function, a) => graph.apply(*function, &term(a)),
             Choice::ApplyAnalytic(order, a) => Ok(graph.apply_analytic(CUBE, *order, &term(a))),
+            Choice::Kept(side, c, v) => graph.kept(*side, &term(c), &term(v)),
         };
         // A division by an exact zero has no code.
         nodes.extend(next);

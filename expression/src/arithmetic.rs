@@ -6,8 +6,9 @@
 
 use thiserror::Error;
 
-use crate::expression::Function;
+use crate::expression::{Function, Side};
 use crate::rational::Rational;
+use crate::special::Special;
 
 /// Why an exact operation has no result.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -58,6 +59,12 @@ pub enum AlgebraError {
     /// Code that no series is formed of: step sizes, and functions that a crate evaluates itself.
     #[error("code of step sizes or of a crate's own functions has no series")]
     NoSeries,
+    /// More derivatives of a special function than are counted.
+    #[error("`{function}` has no derivatives beyond the 255th")]
+    DerivativeTooHigh {
+        /// The function's name.
+        function: &'static str,
+    },
     /// A function of a curve parameter that is not constant along the curve.
     #[error("`{function}` of a non-constant polynomial is not a polynomial")]
     NotPolynomial {
@@ -141,6 +148,16 @@ pub trait Arithmetic {
         &mut self,
         function: Function,
         a: &Self::Element,
+    ) -> Result<Self::Element, AlgebraError>;
+    /// v where c is of this side of 0, 0 elsewhere, whatever v is there.
+    ///
+    /// # Errors
+    /// [`AlgebraError`] where c is no number on every state and the algebra has no such element.
+    fn kept(
+        &mut self,
+        side: Side,
+        c: &Self::Element,
+        v: &Self::Element,
     ) -> Result<Self::Element, AlgebraError>;
     /// Σ cᵢ eᵢ + Σ cⱼ aⱼ bⱼ: a coefficient of a product of series.
     fn combine_products(
@@ -230,6 +247,58 @@ pub trait Arithmetic {
     }
 }
 
+/// f(x) of a number x where that is a whole number by definition.
+///
+/// # Errors
+/// [`AlgebraError::OutsideDomain`] for a number outside the domain.
+pub(crate) fn simple_value(
+    function: Function,
+    x: &Rational,
+) -> Result<Option<Rational>, AlgebraError> {
+    let outside = || {
+        Err(AlgebraError::OutsideDomain {
+            function: function.name(),
+            argument: x.to_string(),
+        })
+    };
+    let zero_or_one = |is_one: bool| {
+        Ok(Some(match is_one {
+            true => Rational::one(),
+            false => Rational::zero(),
+        }))
+    };
+    match function {
+        Function::Ln | Function::Log10 | Function::Log2 => match x {
+            x if x.is_one() => zero_or_one(false),
+            x if x.is_zero() => outside(),
+            _ => Ok(None),
+        },
+        Function::Abs => Ok(Some(x.abs())),
+        Function::Sign => Ok(Some(Rational::from_integer(x.signum().into()))),
+        Function::Floor if x.is_integer() => Ok(Some(x.clone())),
+        Function::Acos | Function::Acosh if x.is_one() => zero_or_one(false),
+        Function::Gamma if x.is_one() => zero_or_one(true),
+        Function::Gamma if x.is_zero() => outside(),
+        Function::Special(Special::LnGamma, 0) if x.is_zero() => outside(),
+        Function::Special(Special::J0, 0)
+        | Function::Exp
+        | Function::Cos
+        | Function::Cosh
+        | Function::Erfc
+            if x.is_zero() =>
+        {
+            zero_or_one(true)
+        }
+        Function::Acos | Function::Acosh | Function::Gamma => Ok(None),
+        Function::Special(Special::J1, 0) if x.is_zero() => zero_or_one(false),
+        Function::Special(..) | Function::Erfc => Ok(None),
+        Function::Exp | Function::Cos | Function::Cosh => Ok(None),
+        _ if x.is_zero() => zero_or_one(false),
+        Function::Sqrt if x.is_one() => zero_or_one(true),
+        _ => Ok(None),
+    }
+}
+
 /// f′(u), given u and g = f(u): the one table of derivatives.
 ///
 /// # Errors
@@ -290,6 +359,43 @@ pub fn function_derivative<A: Arithmetic>(
             };
             let below = arithmetic.combine(&[(Rational::one(), one.clone()), (sign, square)]);
             arithmetic.divide(&one, &below)
+        }
+        Function::Abs => arithmetic.apply(Function::Sign, u),
+        Function::Sign | Function::Floor => Ok(arithmetic.zero()),
+        // ±2/√π e^{−u²}.
+        Function::Erf | Function::Erfc => {
+            let pi = arithmetic.pi();
+            let root = arithmetic.apply(Function::Sqrt, &pi)?;
+            let square = arithmetic.multiply(u, u);
+            let square = arithmetic.negate(&square);
+            let bell = arithmetic.apply(Function::Exp, &square)?;
+            let sign = if function == Function::Erf { 2 } else { -2 };
+            let bell = arithmetic.scale(&Rational::from_integer(sign), &bell);
+            arithmetic.divide(&bell, &root)
+        }
+        // Γ ψ.
+        Function::Gamma => {
+            let digamma = arithmetic.apply(Function::Special(Special::LnGamma, 1), u)?;
+            Ok(arithmetic.multiply(g, &digamma))
+        }
+        Function::Log10 | Function::Log2 => {
+            let base = if function == Function::Log10 { 10 } else { 2 };
+            let base = arithmetic.constant(&Rational::from_integer(base));
+            let logarithm = arithmetic.apply(Function::Ln, &base)?;
+            let below = arithmetic.multiply(u, &logarithm);
+            arithmetic.divide(&one, &below)
+        }
+        Function::Special(Special::J0, 0) => {
+            let other = arithmetic.apply(Function::Special(Special::J1, 0), u)?;
+            Ok(arithmetic.negate(&other))
+        }
+        Function::Special(special, order) => {
+            let next = order
+                .checked_add(1)
+                .ok_or(AlgebraError::DerivativeTooHigh {
+                    function: special.name(),
+                })?;
+            arithmetic.apply(Function::Special(special, next), u)
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Numbers with a bound on their rounding errors.
 
 use crate::arithmetic::{AlgebraError, Arithmetic, function_derivative};
-use crate::expression::Function;
+use crate::expression::{Function, Side, kept};
 use crate::graph::{Graph, Node, Operation, Term};
 use crate::rational::Rational;
 
@@ -35,6 +35,9 @@ const ROUND_OFF: f64 = 0.51 * f64::EPSILON;
 /// Largest relative rounding error of `libm`: its functions are within an ulp, the power within
 /// two.
 const FUNCTION: f64 = 2.0 * f64::EPSILON;
+
+/// Largest rounding error of special functions and their first derivatives, of their values or of 1.
+const SPECIAL: f64 = 64.0 * f64::EPSILON;
 
 /// Formulas in plain double arithmetic at these values of the parameters, with a running error bound
 /// (N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, section 3.3).
@@ -95,6 +98,9 @@ impl BoundedNumbers {
                     Bounded::rounded(value, error)
                 }
                 Operation::Power(a, b) => self.power(&known[a.index()], &known[b.index()])?,
+                Operation::Kept(side, c, v) => {
+                    self.kept(*side, &known[c.index()], &known[v.index()])?
+                }
             };
         }
         let scaled = |term: &Term| self.scale(&term.scale, &known[term.node.index()]);
@@ -159,11 +165,28 @@ impl Arithmetic for BoundedNumbers {
         let error = value.abs() * (relative + FUNCTION);
         Ok(Bounded::rounded(value, error))
     }
+    /// Without a bound where c may be of either side.
+    fn kept(&mut self, side: Side, c: &Bounded, v: &Bounded) -> Result<Bounded, AlgebraError> {
+        let value = kept(side, c.value, v.value);
+        let is_sure = c.error == 0.0 || c.value.abs() > c.error;
+        let error = match (is_sure, kept(side, c.value, 1.0) == 0.0) {
+            (false, _) => f64::INFINITY,
+            (true, true) => 0.0,
+            (true, false) => v.error,
+        };
+        Ok(Bounded { value, error })
+    }
     /// The error of the argument is taken with the slope there and at both ends of its interval.
     fn apply(&mut self, function: Function, a: &Bounded) -> Result<Bounded, AlgebraError> {
         let value = function.apply(a.value);
-        let mut error = FUNCTION * value.abs();
-        if a.error > 0.0 {
+        let mut error = match function {
+            Function::Gamma | Function::Special(..) => SPECIAL * value.abs().max(1.0),
+            _ => FUNCTION * value.abs(),
+        };
+        if a.error > 0.0 && function.is_step() {
+            let [low, high] = [a.value - a.error, a.value + a.error].map(|at| function.apply(at));
+            error += (high - low).abs();
+        } else if a.error > 0.0 {
             let mut slope = 0.0_f64;
             for at in [a.value - a.error, a.value, a.value + a.error] {
                 let (u, g) = (Bounded::exact(at), Bounded::exact(function.apply(at)));

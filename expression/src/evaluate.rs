@@ -1,7 +1,7 @@
 //! One formula, any algebra.
 
 use crate::arithmetic::{AlgebraError, Arithmetic, MOST_FACTORS};
-use crate::expression::Expression;
+use crate::expression::{Expression, Side};
 use crate::rational::Rational;
 use crate::shared::Known;
 
@@ -83,6 +83,16 @@ impl Expression {
             Self::Apply(function, argument) => {
                 let argument = argument.value_in(arithmetic, variable, known)?;
                 arithmetic.apply(*function, &argument)
+            }
+            Self::Where(parts) => {
+                let [c, a, b] = &**parts;
+                let c = c.value_in(arithmetic, variable, known)?;
+                let mut sum = Vec::with_capacity(2);
+                for (side, part) in [(Side::Above, a), (Side::Below, b)] {
+                    let value = part.value_in(arithmetic, variable, known)?;
+                    sum.push((Rational::one(), arithmetic.kept(side, &c, &value)?));
+                }
+                Ok(arithmetic.combine(&sum))
             }
             Self::Shared(shared) => {
                 if let Some(value) = known.get(shared) {

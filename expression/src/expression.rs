@@ -8,8 +8,9 @@ use crate::elementary;
 use crate::pairs::SINE_AND_COSINE;
 use crate::rational::Rational;
 use crate::shared::{Known, Shared};
+use crate::special::Special;
 
-/// An elementary function of one argument.
+/// A function of one argument.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Function {
     /// The exponential function.
@@ -42,11 +43,29 @@ pub enum Function {
     Acosh,
     /// The inverse hyperbolic tangent.
     Atanh,
+    /// The magnitude |x|.
+    Abs,
+    /// The sign: −1, 0 or 1.
+    Sign,
+    /// The largest integer that is not above x.
+    Floor,
+    /// The error function 2/√π ∫₀ˣ e^{−t²} dt.
+    Erf,
+    /// The complement 1 − erf x.
+    Erfc,
+    /// The gamma function.
+    Gamma,
+    /// The logarithm of base 10.
+    Log10,
+    /// The logarithm of base 2.
+    Log2,
+    /// A derivative of this order of a special function, 0 for the function itself.
+    Special(Special, u8),
 }
 
 impl Function {
-    /// Every function.
-    pub const ALL: [Function; 15] = [
+    /// Every function of formulas.
+    pub const ALL: [Function; 28] = [
         Function::Exp,
         Function::Ln,
         Function::Sqrt,
@@ -62,17 +81,49 @@ impl Function {
         Function::Asinh,
         Function::Acosh,
         Function::Atanh,
+        Function::Abs,
+        Function::Sign,
+        Function::Floor,
+        Function::Erf,
+        Function::Erfc,
+        Function::Gamma,
+        Function::Log10,
+        Function::Log2,
+        Function::Special(Special::LnGamma, 0),
+        Function::Special(Special::J0, 0),
+        Function::Special(Special::J1, 0),
+        Function::Special(Special::EllipticK, 0),
+        Function::Special(Special::EllipticE, 0),
     ];
 
     /// The names, in the order of [`Function::ALL`].
-    pub const NAMES: [&'static str; 15] = [
+    pub const NAMES: [&'static str; 28] = [
         "exp", "ln", "sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh",
-        "asinh", "acosh", "atanh",
+        "asinh", "acosh", "atanh", "abs", "sign", "floor", "erf", "erfc", "gamma", "log10", "log2",
+        "lgamma", "j0", "j1", "ellipk", "ellipe",
     ];
+
+    /// So many of these functions come first whose names stand for nothing else.
+    pub(crate) const RESERVED: usize = 15;
 
     /// The name formulas use.
     pub fn name(self) -> &'static str {
-        Self::NAMES[self as usize]
+        let plain = match self {
+            Function::Special(special, _) => return special.name(),
+            plain => plain,
+        };
+        let position = Self::ALL.iter().position(|known| *known == plain);
+        position.map_or("", |at| Self::NAMES[at])
+    }
+
+    /// The function of an argument as it is written; a derivative has its order behind the argument.
+    pub fn called(self, argument: &str) -> String {
+        match self {
+            Function::Special(special, order) if order > 0 => {
+                format!("{}({argument}, {order})", special.name())
+            }
+            plain => format!("{}({argument})", plain.name()),
+        }
     }
 
     /// The function of this name.
@@ -100,7 +151,43 @@ impl Function {
             Function::Asinh => libm::asinh(x),
             Function::Acosh => libm::acosh(x),
             Function::Atanh => libm::atanh(x),
+            Function::Abs => x.abs(),
+            Function::Sign => kept(Side::Above, x, 1.0) - kept(Side::Above, -x, 1.0),
+            Function::Floor => libm::floor(x),
+            Function::Erf => libm::erf(x),
+            Function::Erfc => libm::erfc(x),
+            Function::Gamma => libm::tgamma(x),
+            Function::Log10 => libm::log10(x),
+            Function::Log2 => libm::log2(x),
+            Function::Special(special, order) => special.derivative(order.into(), x),
         }
+    }
+
+    /// Whether f(−x) is f(x), or −f(x) for every x; `None` where neither holds.
+    pub(crate) fn parity(self) -> Option<Parity> {
+        match self {
+            Function::Cos | Function::Cosh | Function::Abs => Some(Parity::Even),
+            Function::Sin
+            | Function::Tan
+            | Function::Asin
+            | Function::Atan
+            | Function::Sinh
+            | Function::Tanh
+            | Function::Asinh
+            | Function::Atanh
+            | Function::Sign
+            | Function::Erf => Some(Parity::Odd),
+            Function::Special(special @ (Special::J0 | Special::J1), order) => {
+                let is_odd = (special == Special::J1) ^ (order % 2 == 1);
+                Some(if is_odd { Parity::Odd } else { Parity::Even })
+            }
+            _ => None,
+        }
+    }
+
+    /// Whether it is constant but for jumps: its derivative is 0.
+    pub(crate) fn is_step(self) -> bool {
+        matches!(self, Function::Sign | Function::Floor)
     }
 
     /// The pair of functions that it is a member of.
@@ -130,8 +217,47 @@ impl Function {
 
 impl fmt::Display for Function {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(self.name())
+        match self {
+            Function::Special(special, order @ 1..) => {
+                write!(formatter, "{}^({order})", special.name())
+            }
+            plain => formatter.write_str(plain.name()),
+        }
     }
+}
+
+/// How a function changes with the sign of its argument.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Parity {
+    /// f(−x) = f(x).
+    Even,
+    /// f(−x) = −f(x).
+    Odd,
+}
+
+/// The arguments of one side of a seam.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Side {
+    /// c > 0.
+    Above,
+    /// c ≤ 0.
+    Below,
+}
+
+impl Side {
+    /// Whether a number is of it.
+    pub fn has(self, c: &Rational) -> bool {
+        let is_above = !c.is_zero() && !c.is_negative();
+        is_above == (self == Self::Above)
+    }
+}
+
+/// v where c is of this side, 0 elsewhere; NaN where c is not finite.
+pub(crate) fn kept(side: Side, c: f64, v: f64) -> f64 {
+    let is_kept = (c > 0.0) == (side == Side::Above);
+    // 0, or no number.
+    let nothing = if c.is_finite() { 0.0 } else { f64::NAN };
+    (if is_kept { v } else { 0.0 }) + nothing
 }
 
 /// A formula whose names are resolved: variables and parameters by their index.
@@ -157,11 +283,22 @@ pub enum Expression {
     Power(Box<Expression>, Box<Expression>),
     /// f(a).
     Apply(Function, Box<Expression>),
+    /// a where c > 0, b where c ≤ 0, of c, a and b.
+    Where(Box<[Expression; 3]>),
     /// A formula that stands elsewhere too.
     Shared(Shared<Expression>),
 }
 
 impl Expression {
+    /// v where c is of this side, 0 elsewhere.
+    pub(crate) fn kept(side: Side, c: Self, v: Self) -> Self {
+        let zero = Self::Constant(Rational::zero());
+        Self::Where(Box::new(match side {
+            Side::Above => [c, v, zero],
+            Side::Below => [c, zero, v],
+        }))
+    }
+
     /// The value in plain double arithmetic, terms and factors from left to right: a reference
     /// for the compiled kernels.
     ///
@@ -190,6 +327,10 @@ impl Expression {
                 None => libm::pow(value(base), value(exponent)),
             },
             Expression::Apply(function, argument) => function.apply(value(argument)),
+            Expression::Where(parts) => {
+                let [c, a, b] = parts.each_ref().map(value);
+                kept(Side::Above, c, a) + kept(Side::Below, c, b)
+            }
             Expression::Shared(shared) => known.get(shared).unwrap_or_else(|| {
                 let value = shared.value(variables, parameters, known);
                 known.insert(shared, value);
@@ -245,7 +386,7 @@ impl Expression {
     }
 
     /// The same formula with other parts in the place of those that hold no parts.
-    fn replaced(
+    pub(crate) fn replaced(
         &self,
         part: &dyn Fn(&Self) -> Self,
         known: &mut Known<Self, Shared<Self>>,
@@ -268,6 +409,7 @@ impl Expression {
             Expression::Apply(function, argument) => {
                 Expression::Apply(*function, Box::new(of(argument)))
             }
+            Expression::Where(parts) => Expression::Where(Box::new(parts.each_ref().map(of))),
             Expression::Shared(shared) => {
                 Expression::Shared(known.get(shared).unwrap_or_else(|| {
                     let replaced = shared.replaced(part, known);
@@ -311,8 +453,22 @@ impl Expression {
             Expression::Quotient(left, right) | Expression::Power(left, right) => {
                 1 + left.height().max(right.height())
             }
+            Expression::Where(parts) => 1 + highest(parts.as_slice()),
             Expression::Shared(shared) => shared.height(),
         }
+    }
+
+    /// Whether it is smooth in pieces: whether it holds a choice, a magnitude, a sign or a largest integer below.
+    pub fn has_seams(&self) -> bool {
+        let mut found = false;
+        self.visit(&mut |part| {
+            found |= match part {
+                Expression::Where(_) => true,
+                Expression::Apply(function, _) => function.is_step() || *function == Function::Abs,
+                _ => false,
+            };
+        });
+        found
     }
 
     /// The integer this expression is, when it is written as a constant or a negated one.
@@ -344,6 +500,9 @@ impl Expression {
             Expression::Quotient(left, right) | Expression::Power(left, right) => {
                 left.visit_new(inspect, known);
                 right.visit_new(inspect, known);
+            }
+            Expression::Where(parts) => {
+                parts.iter().for_each(|part| part.visit_new(inspect, known));
             }
             Expression::Shared(shared) => {
                 if known.insert(shared, ()).is_none() {

@@ -246,7 +246,15 @@ functions! {
     tanh Tanh "hyperbolic tangent",
     asinh Asinh "inverse hyperbolic sine",
     acosh Acosh "inverse hyperbolic cosine",
-    atanh Atanh "inverse hyperbolic tangent"
+    atanh Atanh "inverse hyperbolic tangent",
+    abs Abs "magnitude",
+    sign Sign "sign, −1, 0 or 1",
+    floor Floor "largest integer that is not above it",
+    erf Erf "error function",
+    erfc Erfc "complement of the error function",
+    gamma Gamma "gamma function",
+    log10 Log10 "logarithm of base 10",
+    log2 Log2 "logarithm of base 2"
 }
 
 #[cfg(test)]
@@ -311,6 +319,14 @@ mod tests {
             x.asinh(),
             x.acosh(),
             x.atanh(),
+            x.abs(),
+            x.sign(),
+            x.floor(),
+            x.erf(),
+            x.erfc(),
+            x.gamma(),
+            x.log10(),
+            x.log2(),
         ];
         for (made, name) in made.into_iter().zip(Function::NAMES) {
             assert_eq!(made, parsed(&format!("{name}(x)")));

@@ -106,13 +106,19 @@ impl Names<'_> {
                 }
             },
             Expression::Apply(function, argument) => self.function(*function, argument),
+            Expression::Where(parts) => {
+                let [c, a, b] = parts
+                    .each_ref()
+                    .map(|part| self.written(part).signed().text);
+                Written::atom(format!("if({c} > 0, {a}, {b})"))
+            }
             Expression::Shared(shared) => self.written(shared),
         }
     }
 
     fn function(&self, function: Function, argument: &Expression) -> Written {
         let argument = self.written(argument).signed().text;
-        Written::atom(format!("{function}({argument})"))
+        Written::atom(function.called(&argument))
     }
 
     fn sum(&self, terms: &[Expression]) -> Written {

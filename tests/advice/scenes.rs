@@ -61,6 +61,40 @@ fn a_start_off_the_constraints_is_told_with_one_on_them() {
     }
 }
 
+/// A step that does not come to `until`, and a method of order 4 across the seam of |q|; neither where there is nothing to say.
+#[test]
+fn shortened_steps_and_seams_are_told() {
+    let text = |potential: &str, order: u32, until: &str| {
+        format!(
+            "[system]\nvariables = [\"q\", \"p\"]\nbracket = {{ \"q,p\" = \"1\" }}\nconvention = \"{{x,H}}\"\n\
+             hamiltonian = \"p^2/2 + {potential}\"\n[method]\nrealization = \"auto\"\n\
+             dynamics = {{ name = \"hamilton-jacobi\", order = {order} }}\ntime-step = 0.3\n\
+             [run]\ninitial = [1, 0.5]\nuntil = {until}\n"
+        )
+    };
+    let shortened = told_of_kind(&text("q^2/2", 2, "10"), AdviceKind::ShortenedStep);
+    let shortened = shortened.expect("34 steps");
+    let step = 10.0 / 34.0;
+    assert_eq!(shortened.change, format!("time-step = {step:?}"));
+    let message = "`until` = 10 is no whole number of steps of 0.3: 34 steps of";
+    assert!(
+        shortened.message.starts_with(message),
+        "{}",
+        shortened.message
+    );
+    let whole = text("q^2/2", 2, "9");
+    assert_eq!(told_of_kind(&whole, AdviceKind::ShortenedStep), None);
+    for (potential, order, is_told) in [
+        ("abs(q)", 4, true),
+        ("if(q < 0, q^2, 0)", 4, true),
+        ("abs(q)", 2, false),
+        ("q^4", 4, false),
+    ] {
+        let told = told_of_kind(&text(potential, order, "9"), AdviceKind::Seams);
+        assert_eq!(told.is_some(), is_told, "{potential}");
+    }
+}
+
 /// {a, b} = 1 without a convention: b is the momentum where H is a square of it alone, or by its name. The convention that
 /// is named instead turns the motion round.
 #[test]

@@ -2,7 +2,7 @@
 
 use leafwise_core::SystemFormulas;
 use leafwise_expression::algebra::{Atom, Coefficient, Generator, Monomial, Polynomial, Symbol};
-use leafwise_expression::{Rational, Ring};
+use leafwise_expression::{Rational, Ring, Side};
 
 /// The names of a system's variables and parameters.
 pub(crate) struct Names<'a> {
@@ -62,7 +62,15 @@ impl Names<'_> {
             Some(Generator::Power(u, exponent)) => {
                 format!("({})^({})", self.polynomial(u), self.coefficient(exponent))
             }
-            Some(Generator::Function(function, u)) => format!("{function}({})", self.polynomial(u)),
+            Some(Generator::Function(function, u)) => function.called(&self.polynomial(u)),
+            Some(Generator::Kept(side, u, v)) => {
+                let sign = match side {
+                    Side::Above => ">",
+                    Side::Below => "<=",
+                };
+                let [u, v] = [u, v].map(|part| self.polynomial(part));
+                format!("if({u} {sign} 0, {v}, 0)")
+            }
         }
     }
 

@@ -13,7 +13,10 @@ pub(crate) fn variables(ring: &Ring, f: &Polynomial) -> BTreeSet<usize> {
     for symbol in f.symbols() {
         match ring.generator(symbol) {
             None => drop(found.insert(symbol as usize)),
-            Some(generator) => found.extend(variables(ring, generator.argument())),
+            Some(generator) => {
+                let of_arguments = generator.arguments().map(|u| variables(ring, u));
+                found.extend(of_arguments.flatten());
+            }
         }
     }
     found

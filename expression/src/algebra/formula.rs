@@ -38,6 +38,9 @@ impl Ring {
             ),
             Generator::Power(u, a) => power(self.formula(u), self.coefficient_formula(a)),
             Generator::Function(f, u) => Expression::Apply(*f, Box::new(self.formula(u))),
+            Generator::Kept(side, u, v) => {
+                Expression::kept(*side, self.formula(u), self.formula(v))
+            }
         }
     }
 

@@ -1,7 +1,7 @@
 //! Generators adjoined to the polynomials: functions of the state, and constants of the parameters.
 
 use super::polynomial::{Coefficient, Polynomial};
-use crate::expression::Function;
+use crate::expression::{Function, Side};
 use crate::rational::Rational;
 
 /// A function of the state adjoined to the ring. Its derivative is again in the ring. A relation,
@@ -12,6 +12,8 @@ use crate::rational::Rational;
 /// | `Inverse(u)` = 1/u, u with several terms and leading term 1·m | m·g → 1 − (u − m)·g | ≥ 0 |
 /// | `Root(u, q)` = u^(1/q) | g^q → u | 0 … q−1 |
 /// | `Power(u, a)` = uᵃ, a a function of the parameters | none | any |
+/// | `Kept(side, u, 1)` | g² → g | 0, 1 |
+/// | any other `Kept(side, u, v)`, linear in v | none | any |
 /// | `Function(cos, u)` | cos² → 1 − sin² | 0, 1 |
 /// | `Function(cosh, u)` | cosh² → 1 + sinh² | 0, 1 |
 /// | `Function(exp, u)` | none: e^{−u} is the exponent −1 | any |
@@ -26,14 +28,29 @@ pub enum Generator {
     Power(Polynomial, Coefficient),
     /// f(u).
     Function(Function, Polynomial),
+    /// v where u is of this side of 0, 0 elsewhere, of u and v.
+    Kept(Side, Polynomial, Polynomial),
 }
 
 impl Generator {
     /// The argument u.
     pub fn argument(&self) -> &Polynomial {
         match self {
-            Self::Inverse(u) | Self::Root(u, _) | Self::Power(u, _) | Self::Function(_, u) => u,
+            Self::Inverse(u)
+            | Self::Root(u, _)
+            | Self::Power(u, _)
+            | Self::Function(_, u)
+            | Self::Kept(_, u, _) => u,
         }
+    }
+
+    /// The polynomials that it is a function of: u, and v where there is one.
+    pub fn arguments(&self) -> impl Iterator<Item = &Polynomial> {
+        let value = match self {
+            Self::Kept(_, _, value) => Some(value),
+            _ => None,
+        };
+        [self.argument()].into_iter().chain(value)
     }
 }
 

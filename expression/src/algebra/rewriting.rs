@@ -69,6 +69,12 @@ impl Ring {
                 Generator::Root(u, q) if exponent >= i32::from(*q) => {
                     return Some(u.times_term(&monomial.shifted(symbol, -i32::from(*q)), &one()));
                 }
+                Generator::Kept(_, _, value)
+                    if exponent >= 2 && *value == Polynomial::constant(one()) =>
+                {
+                    let rest = monomial.shifted(symbol, 1 - exponent);
+                    return Some(Polynomial::collect([(rest, one())]));
+                }
                 Generator::Function(function @ (Function::Cos | Function::Cosh), u)
                     if exponent >= 2 =>
                 {

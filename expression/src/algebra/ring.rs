@@ -6,8 +6,8 @@ use super::generator::{Atom, Generator};
 use super::monomial::{Monomial, Symbol};
 use super::packed;
 use super::polynomial::{Coefficient, CoefficientRing, Polynomial};
-use crate::arithmetic::{AlgebraError, Arithmetic, function_derivative};
-use crate::expression::Function;
+use crate::arithmetic::{AlgebraError, Arithmetic, function_derivative, simple_value};
+use crate::expression::{Function, Parity, Side};
 use crate::rational::Rational;
 use crate::reach::Reach;
 
@@ -135,9 +135,11 @@ impl Ring {
             generator,
             Generator::Inverse(_)
                 | Generator::Root(..)
+                | Generator::Kept(..)
                 | Generator::Function(Function::Cos | Function::Cosh, _)
         );
-        let reach = self.reach_of(generator.argument());
+        let reaches: Vec<Reach> = generator.arguments().map(|u| self.reach_of(u)).collect();
+        let reach = Reach::union(&reaches);
         self.symbols.insert(generator.clone(), symbol);
         self.generators.push(generator);
         self.reaches.push(reach);
@@ -237,6 +239,12 @@ impl Ring {
             return Ok(known.clone());
         }
         let generator = self.generators[symbol as usize - self.variables].clone();
+        if let Generator::Kept(side, u, v) = &generator {
+            let inner = self.derivative(v, variable)?;
+            let result = self.kept(*side, u, &inner)?;
+            self.derivatives.insert((symbol, variable), result.clone());
+            return Ok(result);
+        }
         let inner = self.derivative(generator.argument(), variable)?;
         let result = if inner.is_zero() {
             Polynomial::zero()
@@ -256,6 +264,8 @@ impl Ring {
                     quotient.times_term(&Monomial::one(), exponent)
                 }
                 Generator::Function(function, u) => function_derivative(self, *function, u, &g)?,
+                // Differentiated above.
+                Generator::Kept(..) => Polynomial::zero(),
             };
             self.multiply(&outer, &inner)
         };
@@ -340,28 +350,19 @@ impl Ring {
         c: &Coefficient,
     ) -> Result<Coefficient, AlgebraError> {
         if let Some(value) = c.as_constant() {
-            let simple = match function {
-                Function::Exp | Function::Cos | Function::Cosh if value.is_zero() => {
-                    Some(Rational::one())
+            let is_outside = match function {
+                Function::Ln | Function::Log10 | Function::Log2 | Function::Sqrt => {
+                    value.is_negative()
                 }
-                Function::Ln | Function::Acosh | Function::Acos if value.is_one() => {
-                    Some(Rational::zero())
-                }
-                Function::Ln if value.is_zero() || value.is_negative() => {
-                    return Err(outside(function, &value));
-                }
-                Function::Sqrt if value.is_negative() => return Err(outside(function, &value)),
-                Function::Exp
-                | Function::Cos
-                | Function::Cosh
-                | Function::Ln
-                | Function::Acosh
-                | Function::Acos => None,
-                _ if value.is_zero() => Some(Rational::zero()),
-                Function::Sqrt if value.is_one() => Some(Rational::one()),
-                _ => None,
+                _ => false,
             };
-            if let Some(simple) = simple {
+            if is_outside {
+                return Err(AlgebraError::OutsideDomain {
+                    function: function.name(),
+                    argument: value.to_string(),
+                });
+            }
+            if let Some(simple) = simple_value(function, &value)? {
                 return Ok(Coefficient::constant(simple));
             }
         }
@@ -410,13 +411,6 @@ impl Ring {
 
 fn one() -> Coefficient {
     Coefficient::from_rational(&Rational::one())
-}
-
-fn outside(function: Function, value: &Rational) -> AlgebraError {
-    AlgebraError::OutsideDomain {
-        function: function.name(),
-        argument: value.to_string(),
-    }
 }
 
 /// Whether the leading term's leading rational coefficient is negative: the sign that odd and even
@@ -514,6 +508,47 @@ impl Arithmetic for Ring {
         self.unless_refused(power)
     }
 
+    /// Linear in v, whose factors that have a value everywhere stand outside.
+    fn kept(
+        &mut self,
+        side: Side,
+        c: &Polynomial,
+        v: &Polynomial,
+    ) -> Result<Polynomial, AlgebraError> {
+        if let Some(number) = self.as_rational(c) {
+            return Ok(match side.has(&number) {
+                true => v.clone(),
+                false => Polynomial::zero(),
+            });
+        }
+        let mut parts = Vec::with_capacity(v.terms().len());
+        for (monomial, coefficient) in v.terms() {
+            let (mut outside, mut inside) = (Monomial::one(), Monomial::one());
+            for &(symbol, exponent) in monomial.factors() {
+                let is_everywhere = exponent > 0 && (symbol as usize) < self.variables;
+                let part = if is_everywhere {
+                    &mut outside
+                } else {
+                    &mut inside
+                };
+                *part = part.shifted(symbol, exponent);
+            }
+            let outside = Polynomial::term(outside, coefficient.clone());
+            let part = if inside.is_one() && side == Side::Below {
+                // 1 − g of the other side.
+                let above = Generator::Kept(Side::Above, c.clone(), Polynomial::constant(one()));
+                let above = Polynomial::symbol(self.adjoin(above));
+                self.subtract(&Polynomial::constant(one()), &above)
+            } else {
+                let inside = Polynomial::term(inside, one());
+                Polynomial::symbol(self.adjoin(Generator::Kept(side, c.clone(), inside)))
+            };
+            parts.push((Rational::one(), self.multiply(&outside, &part)));
+        }
+        let sum = self.combine(&parts);
+        self.unless_refused(sum)
+    }
+
     fn apply(&mut self, function: Function, a: &Polynomial) -> Result<Polynomial, AlgebraError> {
         if let Some(c) = a.as_constant() {
             return Ok(Polynomial::constant(self.constant_function(function, &c)?));
@@ -521,14 +556,14 @@ impl Arithmetic for Ring {
         if function == Function::Sqrt {
             return self.rational_power(a, &Rational::new(1, 2));
         }
-        let symmetric = !matches!(function, Function::Ln | Function::Acos | Function::Acosh);
-        if symmetric && has_negative_lead(a) {
+        let parity = function.parity();
+        if (parity.is_some() || function == Function::Exp) && has_negative_lead(a) {
             let positive = a.scaled(&-Rational::one());
             let value = self.apply(function, &positive)?;
-            return match function {
-                Function::Cos | Function::Cosh => Ok(value),
-                Function::Exp => self.inverse(&value),
-                _ => Ok(self.negate(&value)),
+            return match parity {
+                Some(Parity::Even) => Ok(value),
+                Some(Parity::Odd) => Ok(self.negate(&value)),
+                None => self.inverse(&value),
             };
         }
         // The partner of a cosine stands in its relation.

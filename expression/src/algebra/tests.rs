@@ -3,8 +3,9 @@ use proptest::prelude::*;
 use super::{Monomial, Polynomial, Ring};
 use crate::arithmetic::{AlgebraError, Arithmetic};
 use crate::bounded::{Bounded, BoundedNumbers};
-use crate::expression::{Expression, Function};
+use crate::expression::{Expression, Function, Side};
 use crate::rational::Rational;
+use crate::special::Special;
 use crate::syntax::{Formula, Scope};
 
 pub(super) fn formula(text: &str) -> Expression {
@@ -74,6 +75,17 @@ impl DualNumbers<'_> {
                 let value = self.numbers.apply(*function, &u.0).expect("a number");
                 let slope = self.slope(*function, u.0, value);
                 Dual(value, self.numbers.multiply(&slope, &u.1))
+            }
+            Expression::Where(parts) => {
+                let [c, a, b] = parts.each_ref().map(|part| self.of(part));
+                let mut kept =
+                    |side, a: Bounded| self.numbers.kept(side, &c.0, &a).expect("a number");
+                let [above, below] = [(Side::Above, a), (Side::Below, b)]
+                    .map(|(side, part)| [kept(side, part.0), kept(side, part.1)]);
+                Dual(
+                    self.numbers.add(&above[0], &below[0]),
+                    self.numbers.add(&above[1], &below[1]),
+                )
             }
             Expression::Shared(shared) => self.of(shared),
         }
@@ -154,6 +166,50 @@ impl DualNumbers<'_> {
             }
             Function::Atan => numbers.divide(&one, &above).expect("a number"),
             Function::Atanh => numbers.divide(&one, &below).expect("a number"),
+            Function::Abs => Bounded::exact(Function::Sign.apply(u.value)),
+            Function::Sign | Function::Floor => Bounded::exact(0.0),
+            Function::Erf | Function::Erfc => {
+                let pi = numbers.pi();
+                let sign = if function == Function::Erf { -2 } else { 2 };
+                let bell = numbers.scale(&-Rational::one(), &square);
+                let bell = numbers.apply(Function::Exp, &bell).expect("a number");
+                let root = root(numbers, pi);
+                let bell = numbers.multiply(&bell, &root);
+                numbers.scale(&Rational::from_integer(-sign), &bell)
+            }
+            Function::Gamma => {
+                let digamma = Function::Special(Special::LnGamma, 1);
+                let digamma = numbers.apply(digamma, &u).expect("a number");
+                numbers.multiply(&value, &digamma)
+            }
+            Function::Log10 | Function::Log2 => {
+                let base = if function == Function::Log10 {
+                    10.0
+                } else {
+                    2.0
+                };
+                let below = numbers.multiply(&u, &Bounded::exact(libm::log(base)));
+                numbers.divide(&one, &below).expect("a number")
+            }
+            // J₁′ = J₀ − J₁/x.
+            Function::Special(Special::J1, 0) => {
+                let other = Function::Special(Special::J0, 0);
+                let other = numbers.apply(other, &u).expect("a number");
+                let part = numbers.divide(&value, &u).expect("a number");
+                numbers.subtract(&other, &part)
+            }
+            // E′ = (E − K)/(2m).
+            Function::Special(Special::EllipticE, 0) => {
+                let other = Function::Special(Special::EllipticK, 0);
+                let other = numbers.apply(other, &u).expect("a number");
+                let difference = numbers.subtract(&value, &other);
+                let half = numbers.divide(&difference, &u).expect("a number");
+                numbers.scale(&Rational::new(1, 2), &half)
+            }
+            Function::Special(special, order) => {
+                let next = Function::Special(special, order + 1);
+                numbers.apply(next, &u).expect("a number")
+            }
         }
     }
 }
@@ -349,11 +405,12 @@ fn random_formula() -> impl Strategy<Value = Expression> {
         ];
         prop_oneof![
             3 => prop::collection::vec(inner.clone(), 2..4).prop_map(Expression::Sum),
-            2 => prop::collection::vec(inner, 2..4).prop_map(Expression::Product),
+            2 => prop::collection::vec(inner.clone(), 2..4).prop_map(Expression::Product),
             1 => boxed.clone().prop_map(Expression::Negate),
             3 => (boxed.clone(), boxed.clone()).prop_map(|(a, b)| Expression::Quotient(a, b)),
             3 => (boxed.clone(), exponent).prop_map(|(a, e)| Expression::Power(a, Box::new(e))),
-            2 => (0..15_usize, boxed).prop_map(|(f, a)| Expression::Apply(Function::ALL[f], a)),
+            2 => (0..Function::ALL.len(), boxed).prop_map(|(f, a)| Expression::Apply(Function::ALL[f], a)),
+            1 => (inner.clone(), inner.clone(), inner).prop_map(|(c, a, b)| Expression::Where(Box::new([c, a, b]))),
         ]
     })
 }

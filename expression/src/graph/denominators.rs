@@ -22,7 +22,10 @@ impl Graph {
         while let Some(node) = parts.pop() {
             match *self.operation(node) {
                 Operation::Reciprocal(a) => open.push(a),
-                Operation::Power(a, _) | Operation::Function(Function::Ln, a) => inner.push(a),
+                Operation::Power(a, _)
+                | Operation::Function(Function::Ln | Function::Log10 | Function::Log2, a) => {
+                    inner.push(a);
+                }
                 Operation::Function(Function::Tan, a) => angles.push(a),
                 _ => {}
             }
@@ -42,7 +45,9 @@ impl Graph {
             }
             match *self.operation(node) {
                 Operation::Product(a, b) => open.extend([a, b]),
-                Operation::Scale(_, a) | Operation::Reciprocal(a) => open.push(a),
+                Operation::Scale(_, a)
+                | Operation::Reciprocal(a)
+                | Operation::Function(Function::Abs, a) => open.push(a),
                 Operation::Power(a, _) | Operation::Function(Function::Sqrt, a) => {
                     open.extend(never_negative[a.index()].then_some(a));
                 }
@@ -109,12 +114,19 @@ impl Graph {
             known.push(match self.operation(node) {
                 Operation::One | Operation::Pi | Operation::Power(..) => true,
                 Operation::Function(function, _) => {
-                    matches!(function, Function::Exp | Function::Cosh | Function::Sqrt)
+                    matches!(
+                        function,
+                        Function::Exp
+                            | Function::Cosh
+                            | Function::Sqrt
+                            | Function::Abs
+                            | Function::Erfc
+                    )
                 }
                 Operation::Sum(terms) => terms.iter().all(|(c, a)| !c.is_negative() && is(a)),
                 Operation::Scale(c, a) => !c.is_negative() && is(a),
                 Operation::Product(a, b) => a == b || (is(a) && is(b)),
-                Operation::Reciprocal(a) => is(a),
+                Operation::Reciprocal(a) | Operation::Kept(_, _, a) => is(a),
                 Operation::Parameter(_)
                 | Operation::StepSize(_)
                 | Operation::Input(_)

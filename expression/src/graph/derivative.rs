@@ -131,6 +131,10 @@ impl Graph {
                 let right = self.multiply(&Term::of(a), &db);
                 self.add(&left, &right)
             }
+            &Operation::Kept(side, c, v) => {
+                let inner = self.node_derivative(v, input)?;
+                self.kept(side, &Term::of(c), &inner)?
+            }
             &(Operation::Reciprocal(a)
             | Operation::Function(_, a)
             | Operation::Analytic(_, _, a)

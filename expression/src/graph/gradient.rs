@@ -57,6 +57,26 @@ impl Graph {
                 }
                 continue;
             }
+            // What stands behind a seam may have no value on the other side: it is left there before it is multiplied.
+            if let Operation::Kept(side, c, v) = *self.operation(node) {
+                let inner = self.gradients(&Term::of(v), [inputs, parameters])?;
+                for (kind, inner) in inner.into_iter().enumerate() {
+                    for (index, slope) in inner.into_iter().enumerate() {
+                        if self.is_zero(&slope) {
+                            continue;
+                        }
+                        let slope = self.kept(side, &Term::of(c), &slope)?;
+                        let part = self.multiply(&slope, &adjoint);
+                        let component = match kind {
+                            0 => self.input(index),
+                            _ => self.parameter(index),
+                        };
+                        let entry = adjoints.entry(component.node).or_default();
+                        entry.push((Rational::one(), part));
+                    }
+                }
+                continue;
+            }
             for (operand, partial) in self.partials(node, lowest)? {
                 let part = self.multiply(&partial, &adjoint);
                 let entry = adjoints.entry(operand).or_default();
@@ -89,7 +109,8 @@ impl Graph {
             | Operation::Pi
             | Operation::Parameter(_)
             | Operation::StepSize(_)
-            | Operation::Input(_) => Vec::new(),
+            | Operation::Input(_)
+            | Operation::Kept(..) => Vec::new(),
         };
         let varies = |(operand, _): &(Node, Term)| self.tier(*operand) >= lowest;
         Ok(partials.into_iter().filter(varies).collect())

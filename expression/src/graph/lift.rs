@@ -71,6 +71,10 @@ impl Lifting<'_> {
             Some(generator) => {
                 let argument = self.polynomial(graph, generator.argument())?;
                 match generator {
+                    Generator::Kept(side, _, value) => {
+                        let value = self.polynomial(graph, value)?;
+                        graph.kept(*side, &argument, &value)?
+                    }
                     Generator::Inverse(_) => {
                         let one = graph.one();
                         graph.divide(&one, &argument)?

@@ -4,8 +4,8 @@ use rustc_hash::FxHashMap;
 
 use super::node::{Graph, Node, Operation, Term, Tier};
 use crate::analytic::AnalyticFunction;
-use crate::arithmetic::{AlgebraError, Arithmetic};
-use crate::expression::Function;
+use crate::arithmetic::{AlgebraError, Arithmetic, simple_value};
+use crate::expression::{Function, Side};
 use crate::rational::Rational;
 
 impl Graph {
@@ -327,27 +327,36 @@ impl Arithmetic for Graph {
         Ok(self.unit(Operation::Power(base, exponent), tier))
     }
 
+    fn kept(&mut self, side: Side, c: &Term, v: &Term) -> Result<Term, AlgebraError> {
+        if let Some(number) = self.as_rational(c) {
+            return Ok(match side.has(&number) {
+                true => v.clone(),
+                false => self.zero(),
+            });
+        }
+        if self.is_zero(v) {
+            return Ok(v.clone());
+        }
+        // A factor of c is left out but for its sign.
+        let sign = Term {
+            scale: Rational::from_integer(c.scale.signum().into()),
+            node: c.node,
+        };
+        let condition = self.unscaled(&sign);
+        let tier = self.tier(condition).max(self.tier(v.node));
+        let tier = tier.max(Tier::Coefficient);
+        let node = self.intern(Operation::Kept(side, condition, v.node), tier);
+        Ok(Term {
+            scale: v.scale.clone(),
+            node,
+        })
+    }
+
     fn apply(&mut self, function: Function, a: &Term) -> Result<Term, AlgebraError> {
-        if let Some(value) = self.as_rational(a) {
-            if value.is_zero() {
-                let zero = Self::number(Rational::zero());
-                match function {
-                    Function::Exp | Function::Cos | Function::Cosh => {
-                        return Ok(Self::number(Rational::one()));
-                    }
-                    Function::Ln => {
-                        return Err(AlgebraError::OutsideDomain {
-                            function: function.name(),
-                            argument: value.to_string(),
-                        });
-                    }
-                    Function::Acos | Function::Acosh => {}
-                    _ => return Ok(zero),
-                }
-            }
-            if value.is_one() && function == Function::Ln {
-                return Ok(Self::number(Rational::zero()));
-            }
+        if let Some(value) = self.as_rational(a)
+            && let Some(simple) = simple_value(function, &value)?
+        {
+            return Ok(Self::number(simple));
         }
         let argument = self.unscaled(a);
         let tier = self.tier(argument).max(Tier::Coefficient);

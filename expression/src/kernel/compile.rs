@@ -8,7 +8,7 @@ use super::code::{Code, Instruction, OperationCount};
 use super::draft::Draft;
 use super::execution::Compiled;
 use crate::analytic::{AnalyticFunction, FunctionPair, Member};
-use crate::expression::Function;
+use crate::expression::{Function, Side};
 use crate::graph::{Graph, Node, Operation, StepSize, Term, Tier};
 use crate::rational::Rational;
 
@@ -270,6 +270,8 @@ struct Emitter<'a> {
     code: Draft,
     places: FxHashMap<Node, u32>,
     scaled: FxHashMap<(Node, u64), u32>,
+    /// Numbers that keep others on a side of a slot's 0.
+    seams: FxHashMap<(Side, u32), [u32; 3]>,
     /// The slot of each graph input, where that is not its number.
     input_slots: Option<FxHashMap<u32, u32>>,
 }
@@ -284,6 +286,7 @@ impl<'a> Emitter<'a> {
             code: Draft::new(fixed),
             places: FxHashMap::default(),
             scaled: FxHashMap::default(),
+            seams: FxHashMap::default(),
             input_slots: None,
         }
     }
@@ -387,9 +390,10 @@ impl<'a> Emitter<'a> {
                 let (a, b) = (self.code.number(1.0), self.place(b));
                 self.push(|out| Instruction::Divide { out, a, b })
             }
-            Operation::Function(function, a) => {
-                let a = self.place(a);
-                self.push(|out| Instruction::Apply { function, out, a })
+            Operation::Function(function, a) => self.emit_function(function, a),
+            Operation::Kept(side, c, v) => {
+                let (c, v) = (self.place(c), self.place(v));
+                self.emit_kept(side, c, v)
             }
             Operation::Analytic(function, order, a) => {
                 let a = self.place(a);
@@ -409,6 +413,84 @@ impl<'a> Emitter<'a> {
         if let Some(second) = self.beside(node, Member::First) {
             self.emit(second);
         }
+    }
+
+    fn emit_function(&mut self, function: Function, a: Node) -> u32 {
+        let a = self.place(a);
+        match function {
+            Function::Abs => self.push(|out| Instruction::Magnitude { out, a }),
+            // Where a > 0, less where −a > 0.
+            Function::Sign => {
+                let one = self.code.number(1.0);
+                let above = self.emit_kept(Side::Above, a, one);
+                let opposite = self.push(|out| Instruction::Negate { out, a });
+                let below = self.emit_kept(Side::Above, opposite, one);
+                self.push(|out| Instruction::Subtract {
+                    out,
+                    a: above,
+                    b: below,
+                })
+            }
+            Function::Special(special, order) => self.push(|out| Instruction::ApplyAnalytic {
+                function: special.analytic(),
+                order: order.into(),
+                out,
+                a,
+            }),
+            _ => self.push(|out| Instruction::Apply { function, out, a }),
+        }
+    }
+
+    /// v between −w and w, where w is ∞ on this side of c = 0 and 0 on the other. To it c − c is added, which is 0 unless c
+    /// is no number. Of two of which one is no number the larger is the second: where v is not kept it may be none.
+    fn emit_kept(&mut self, side: Side, c: u32, v: u32) -> u32 {
+        let [width, opposite, nothing] = self.seam(side, c);
+        let low = self.push(|out| Instruction::Larger {
+            out,
+            a: v,
+            b: opposite,
+        });
+        let kept = self.push(|out| Instruction::Smaller {
+            out,
+            a: low,
+            b: width,
+        });
+        self.push(|out| Instruction::Add {
+            out,
+            a: kept,
+            b: nothing,
+        })
+    }
+
+    /// The slots of w, −w and c − c.
+    fn seam(&mut self, side: Side, c: u32) -> [u32; 3] {
+        if let Some(&known) = self.seams.get(&(side, c)) {
+            return known;
+        }
+        let seam = match side {
+            // The larger of c and 0, over 0: ∞, or no number.
+            Side::Above => {
+                let b = self.code.number(0.0);
+                let a = self.push(|out| Instruction::Larger { out, a: c, b });
+                let a = self.push(|out| Instruction::Divide { out, a, b });
+                let width = self.push(|out| Instruction::Larger { out, a, b });
+                let a = width;
+                let opposite = self.push(|out| Instruction::Negate { out, a });
+                let (a, b) = (c, c);
+                let nothing = self.push(|out| Instruction::Subtract { out, a, b });
+                [width, opposite, nothing]
+            }
+            Side::Below => {
+                let [b, _, nothing] = self.seam(Side::Above, c);
+                let a = self.code.number(1.0);
+                let width = self.push(|out| Instruction::Divide { out, a, b });
+                let a = width;
+                let opposite = self.push(|out| Instruction::Negate { out, a });
+                [width, opposite, nothing]
+            }
+        };
+        self.seams.insert((side, c), seam);
+        seam
     }
 
     /// Node of the other function of a pair of which `node` is this member, where the other is still to be emitted.

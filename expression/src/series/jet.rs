@@ -2,7 +2,7 @@
 
 use super::tape::{Tape, TaylorState};
 use crate::arithmetic::{AlgebraError, Arithmetic};
-use crate::expression::Function;
+use crate::expression::{Function, Side};
 use crate::graph::{Graph, StepSize, Term};
 use crate::rational::Rational;
 
@@ -110,6 +110,9 @@ impl Arithmetic for Code<'_> {
     }
     fn power(&mut self, a: &Term, b: &Term) -> Result<Term, AlgebraError> {
         self.graph.power(a, b)
+    }
+    fn kept(&mut self, side: Side, c: &Term, v: &Term) -> Result<Term, AlgebraError> {
+        self.graph.kept(side, c, v)
     }
     fn apply(&mut self, function: Function, a: &Term) -> Result<Term, AlgebraError> {
         self.graph.apply(function, a)

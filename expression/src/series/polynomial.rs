@@ -1,7 +1,7 @@
 //! Polynomials in one curve parameter with coefficients in any algebra.
 
 use crate::arithmetic::{AlgebraError, Arithmetic};
-use crate::expression::Function;
+use crate::expression::{Function, Side};
 use crate::rational::Rational;
 
 /// Σ cⱼ sʲ as its list of coefficients, without trailing zeros.
@@ -131,6 +131,19 @@ impl<A: Arithmetic> Arithmetic for Univariate<'_, A> {
         let (base, exponent) = (self.constant_part(a, "^")?, self.constant_part(b, "^")?);
         let value = self.inner.power(&base, &exponent)?;
         Ok(self.trim(vec![value]))
+    }
+    fn kept(
+        &mut self,
+        side: Side,
+        c: &Self::Element,
+        v: &Self::Element,
+    ) -> Result<Self::Element, AlgebraError> {
+        let c = self.constant_part(c, "if")?;
+        let parts: Result<Vec<_>, _> = v
+            .iter()
+            .map(|part| self.inner.kept(side, &c, part))
+            .collect();
+        Ok(self.trim(parts?))
     }
     fn apply(
         &mut self,

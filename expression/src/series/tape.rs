@@ -3,8 +3,9 @@
 use rustc_hash::FxHashMap;
 
 use crate::arithmetic::{AlgebraError, Arithmetic, function_derivative};
-use crate::expression::{Expression, Function};
+use crate::expression::{Expression, Function, Side};
 use crate::rational::Rational;
+use crate::special::Special;
 
 /// A node of a [`Tape`].
 pub type TapeIndex = usize;
@@ -22,6 +23,8 @@ enum Step {
     Function(Function, TapeIndex),
     /// g = uᵃ with an exponent that is constant along the curve; d = a g/u.
     Power(TapeIndex, TapeIndex),
+    /// v where c is of this side: along the curve, where it begins.
+    Kept(Side, TapeIndex, TapeIndex),
 }
 
 /// Formulas as a list of operations with common subexpressions shared, ready to be expanded in
@@ -70,9 +73,10 @@ impl Tape {
             Step::Constant(_) | Step::Pi | Step::Parameter(_) => true,
             Step::Variable(_) => false,
             Step::Combination(terms) => terms.iter().all(|(_, t)| self.is_constant(*t)),
-            Step::Product(a, b) | Step::Quotient(a, b) | Step::Power(a, b) => {
-                self.is_constant(*a) && self.is_constant(*b)
-            }
+            Step::Product(a, b)
+            | Step::Quotient(a, b)
+            | Step::Power(a, b)
+            | Step::Kept(_, a, b) => self.is_constant(*a) && self.is_constant(*b),
             Step::Function(_, u) => self.is_constant(*u),
         }
     }
@@ -153,12 +157,26 @@ impl Arithmetic for Tape {
         }
         Ok(at)
     }
+    fn kept(
+        &mut self,
+        side: Side,
+        c: &TapeIndex,
+        v: &TapeIndex,
+    ) -> Result<TapeIndex, AlgebraError> {
+        match self.as_rational(c) {
+            Some(number) if side.has(&number) => Ok(*v),
+            Some(_) => Ok(self.zero()),
+            None if self.is_zero(v) => Ok(*v),
+            None => Ok(self.push(Step::Kept(side, *c, *v))),
+        }
+    }
     fn apply(&mut self, function: Function, a: &TapeIndex) -> Result<TapeIndex, AlgebraError> {
         let step = Step::Function(function, *a);
         let known = self.known.contains_key(&step);
         let at = self.push(step);
         // The node exists before its derivative is recorded: sine and cosine name each other.
-        if !known && !self.is_constant(*a) {
+        let has_formula = !matches!(function, Function::Special(..));
+        if !known && has_formula && !self.is_constant(*a) {
             let derivative = function_derivative(self, function, a, &at)?;
             self.derivatives.insert(at, derivative);
         }
@@ -170,6 +188,8 @@ impl Arithmetic for Tape {
 #[derive(Clone, Debug)]
 pub struct TaylorState<E> {
     coefficients: Vec<Vec<E>>,
+    /// The coefficients of f′(u), f″(u), … of each special function f(u).
+    towers: FxHashMap<TapeIndex, Vec<Vec<E>>>,
     order: usize,
 }
 
@@ -178,6 +198,7 @@ impl<E: Clone + std::fmt::Debug> TaylorState<E> {
     pub fn new(tape: &Tape) -> Self {
         Self {
             coefficients: vec![Vec::new(); tape.steps.len()],
+            towers: FxHashMap::default(),
             order: 0,
         }
     }
@@ -224,6 +245,12 @@ impl<E: Clone + std::fmt::Debug> TaylorState<E> {
                 }
                 Step::Power(u, exponent) if k == 0 => {
                     arithmetic.power(&self.coefficients[*u][0], &self.coefficients[*exponent][0])?
+                }
+                Step::Kept(side, c, v) => {
+                    arithmetic.kept(*side, &self.coefficients[*c][0], &self.coefficients[*v][k])?
+                }
+                Step::Function(Function::Special(special, order), u) if !tape.is_constant(*u) => {
+                    self.special(arithmetic, (at, *u), (*special, *order), k)?
                 }
                 Step::Function(_, u) | Step::Power(u, _) => match tape.derivatives.get(&at) {
                     None => arithmetic.zero(),
@@ -272,6 +299,36 @@ impl<E: Clone + std::fmt::Debug> TaylorState<E> {
         arithmetic.combine_products(&[], &products)
     }
 
+    /// The coefficient of order k of f(u), f a special function: f⁽ⁱ⁾(u) has one of order k − i by that of f⁽ⁱ⁺¹⁾(u) of an
+    /// order lower, from f⁽ᵏ⁾(u₀) on.
+    fn special<A: Arithmetic<Element = E>>(
+        &mut self,
+        arithmetic: &mut A,
+        (at, u): (TapeIndex, TapeIndex),
+        (special, order): (Special, u8),
+        k: usize,
+    ) -> Result<E, AlgebraError> {
+        let too_high = || AlgebraError::DerivativeTooHigh {
+            function: special.name(),
+        };
+        let highest = u8::try_from(k).ok().and_then(|k| order.checked_add(k));
+        let function = Function::Special(special, highest.ok_or_else(too_high)?);
+        let first = arithmetic.apply(function, &self.coefficients[u][0])?;
+        let mut tower = self.towers.remove(&at).unwrap_or_default();
+        tower.push(vec![first]);
+        for level in (0..k).rev() {
+            let next = self.integral(arithmetic, u, &tower[level], k - level);
+            match level {
+                0 => {
+                    self.towers.insert(at, tower);
+                    return Ok(next);
+                }
+                _ => tower[level - 1].push(next),
+            }
+        }
+        Err(too_high())
+    }
+
     /// (1/k) Σ_{j=1..k} j uⱼ d_{k−j}.
     fn quadrature<A: Arithmetic<Element = E>>(
         &self,
@@ -280,9 +337,20 @@ impl<E: Clone + std::fmt::Debug> TaylorState<E> {
         d: TapeIndex,
         k: usize,
     ) -> E {
+        self.integral(arithmetic, u, &self.coefficients[d], k)
+    }
+
+    /// The same of given coefficients d.
+    fn integral<A: Arithmetic<Element = E>>(
+        &self,
+        arithmetic: &mut A,
+        u: TapeIndex,
+        d: &[E],
+        k: usize,
+    ) -> E {
         let mut products = Vec::with_capacity(k);
         for j in 1..=k {
-            let (x, y) = (&self.coefficients[u][j], &self.coefficients[d][k - j]);
+            let (x, y) = (&self.coefficients[u][j], &d[k - j]);
             if !arithmetic.is_zero(x) && !arithmetic.is_zero(y) {
                 products.push((Rational::new(j as i64, k as i64), x, y));
             }

@@ -4,6 +4,7 @@ use std::fmt;
 
 use super::formula::Formula;
 use super::tree::{Anchor, Kind, Node, Reference, Span};
+use crate::expression::Function;
 
 /// How tightly a part holds together; a part in a place that needs more is put in parentheses.
 #[derive(Clone, Copy, PartialEq, PartialOrd)]
@@ -68,15 +69,28 @@ impl Printer<'_, '_> {
     fn bare(&mut self, kind: &Kind) -> fmt::Result {
         match kind {
             Kind::Number { literal, .. } => self.write_span(*literal),
-            Kind::Pi => self.write(super::scope::PI),
-            Kind::Length => self.write(super::scope::LENGTH),
+            Kind::Pi => self.write(super::vocabulary::PI),
+            Kind::Length => self.write(super::vocabulary::LENGTH),
             Kind::Reference(reference) => print_reference(self.text, reference, self.formatter),
             Kind::Call(function, argument) => {
                 self.write(function.name())?;
                 self.write("(")?;
                 self.print(argument, Binding::Sum)?;
+                if let Function::Special(_, order @ 1..) = function {
+                    write!(self.formatter, ", {order}")?;
+                }
                 self.write(")")
             }
+            Kind::Composite(composite, arguments) => self.called(composite.name(), arguments),
+            Kind::If(parts) => self.called(super::vocabulary::IF, parts.as_slice()),
+            Kind::Compare(relation, pair) => {
+                self.print(&pair[0], Binding::Sum)?;
+                write!(self.formatter, " {} ", relation.sign())?;
+                self.print(&pair[1], Binding::Sum)
+            }
+            Kind::And(parts) => self.list(parts, " and "),
+            Kind::Or(parts) => self.list(parts, " or "),
+            Kind::Derivative(pair) => self.called(super::vocabulary::DERIVATIVE, pair.as_slice()),
             Kind::SumOver { index, body, .. } => {
                 self.write("sum(")?;
                 self.write_span(*index)?;
@@ -136,6 +150,23 @@ impl Printer<'_, '_> {
                 self.print(&pair[1], Binding::Sign)
             }
         }
+    }
+
+    fn called(&mut self, name: &str, arguments: &[Node]) -> fmt::Result {
+        self.write(name)?;
+        self.write("(")?;
+        self.list(arguments, ", ")?;
+        self.write(")")
+    }
+
+    fn list(&mut self, parts: &[Node], between: &str) -> fmt::Result {
+        for (at, part) in parts.iter().enumerate() {
+            if at > 0 {
+                self.write(between)?;
+            }
+            self.print(part, Binding::Sum)?;
+        }
+        Ok(())
     }
 
     fn write(&mut self, text: &str) -> fmt::Result {

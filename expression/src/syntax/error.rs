@@ -4,7 +4,8 @@ use std::fmt;
 use std::ops::Range;
 
 use super::tree::Span;
-use crate::expression::Function;
+use super::vocabulary::function_names;
+use crate::arithmetic::AlgebraError;
 use crate::rational::DecimalError;
 
 /// An error in a formula: where, what, and the nearest valid spelling when there is one.
@@ -40,7 +41,8 @@ impl fmt::Display for SyntaxError {
         match (&self.suggestion, &self.kind) {
             (Some(suggestion), _) => write!(formatter, "; did you mean `{suggestion}`?"),
             (None, SyntaxErrorKind::UnknownFunction { .. }) => {
-                write!(formatter, "; there are {}", Function::NAMES.join(", "))
+                let names: Vec<&str> = function_names().collect();
+                write!(formatter, "; there are {}", names.join(", "))
             }
             (None, _) => Ok(()),
         }
@@ -254,6 +256,27 @@ pub enum SyntaxErrorKind {
     ReservedName {
         /// The name.
         name: String,
+    },
+    /// A call of something that the scene has given a function's name.
+    #[error(
+        "`{name}` is a name of the scene here and no function (a product is written with `*`); choose another name \
+         for it if the function is meant"
+    )]
+    NameAndFunction {
+        /// The name.
+        name: String,
+    },
+    /// A derivative by what is no variable and no parameter.
+    #[error("`{name}` is a formula; `D` differentiates by a variable or a parameter")]
+    DerivativeByFormula {
+        /// The definition.
+        name: String,
+    },
+    /// A derivative that does not exist as a formula.
+    #[error("there is no formula for this derivative: {reason}")]
+    NoDerivative {
+        /// Why.
+        reason: AlgebraError,
     },
     /// A text that is not a name.
     #[error("`{name}` is not a name: use letters, digits and `_`, beginning with no digit")]

@@ -16,6 +16,9 @@ pub(super) enum Symbol {
     CloseBracket,
     Comma,
     Less,
+    LessOrEqual,
+    Greater,
+    GreaterOrEqual,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,9 +55,14 @@ pub(super) fn tokens(text: &str) -> Result<Vec<Token>, SyntaxError> {
             position += name_length(rest);
             TokenKind::Name
         } else if let Some(symbol) = symbol(character) {
-            let doubled = rest.starts_with("**");
-            position += if doubled { 2 } else { 1 };
-            TokenKind::Symbol(if doubled { Symbol::Power } else { symbol })
+            let doubled = match rest.get(..2) {
+                Some("**") => Some(Symbol::Power),
+                Some("<=") => Some(Symbol::LessOrEqual),
+                Some(">=") => Some(Symbol::GreaterOrEqual),
+                _ => None,
+            };
+            position += if doubled.is_some() { 2 } else { 1 };
+            TokenKind::Symbol(doubled.unwrap_or(symbol))
         } else {
             let span = Span {
                 start,
@@ -121,6 +129,7 @@ fn symbol(character: char) -> Option<Symbol> {
         ']' => Symbol::CloseBracket,
         ',' => Symbol::Comma,
         '<' => Symbol::Less,
+        '>' => Symbol::Greater,
         _ => return None,
     })
 }
@@ -136,6 +145,9 @@ fn plain(character: char) -> Option<&'static str> {
         '{' => "(",
         '}' => ")",
         ';' => ",",
+        '≤' => "<=",
+        '≥' => ">=",
+        '&' => "and",
         _ => return None,
     })
 }

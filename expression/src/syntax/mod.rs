@@ -11,13 +11,19 @@
 //! power   := atom (("^" | "**") unary)?
 //! atom    := number | name | name "[" site ("," site)* "]" | function "(" formula ")"
 //!          | "sum" "(" (name ("<" name)* ",")+ formula ")" | "(" formula ")"
+//!          | "if" "(" condition "," formula "," formula ")" | "D" "(" formula ("," variable)+ ")"
+//! condition := all ("or" all)*
+//! all     := compared ("and" compared)*
+//! compared := formula (("<" | "<=" | ">" | ">=") formula)+
 //! site    := sum or difference of integers and at most one of: an index name, N
 //! ```
 //!
 //! A name is a word, or two with a point between. Thus `s.x[i]` is the component x of a vector of the family s. The
 //! power sign `^` is right associative and binds tighter than the sign: `-x^2` is `-(x^2)`. The names `pi`, `N` (the
-//! length of the longest family), `sum` and those of the functions are reserved.
+//! length of the longest family), `sum` and those of the functions from `exp` to `atanh` are reserved. Any other function
+//! is one where a parenthesis follows; where a scene gives its name to something else, it is refused there.
 
+mod composite;
 mod density;
 mod display;
 mod error;
@@ -33,6 +39,7 @@ mod suggestion;
 mod tests;
 mod tree;
 mod value;
+mod vocabulary;
 
 pub use density::Density;
 pub use error::{SyntaxError, SyntaxErrorKind};
@@ -42,3 +49,4 @@ pub use parser::{AXES, DEPTH_LIMIT};
 pub use pattern::VariablePattern;
 pub use resolve::{POWER_LIMIT, TERM_LIMIT};
 pub use scope::{At, Boundary, Scope};
+pub use vocabulary::function_names;

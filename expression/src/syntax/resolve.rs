@@ -1,12 +1,14 @@
 //! From a formula to an exact expression at one site.
 
+use super::composite::compared;
 use super::error::{SyntaxError, SyntaxErrorKind};
 use super::formula::Formula;
 use super::scope::{At, Bound, Place, Scope, find};
 use super::tree::{Kind, Node, Reference, Span};
+use super::vocabulary::{DERIVATIVE, IF, LENGTH, SUM};
 use crate::even_powers;
 use crate::expression::Expression;
-use crate::operators::{negated, quotient};
+use crate::operators::{Quantity, negated, quotient};
 use crate::rational::Rational;
 
 /// The greatest magnitude of a constant exponent of an expression.
@@ -87,8 +89,45 @@ impl<'a> Resolver<'a> {
             Kind::Length => self.length(node.span),
             Kind::Reference(reference) => self.reference(reference, bound),
             Kind::Call(function, argument) => {
+                self.scope
+                    .check_call(self.text, function.name(), node.span)?;
                 let argument = self.expression(argument, bound)?;
                 Ok(even_powers::apply(*function, argument))
+            }
+            Kind::Composite(composite, arguments) => {
+                self.scope
+                    .check_call(self.text, composite.name(), node.span)?;
+                let mut arguments = self.expressions(arguments, bound)?.into_iter();
+                let mut next = || arguments.next().unwrap_or(Expression::Sum(Vec::new()));
+                Ok(composite.formula([next(), next()]))
+            }
+            Kind::If(parts) => {
+                self.scope.check_call(self.text, IF, node.span)?;
+                let [condition, holds, other] = &**parts;
+                let holds = self.expression(holds, bound)?.shared();
+                let other = self.expression(other, bound)?.shared();
+                self.choice(condition, holds, other, bound)
+            }
+            // Conditions stand in `if` alone.
+            Kind::Compare(..) | Kind::And(_) | Kind::Or(_) => {
+                let (one, zero) = (1.into(), 0.into());
+                self.choice(node, one, zero, bound)
+            }
+            Kind::Derivative(pair) => {
+                self.scope.check_call(self.text, DERIVATIVE, node.span)?;
+                let formula = self.expression(&pair[0], bound)?;
+                let by = match self.expression(&pair[1], bound)? {
+                    Expression::Variable(index) => Quantity::Variable(index),
+                    Expression::Parameter(index) => Quantity::Parameter(index),
+                    _ => {
+                        let name = pair[1].span.of(self.text).to_owned();
+                        let kind = SyntaxErrorKind::DerivativeByFormula { name };
+                        return Err(SyntaxError::new(pair[1].span, kind).into());
+                    }
+                };
+                formula.derivative(by).map_err(|reason| {
+                    SyntaxError::new(node.span, SyntaxErrorKind::NoDerivative { reason }).into()
+                })
             }
             Kind::SumOver { index, above, body } => {
                 self.sum_over(node.span, (*index, *above), body, bound)
@@ -106,6 +145,32 @@ impl<'a> Resolver<'a> {
                 self.check_exponent(&exponent, pair[1].span)?;
                 Ok(even_powers::power(base, exponent))
             }
+        }
+    }
+
+    /// a where the condition holds, b elsewhere.
+    fn choice(
+        &mut self,
+        condition: &Node,
+        a: Expression,
+        b: Expression,
+        bound: Option<&Bound<'_>>,
+    ) -> Result<Expression, Stop> {
+        match &condition.kind {
+            Kind::Compare(relation, pair) => {
+                let x = self.expression(&pair[0], bound)?;
+                let y = self.expression(&pair[1], bound)?;
+                Ok(compared(*relation, [x, y], a, b))
+            }
+            Kind::Or(parts) => parts
+                .iter()
+                .rev()
+                .try_fold(b, |b, part| self.choice(part, a.clone(), b, bound)),
+            Kind::And(parts) => parts
+                .iter()
+                .rev()
+                .try_fold(a, |a, part| self.choice(part, a, b.clone(), bound)),
+            _ => self.expression(condition, bound),
         }
     }
 

@@ -7,15 +7,8 @@ use super::lexer::is_name;
 use super::parser::AXES;
 use super::suggestion::{constant, nearest};
 use super::tree::{Anchor, Node, Reference, Site, Span};
-use crate::expression::{Expression, Function};
-
-pub(super) const PI: &str = "pi";
-pub(super) const LENGTH: &str = "N";
-pub(super) const SUM: &str = "sum";
-
-pub(super) fn is_reserved(name: &str) -> bool {
-    matches!(name, PI | LENGTH | SUM) || Function::from_name(name).is_some()
-}
+use super::vocabulary::{LENGTH, PI, SUM, is_reserved};
+use crate::expression::Expression;
 
 /// Meaning of a reference beyond the ends of a family.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
@@ -177,7 +170,7 @@ impl Scope {
     ///
     /// # Errors
     /// `InvalidName` when it is not one name. Fails with `ReservedName` when it is `pi`, `N`, `sum` or the name of a
-    /// function. The span covers `name`.
+    /// function from `exp` to `atanh`. The span covers `name`.
     pub fn check_name(name: &str) -> Result<(), SyntaxError> {
         let span = Span {
             start: 0,
@@ -208,6 +201,24 @@ impl Scope {
         if self.entries.insert(name.to_owned(), entry).is_none() {
             self.names.push(name.to_owned());
         }
+    }
+
+    /// The error that what is called at the start of `span` is a name of this scope.
+    pub(super) fn check_call(&self, text: &str, name: &str, span: Span) -> Result<(), SyntaxError> {
+        if !self.has(name) {
+            return Ok(());
+        }
+        let end = (span.start + name.len()).min(text.len());
+        let kind = SyntaxErrorKind::NameAndFunction {
+            name: name.to_owned(),
+        };
+        Err(SyntaxError::new(
+            Span {
+                start: span.start,
+                end,
+            },
+            kind,
+        ))
     }
 
     pub(super) fn definition(&self, index: usize) -> &Definition {

@@ -4,8 +4,30 @@
 const LONGEST_COMPARED: usize = 64;
 
 /// Names from other languages and notations, with the ones used here.
-const ALIASES: [(&str, &str); 15] = [
+const ALIASES: [(&str, &str); 37] = [
     ("log", "ln"),
+    ("fabs", "abs"),
+    ("sgn", "sign"),
+    ("signum", "sign"),
+    ("fmin", "min"),
+    ("fmax", "max"),
+    ("ceiling", "ceil"),
+    ("fmod", "mod"),
+    ("arctan2", "atan2"),
+    ("step", "heaviside"),
+    ("theta", "heaviside"),
+    ("piecewise", "if"),
+    ("where", "if"),
+    ("select", "if"),
+    ("tgamma", "gamma"),
+    ("gammaln", "lgamma"),
+    ("loggamma", "lgamma"),
+    ("lg", "log10"),
+    ("ld", "log2"),
+    ("diff", "D"),
+    ("derivative", "D"),
+    ("elliptick", "ellipk"),
+    ("elliptice", "ellipe"),
     ("arcsin", "asin"),
     ("arccos", "acos"),
     ("arctan", "atan"),
@@ -23,11 +45,19 @@ const ALIASES: [(&str, &str); 15] = [
 ];
 
 /// Functions of other languages, with how they are written here.
-const WRITTEN: [(&str, &str); 24] = [
-    ("cot", "1/tan(x)"),
-    ("sec", "1/cos(x)"),
-    ("csc", "1/sin(x)"),
-    ("cosec", "1/sin(x)"),
+const WRITTEN: [(&str, &str); 28] = [
+    ("cosec", "csc(x)"),
+    ("cotan", "cot(x)"),
+    ("ln10", "ln(10)"),
+    ("digamma", "lgamma(x, 1)"),
+    ("psi", "lgamma(x, 1)"),
+    ("besselj0", "j0(x)"),
+    ("besselj1", "j1(x)"),
+    ("round", "floor(x + 1/2)"),
+    ("frac", "x - floor(x)"),
+    ("rem", "mod(x, y)"),
+    ("clip", "max(a, min(x, b))"),
+    ("clamp", "max(a, min(x, b))"),
     ("acot", "atan(1/x)"),
     ("coth", "1/tanh(x)"),
     ("sech", "1/cosh(x)"),
@@ -38,10 +68,6 @@ const WRITTEN: [(&str, &str); 24] = [
     ("sqr", "x^2"),
     ("cbrt", "x^(1/3)"),
     ("hypot", "sqrt(x^2 + y^2)"),
-    ("log10", "ln(x)/ln(10)"),
-    ("lg", "ln(x)/ln(10)"),
-    ("log2", "ln(x)/ln(2)"),
-    ("ld", "ln(x)/ln(2)"),
     ("log1p", "ln(1 + x)"),
     ("exp2", "exp(x*ln(2))"),
     ("exp10", "exp(x*ln(10))"),
@@ -51,44 +77,7 @@ const WRITTEN: [(&str, &str); 24] = [
 ];
 
 /// Functions of other languages that no misspelling is: they begin or end like those that there are.
-const ELSEWHERE: [&str; 36] = [
-    "abs",
-    "fabs",
-    "sign",
-    "sgn",
-    "signum",
-    "min",
-    "max",
-    "fmin",
-    "fmax",
-    "floor",
-    "ceil",
-    "ceiling",
-    "round",
-    "rint",
-    "trunc",
-    "int",
-    "frac",
-    "mod",
-    "fmod",
-    "rem",
-    "atan2",
-    "arctan2",
-    "step",
-    "heaviside",
-    "theta",
-    "piecewise",
-    "if",
-    "where",
-    "erf",
-    "erfc",
-    "gamma",
-    "lgamma",
-    "beta",
-    "besselj",
-    "clip",
-    "clamp",
-];
+const ELSEWHERE: [&str; 6] = ["rint", "trunc", "int", "beta", "besselj", "gammainc"];
 
 /// How a function known elsewhere as `name` is written here.
 pub(super) fn written(name: &str) -> Option<&'static str> {

@@ -1,5 +1,6 @@
 //! The tree of a formula before its names are resolved.
 
+use super::composite::{Composite, Relation};
 use crate::expression::Function;
 use crate::rational::Rational;
 
@@ -119,6 +120,17 @@ pub(super) enum Kind {
     Length,
     Reference(Reference),
     Call(Function, Box<Node>),
+    /// A function that is a formula of its arguments.
+    Composite(Composite, Vec<Node>),
+    /// A condition, the value where it holds, and that elsewhere.
+    If(Box<[Node; 3]>),
+    Compare(Relation, Box<[Node; 2]>),
+    /// Conditions that all hold.
+    And(Vec<Node>),
+    /// Conditions of which one holds.
+    Or(Vec<Node>),
+    /// A formula, and the variable or parameter by which it is differentiated.
+    Derivative(Box<[Node; 2]>),
     SumOver {
         index: Span,
         /// An index around it that it is greater than: the inner sum of `sum(i<j, …)`.
@@ -139,8 +151,16 @@ impl Kind {
             Kind::Call(_, child) | Kind::Negate(child) | Kind::SumOver { body: child, .. } => {
                 std::slice::from_ref(child)
             }
-            Kind::Sum(children) | Kind::Product(children) => children,
-            Kind::Quotient(pair) | Kind::Power(pair) => pair.as_slice(),
+            Kind::Sum(children)
+            | Kind::Product(children)
+            | Kind::Composite(_, children)
+            | Kind::And(children)
+            | Kind::Or(children) => children,
+            Kind::Quotient(pair)
+            | Kind::Power(pair)
+            | Kind::Compare(_, pair)
+            | Kind::Derivative(pair) => pair.as_slice(),
+            Kind::If(parts) => parts.as_slice(),
         }
     }
 }

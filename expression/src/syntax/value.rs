@@ -1,11 +1,13 @@
 //! From a formula to a number.
 
+use super::composite::compared;
 use super::error::{SyntaxError, SyntaxErrorKind};
 use super::formula::Formula;
-use super::resolve::{check_terms, first_value, inner_index};
+use super::resolve::{Resolver, Stop, check_terms, first_value, inner_index};
 use super::scope::{At, Bound, Entry, Scope, find};
 use super::tree::{Kind, Node, Reference, Span};
-use crate::expression::integer_power;
+use super::vocabulary::{IF, LENGTH, SUM};
+use crate::expression::{Expression, integer_power};
 
 impl Formula {
     /// The value of a formula of the parameters, the index and `N`, such as an initial value.
@@ -50,7 +52,52 @@ impl Evaluator<'_> {
             Kind::Pi => Ok(std::f64::consts::PI),
             Kind::Length => Ok(self.scope.shown_length(node.span)? as f64),
             Kind::Reference(reference) => Ok(self.reference(reference, bound)?),
-            Kind::Call(function, argument) => Ok(function.apply(self.value(argument, bound)?)),
+            Kind::Call(function, argument) => {
+                self.scope
+                    .check_call(self.text, function.name(), node.span)?;
+                Ok(function.apply(self.value(argument, bound)?))
+            }
+            Kind::Composite(composite, arguments) => {
+                self.scope
+                    .check_call(self.text, composite.name(), node.span)?;
+                let mut values = [0.0; 2];
+                for (value, argument) in values.iter_mut().zip(arguments) {
+                    *value = self.value(argument, bound)?;
+                }
+                let formula = composite.formula([0, 1].map(Expression::Variable));
+                Ok(formula.evaluate(&values, &[]))
+            }
+            Kind::If(parts) => {
+                self.scope.check_call(self.text, IF, node.span)?;
+                let [condition, holds, other] = &**parts;
+                let (a, b) = (self.value(holds, bound)?, self.value(other, bound)?);
+                self.choice(condition, a, b, bound)
+            }
+            Kind::Compare(..) | Kind::And(_) | Kind::Or(_) => self.choice(node, 1.0, 0.0, bound),
+            // What is differentiated is a formula of parameters: the index is a number in it.
+            Kind::Derivative(_) => {
+                let resolved = Resolver::new(self.text, self.scope).expression(node, bound);
+                let formula = resolved.map_err(|stop| match stop {
+                    Stop::Error(error) => error,
+                    Stop::Outside { .. } => Box::new(SyntaxError::new(
+                        node.span,
+                        SyntaxErrorKind::NotAFunctionOfParameters {
+                            name: node.span.of(self.text).to_owned(),
+                        },
+                    )),
+                })?;
+                let is_known = formula.parameters().last() < Some(&self.parameters.len())
+                    && formula.variables().is_empty();
+                match is_known {
+                    true => Ok(formula.evaluate(&[], self.parameters)),
+                    false => Err(Box::new(SyntaxError::new(
+                        node.span,
+                        SyntaxErrorKind::NotAFunctionOfParameters {
+                            name: node.span.of(self.text).to_owned(),
+                        },
+                    ))),
+                }
+            }
             Kind::SumOver { index, above, body } => {
                 self.sum_over(node.span, (*index, *above), body, bound)
             }
@@ -77,6 +124,33 @@ impl Evaluator<'_> {
                     None => Ok(libm::pow(base, self.value(&pair[1], bound)?)),
                 }
             }
+        }
+    }
+
+    /// a where the condition holds, b elsewhere.
+    fn choice(
+        &mut self,
+        condition: &Node,
+        a: f64,
+        b: f64,
+        bound: Option<&Bound<'_>>,
+    ) -> Result<f64, Box<SyntaxError>> {
+        match &condition.kind {
+            Kind::Compare(relation, pair) => {
+                let values = [self.value(&pair[0], bound)?, self.value(&pair[1], bound)?];
+                let [x, y, a_at, b_at] = [0, 1, 2, 3].map(Expression::Variable);
+                let formula = compared(*relation, [x, y], a_at, b_at);
+                Ok(formula.evaluate(&[values[0], values[1], a, b], &[]))
+            }
+            Kind::Or(parts) => {
+                let mut parts = parts.iter().rev();
+                parts.try_fold(b, |b, part| self.choice(part, a, b, bound))
+            }
+            Kind::And(parts) => {
+                let mut parts = parts.iter().rev();
+                parts.try_fold(a, |a, part| self.choice(part, a, b, bound))
+            }
+            _ => self.value(condition, bound),
         }
     }
 

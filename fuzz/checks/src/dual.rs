@@ -3,6 +3,7 @@
 //! Nothing here is the program's but the table of functions: derivatives are written down once more.
 
 use leafwise::expression::Function;
+use leafwise::expression::special::Special;
 use smallvec::{SmallVec, smallvec};
 
 use crate::tree::Tree;
@@ -126,7 +127,15 @@ impl Dual {
         let x = self.value();
         let value = function.apply(x);
         let (slope, second) = derivatives(function, x, value);
-        self.through([value, slope, second], 4.0)
+        let ulps = match function {
+            // Next to a zero they are right within a unit of 1.
+            Function::Gamma | Function::Special(..) => {
+                let least = value.abs().min(slope.abs());
+                64.0 / least.clamp(1e-9, 1.0)
+            }
+            _ => 4.0,
+        };
+        self.through([value, slope, second], ulps)
     }
 }
 
@@ -175,6 +184,47 @@ fn derivatives(function: Function, x: f64, g: f64) -> (f64, f64) {
         Function::Atanh => {
             let below = (1.0 - x) * (1.0 + x);
             (1.0 / below, 2.0 * x / (below * below))
+        }
+        // Next to a seam both sides count: a slope beyond all sizes makes the formula rough.
+        Function::Abs | Function::Sign | Function::Floor => {
+            let seam = match function {
+                Function::Floor => libm::round(x),
+                _ => 0.0,
+            };
+            let is_next = (x - seam).abs() <= 1e-6 * x.abs().max(1e-6);
+            let jump = if is_next { f64::INFINITY } else { 0.0 };
+            match function {
+                Function::Abs => (x.signum(), jump),
+                _ => (jump, jump),
+            }
+        }
+        Function::Erf | Function::Erfc => {
+            let sign = if function == Function::Erf { 1.0 } else { -1.0 };
+            let slope = sign * std::f64::consts::FRAC_2_SQRT_PI * libm::exp(-x * x);
+            (slope, -2.0 * x * slope)
+        }
+        Function::Gamma => {
+            let [first, second] = [1, 2].map(|k| Special::LnGamma.derivative(k, x));
+            (g * first, g * (first * first + second))
+        }
+        Function::Log10 | Function::Log2 => {
+            let base = if function == Function::Log10 {
+                10.0
+            } else {
+                2.0
+            };
+            let slope = 1.0 / (x * libm::log(base));
+            (slope, -slope / x)
+        }
+        Function::Special(Special::J0, 0) => (-libm::j1(x), 0.5 * (libm::jn(2, x) - g)),
+        Function::Special(Special::EllipticE, 0) => {
+            let k = Special::EllipticK.derivative(0, x);
+            let slope = (g - k) / (2.0 * x);
+            (slope, Special::EllipticE.derivative(2, x))
+        }
+        Function::Special(special, order) => {
+            let [slope, second] = [1, 2].map(|k| special.derivative(u32::from(order) + k, x));
+            (slope, second)
         }
     }
 }
@@ -231,6 +281,17 @@ impl Tree {
             }
             Self::Negate(operand) => Dual::constant(0.0, 0.0, d).add(&along(operand), -1.0),
             Self::Apply(function, argument) => along(argument).apply(*function),
+            Self::If(parts) => {
+                let [c, a, b] = &**parts;
+                let c = along(c);
+                let (value, error) = c.parts[0];
+                let mut kept = along(if value > 0.0 { a } else { b });
+                // Next to the seam, and where c has no value, either may be taken.
+                let is_sure =
+                    value.abs() > 2.0 * error && value.is_finite() || value == 0.0 && error == 0.0;
+                kept.is_rough |= c.is_rough || !is_sure;
+                kept
+            }
         }
     }
 }

@@ -29,6 +29,8 @@ pub enum Tree {
     Negate(Box<Tree>),
     /// f(a).
     Apply(Function, Box<Tree>),
+    /// a where c > 0, b elsewhere, of c, a and b.
+    If(Box<[Tree; 3]>),
 }
 
 impl Tree {
@@ -139,6 +141,14 @@ impl Tree {
                 argument.write(text, names);
                 text.push(')');
             }
+            Self::If(parts) => {
+                let [c, a, b] = &**parts;
+                for (before, part) in [("if(", c), (" > 0, ", a), (", ", b)] {
+                    text.push_str(before);
+                    part.write(text, names);
+                }
+                text.push(')');
+            }
         }
     }
 
@@ -182,6 +192,7 @@ impl Tree {
                 Tree::Power(base.into(), numerator, source.pick(&[2, 3, 5]))
             }
             8 if source.chance(64) => Tree::General(inner(source).into(), inner(source).into()),
+            8 => Tree::If([inner(source), inner(source), inner(source)].into()),
             9 => Tree::Negate(inner(source).into()),
             _ => {
                 let function = source.pick(&Function::ALL);

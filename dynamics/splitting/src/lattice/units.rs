@@ -243,8 +243,11 @@ impl Key<'_> {
             Generator::Root(_, q) => format!("root{q}"),
             Generator::Power(_, exponent) => format!("power{exponent:?}"),
             Generator::Function(function, _) => function.to_string(),
+            Generator::Kept(side, ..) => format!("kept{side:?}"),
         };
-        let _ = write!(text, "({})", self.polynomial(generator.argument()));
+        for argument in generator.arguments() {
+            let _ = write!(text, "({})", self.polynomial(argument));
+        }
         text
     }
 }

@@ -21,6 +21,7 @@ macro_rules! entries {
         pub(super) fn elementary(function: Function) -> usize {
             let entry: extern "C" fn(f64) -> f64 = match function {
                 $(Function::$variant => $entry,)*
+                Function::Special(..) => unknown,
             };
             entry as usize
         }
@@ -29,6 +30,7 @@ macro_rules! entries {
         pub(super) fn elementary_lanes(function: Function) -> usize {
             let entry: unsafe extern "C" fn(*mut f64, usize) = match function {
                 $(Function::$variant => $entry_lanes,)*
+                Function::Special(..) => unknown_lanes,
             };
             entry as usize
         }
@@ -51,6 +53,25 @@ entries! {
     Asinh => asinh, asinh_lanes;
     Acosh => acosh, acosh_lanes;
     Atanh => atanh, atanh_lanes;
+    Abs => abs, abs_lanes;
+    Sign => sign, sign_lanes;
+    Floor => floor, floor_lanes;
+    Erf => erf, erf_lanes;
+    Erfc => erfc, erfc_lanes;
+    Gamma => gamma, gamma_lanes;
+    Log10 => log10, log10_lanes;
+    Log2 => log2, log2_lanes;
+}
+
+/// Special functions are analytic ones in code: no instruction applies them by this way.
+extern "C" fn unknown(_: f64) -> f64 {
+    f64::NAN
+}
+
+unsafe extern "C" fn unknown_lanes(values: *mut f64, count: usize) {
+    // SAFETY: the code passes its own memory of `count` numbers.
+    let values = unsafe { std::slice::from_raw_parts_mut(values, count) };
+    values.fill(f64::NAN);
 }
 
 /// Two numbers: the first two registers in the System V convention.

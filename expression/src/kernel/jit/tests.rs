@@ -84,10 +84,14 @@ fn code(choices: &[Choice], outputs: &[usize]) -> Code {
                 out,
                 a,
             },
-            _ => Instruction::Apply {
-                function: Function::ALL[second % Function::ALL.len()],
-                out,
-                a,
+            _ => match Function::ALL[second % Function::ALL.len()] {
+                Function::Special(special, _) => Instruction::ApplyAnalytic {
+                    function: special.analytic(),
+                    order: first as u32 % 3,
+                    out,
+                    a,
+                },
+                function => Instruction::Apply { function, out, a },
             },
         });
     }

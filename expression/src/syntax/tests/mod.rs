@@ -1,3 +1,4 @@
+mod choices;
 mod definitions;
 mod families;
 mod grammar;

@@ -92,6 +92,9 @@ fn any_formula(leaves: Vec<&'static str>, sums: bool) -> impl Strategy<Value = S
             inner.clone().prop_map(|a| format!("({a})")),
             inner.clone().prop_map(|a| format!("-{a}")),
             inner.clone().prop_map(|a| format!("sin({a})")),
+            inner.clone().prop_map(|a| format!("abs({a})")),
+            (inner.clone(), inner.clone()).prop_map(|(a, b)| format!("if({a} < {b}, {b}, {a})")),
+            (inner.clone(), inner.clone()).prop_map(|(a, b)| format!("max({a}, {b})")),
             inner.prop_map(around),
         ]
     })

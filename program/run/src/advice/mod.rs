@@ -15,6 +15,8 @@
 //! - `rounding`: a step that the state's round-off decides, an energy that doubles do not hold;
 //! - `step`: a step that is too long for its order, a tolerance that is too loose;
 //! - `stepper`: a stepper that is no Poisson map where splitting is one for no more, stages that no step feels;
+//! - `seams`: a Hamiltonian that is smooth in pieces, under a method of a high order;
+//! - `shortened`: steps that are shortened to come to `until`;
 //! - `unused`: parameters that nothing depends on;
 //! - `constraints`: a start off the constraints;
 //! - `claims`: parts that are not what they say;
@@ -35,6 +37,8 @@ mod lifts;
 mod motion;
 mod probe;
 mod rounding;
+mod seams;
+mod shortened;
 mod sizes;
 mod solutions;
 mod step;
@@ -103,6 +107,10 @@ pub enum AdviceKind {
     BackwardTime,
     /// An error of the energy that is a large part of its scale along the orbit.
     EnergyError,
+    /// Steps that are shorter than the scene's, so that a whole number of them comes to its time at the end.
+    ShortenedStep,
+    /// A Hamiltonian that is smooth in pieces, under a method of a higher order than steps across a seam have.
+    Seams,
     /// A parameter that no formula names.
     UnusedParameter,
     /// Rows of states that are no member's.
@@ -166,12 +174,14 @@ pub(crate) fn orbit_from(
     states
 }
 
-/// Advice about a scene whatever its method: parameters that no formula names, an initial state off the constraints,
-/// Hamilton's equations that run backwards in time.
+/// Advice about a scene, with no step of its method. It tells of parameters that no formula names and of an initial state
+/// off the constraints. It also tells of motion backwards in time, shortened steps and seams of the Hamiltonian.
 pub fn about_the_scene(document: &SceneDocument, run: &ComposedRun) -> Vec<Advice> {
     let mut advice = unused::unused_parameters(document);
     advice.extend(off_constraints(document, run, &run.plan.initial, ""));
     advice.extend(direction::advice(document, run));
+    advice.extend(shortened::advice(document));
+    advice.extend(seams::advice(run));
     advice
 }
 

@@ -158,6 +158,9 @@ pub(super) fn refusal(
         (Some(_), SyntaxErrorKind::UnknownName { name }) if name == "e" => {
             Some("e^x is written exp(x), and e itself exp(1)".to_owned())
         }
+        (Some(name), SyntaxErrorKind::UnknownFunction { .. }) => {
+            Some(format!("did you mean `{name}`? {}", vocabulary()))
+        }
         (Some(name), _) => Some(format!("did you mean `{name}`?")),
         (None, SyntaxErrorKind::UnknownName { name }) => Some(unknown_name_help(document, name)),
         (None, SyntaxErrorKind::UnexpectedCharacter { character: '=' }) => {
@@ -167,10 +170,7 @@ pub(super) fn refusal(
             "what differs from site to site is a parameter of sites: w[{name}] in the formula, and \"w[{name}]\" = \"…\" in \
              [system.parameters], a formula of {name}"
         )),
-        (None, SyntaxErrorKind::UnknownFunction { .. }) => Some(format!(
-            "functions: {}",
-            leafwise_expression::Function::NAMES.join(", ")
-        )),
+        (None, SyntaxErrorKind::UnknownFunction { .. }) => Some(vocabulary()),
         (None, _) => None,
     };
     Box::new(document.diagnostic(&place, error.kind.to_string(), label, help))
@@ -283,6 +283,12 @@ fn about_a_long_lattice(
         }
         _ => None,
     }
+}
+
+/// All that a parenthesis may follow.
+fn vocabulary() -> String {
+    let names: Vec<&str> = syntax::function_names().collect();
+    format!("functions: {}", names.join(", "))
 }
 
 fn unknown_name_help(document: &SceneDocument, name: &str) -> String {

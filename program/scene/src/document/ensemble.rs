@@ -298,9 +298,14 @@ fn read_parameters(
                 .map(|(name, _)| name.value.as_str())
         };
         if !known().any(|known| known == name.value) {
+            let mut define = system.define.iter();
+            let is_formula = define.any(|(own, _)| own.value == name.value);
             problems.push(
                 SceneProblemCause::UnknownName {
-                    kind: "parameter of this system",
+                    kind: match is_formula {
+                        true => "parameter of a number of its own (it is a formula of others)",
+                        false => "parameter of this system",
+                    },
                     name: name.value.clone(),
                     nearest: nearest(&name.value, known()),
                     valid: known().map(str::to_owned).collect(),

@@ -68,7 +68,7 @@ pub enum SceneProblemCause {
         found: &'static str,
     },
     /// A text that is no formula of numbers.
-    #[error("`{key}` is no number, nor a formula of numbers: {reason}")]
+    #[error("`{key}` is no number, nor a formula of numbers and other parameters: {reason}")]
     NoConstant {
         /// The key.
         key: String,
@@ -77,15 +77,13 @@ pub enum SceneProblemCause {
         /// Why not.
         reason: String,
     },
-    /// A time at the end that no number of equal steps comes to.
-    #[error("`until` = {until} is {} steps of {step}, no whole number", rounded(*steps, 6))]
-    BetweenSteps {
+    /// A time at the end that is too many steps away.
+    #[error("`until` = {until} is more than 9e15 steps of {step}")]
+    TooManySteps {
         /// The time as written.
         until: String,
         /// t of a step.
         step: f64,
-        /// The time in steps.
-        steps: f64,
     },
     /// A required key is absent.
     #[error("{table} needs `{key}`")]
@@ -213,8 +211,8 @@ impl SceneProblemCause {
             Self::UnknownName { kind, .. } => format!("no such {kind}"),
             Self::WrongType { expected, .. } => format!("expected {expected}"),
             Self::NotOne { .. } => "one value is expected".to_owned(),
-            Self::NoConstant { .. } => "no formula of numbers".to_owned(),
-            Self::BetweenSteps { .. } => "between two steps".to_owned(),
+            Self::NoConstant { .. } => "no formula of parameters".to_owned(),
+            Self::TooManySteps { .. } => "too far".to_owned(),
             Self::MissingKey { key, .. } => format!("`{key}` is missing"),
             Self::NotFinite { .. } => "not a finite number".to_owned(),
             Self::OutOfRange { allowed, .. } => format!("must be {allowed}"),
@@ -268,19 +266,10 @@ impl SceneProblemCause {
                 "a value for each site of a family stands under its name with an index: \"{key}[i]\" = [1, 2, 3]"
             )),
             Self::NoConstant { key, text, .. } => Some(format!(
-                "a formula of other parameters is a definition: define = {{ {key} = \"{text}\" }} in [system], without \
-                 the parameter; one of the index is \"{key}[i]\""
+                "a formula of the state is a definition: define = {{ {key} = \"{text}\" }} in [system], without the \
+                 parameter; one of the index is \"{key}[i]\""
             )),
-            Self::BetweenSteps { step, steps, .. } => {
-                let [below, above] = [steps.floor(), steps.ceil()];
-                let at = |steps: f64| format!("t = {}", rounded(steps * step, 12));
-                Some(format!(
-                    "write steps = {below:.0}, which end at {}, or steps = {above:.0}, at {}; with a `pace` a run ends at any \
-                     time",
-                    at(below),
-                    at(above)
-                ))
-            }
+            Self::TooManySteps { .. } => Some("take a longer `time-step`".to_owned()),
             Self::MissingKey { key, .. } if key == "steps" => Some(
                 "for example: steps = 1000, or until = 100, the time at the end".to_owned(),
             ),
@@ -314,11 +303,6 @@ impl SceneProblemCause {
             _ => None,
         }
     }
-}
-
-/// A number of so many digits.
-fn rounded(value: f64, digits: usize) -> f64 {
-    format!("{value:.*e}", digits - 1).parse().unwrap_or(value)
 }
 
 /// Help for a step or an end of time as other programs call them: the key that stands in its place.

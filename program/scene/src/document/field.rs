@@ -92,13 +92,18 @@ pub(super) fn read_field(item: &Item<'_>, problems: &mut Problems) -> Option<Fie
     })
 }
 
-/// Numbers, and the keys with an index: parameters of every site.
-type Parameters = (
-    Vec<(Located<String>, Located<Number>)>,
-    Vec<(Located<String>, FieldSpec)>,
-);
+/// The entries of a table of parameters.
+#[derive(Default)]
+pub(super) struct Parameters {
+    /// Numbers.
+    pub(super) numbers: Vec<(Located<String>, Located<Number>)>,
+    /// Formulas of other parameters.
+    pub(super) formulas: Vec<(Located<String>, Located<String>)>,
+    /// Keys with an index: parameters of every site.
+    pub(super) sites: Vec<(Located<String>, FieldSpec)>,
+}
 
-/// `{ a = 1.0, "J[i]" = "1 + 0.1*sin(2*pi*i/N)", "J[3]" = 2 }`; keys that `skip` names are left out.
+/// `{ a = 1.0, b = "2*a", "J[i]" = "1 + 0.1*sin(2*pi*i/N)", "J[3]" = 2 }`; keys that `skip` names are left out.
 pub(super) fn read_parameters(
     item: &Item<'_>,
     has_sites: bool,
@@ -107,6 +112,7 @@ pub(super) fn read_parameters(
 ) -> Option<Parameters> {
     let table = item.table(&item.title, "a table of numbers", problems)?;
     let (mut numbers, mut fields) = (Some(Vec::new()), Some(Vec::new()));
+    let mut formulas = Some(Vec::new());
     for entry in &table.items {
         let key = &entry.key;
         if skip(&key.value) {
@@ -114,6 +120,8 @@ pub(super) fn read_parameters(
         }
         if family_of(&key.value).is_some() {
             collect(&mut fields, key, read_field(entry, problems));
+        } else if entry.names_others() {
+            collect(&mut formulas, key, entry.formula(problems));
         } else if !has_sites || entry.is_number() || entry.is_string() {
             collect(&mut numbers, key, entry.constant(problems));
         } else {
@@ -127,7 +135,11 @@ pub(super) fn read_parameters(
     }
     let fields = fields?;
     check_sites_once(fields.iter().map(|(key, _)| key), problems);
-    Some((numbers?, fields))
+    Some(Parameters {
+        numbers: numbers?,
+        formulas: formulas?,
+        sites: fields,
+    })
 }
 
 fn collect<T>(

@@ -91,6 +91,21 @@ impl StepSpec {
         }
     }
 
+    /// Makes h shorter, of a given time of a step and its part of the one before.
+    pub(super) fn shorten(&mut self, time: f64, part: f64) {
+        let (number, value) = match self {
+            Self::Factors { h, .. } => {
+                let value = h.value.value * part;
+                (h, value)
+            }
+            Self::TimeStep(step) => (step, time),
+        };
+        number.value = Number {
+            literal: format!("{value:?}"),
+            value,
+        };
+    }
+
     /// εh, the time one step advances.
     pub fn time_step(&self) -> f64 {
         self.epsilon() * self.h()

@@ -337,6 +337,14 @@ impl<'a> Item<'a> {
         Some(Located::new(Number { literal, value }, self.place()))
     }
 
+    /// Whether it is a formula that names something.
+    pub fn names_others(&self) -> bool {
+        let DeValue::String(text) = self.value else {
+            return false;
+        };
+        Formula::parse(text).is_ok_and(|formula| !formula.references().is_empty())
+    }
+
     /// A whole number of at least `minimum`.
     pub fn whole(&self, minimum: u64, problems: &mut Problems) -> Option<Located<u64>> {
         self.whole_in(minimum, u64::MAX, problems)

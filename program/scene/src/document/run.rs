@@ -83,6 +83,8 @@ pub struct RunSection {
     pub t0: Option<Located<Number>>,
     /// The time `until` that the scene gives where `steps` equal steps come to it.
     pub comes_to: Option<Located<Number>>,
+    /// The step that the scene gives, where steps are shortened to come to that time.
+    pub shortened: Option<f64>,
     /// Where the run ends before: a comparison of two formulas.
     pub stop: Option<Located<String>>,
     /// A surface whose crossings are recorded.
@@ -136,6 +138,7 @@ pub(super) fn read_run(
         until: until?,
         t0: t0?,
         comes_to: None,
+        shortened: None,
         stop: stop?,
         section: section?,
         seed: seed?,
@@ -164,8 +167,13 @@ fn read_end(
 /// How far a number of steps may be from a whole one, relative to it: what the rounding of a quotient of decimals leaves.
 const WHOLE: f64 = 8.0 * f64::EPSILON;
 
-/// Makes a number of steps of a time at the end, where all steps are alike.
-pub(super) fn count_steps(run: &mut RunSection, method: &MethodSection, problems: &mut Problems) {
+/// Makes a number of steps of a time at the end, where all steps are alike. It is the least of steps that are not longer
+/// than the scene's; these are shortened until a whole number of them ends there.
+pub(super) fn count_steps(
+    run: &mut RunSection,
+    method: &mut MethodSection,
+    problems: &mut Problems,
+) {
     let Some(until) = run.until.clone().filter(|_| method.pace.is_none()) else {
         return;
     };
@@ -176,19 +184,29 @@ pub(super) fn count_steps(run: &mut RunSection, method: &MethodSection, problems
         return;
     }
     let whole = libm::round(steps);
-    if whole < 1.0 || (steps - whole).abs() > WHOLE * whole || whole > 9e15 {
-        let cause = SceneProblemCause::BetweenSteps {
+    let is_whole = whole >= 1.0 && (steps - whole).abs() <= WHOLE * whole;
+    let count = if is_whole { whole } else { libm::ceil(steps) };
+    if count > MOST_STEPS {
+        let cause = SceneProblemCause::TooManySteps {
             until: until.value.literal.clone(),
             step,
-            steps,
         };
         problems.push(cause, until.place());
         return;
     }
-    run.steps.value = whole as u64;
+    if !is_whole {
+        run.shortened = Some(step);
+        method
+            .step
+            .shorten(until.value.value / count, steps / count);
+    }
+    run.steps.value = count as u64;
     run.until = None;
     run.comes_to = Some(until);
 }
+
+/// Steps are counted by doubles while their number is known.
+const MOST_STEPS: f64 = 9e15;
 
 fn read_section(item: &Item<'_>, problems: &mut Problems) -> Option<SectionSpec> {
     let expected = "a table such as { at = \"q1 = 0\", direction = \"up\" }";

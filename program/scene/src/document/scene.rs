@@ -236,7 +236,7 @@ fn read(
     let system = system
         .as_ref()
         .and_then(|table| read_system(table, registry, fragment, problems));
-    let method = method
+    let mut method = method
         .as_ref()
         .and_then(|table| read_method(table, registry, problems));
     let run = run
@@ -244,7 +244,7 @@ fn read(
         .and_then(|table| read_run(table, system.as_ref(), problems))
         .map(|mut run| {
             // Where the step or the end is given twice, neither is known.
-            if let Some(method) = method.as_ref().filter(|_| !problems.has_conflict()) {
+            if let Some(method) = method.as_mut().filter(|_| !problems.has_conflict()) {
                 count_steps(&mut run, method, problems);
             }
             run

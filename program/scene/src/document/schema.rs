@@ -82,13 +82,10 @@ static PACE_BESIDE: [Beside; 3] = [
     Beside::Note("a long lattice, a `library` system that computes numbers"),
 ];
 
-static UNTIL_BESIDE: [Beside; 2] = [
-    Beside::InPlaceOf {
-        keys: &["steps"],
-        advice: "give the number of `steps`, or the time `until` which they go",
-    },
-    Beside::Note("a time between two steps, without a pace"),
-];
+static UNTIL_BESIDE: [Beside; 1] = [Beside::InPlaceOf {
+    keys: &["steps"],
+    advice: "give the number of `steps`, or the time `until` which they go",
+}];
 
 static STOP_BESIDE: [Beside; 1] = [Beside::Elsewhere {
     paths: &[NOISE],
@@ -210,7 +207,7 @@ pub(super) static RUN: [Key; 10] = [
     key(
         "until",
         Shape::Number,
-        "The time at the end, in place of steps",
+        "The time at the end, in place of steps; equal steps are shortened to come to it",
     )
     .not_beside(&UNTIL_BESIDE),
     key(

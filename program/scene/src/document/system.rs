@@ -5,12 +5,13 @@ use std::sync::Arc;
 
 use leafwise_core::part::PATH;
 use leafwise_core::{Origin, PartKind, Registry};
+use leafwise_expression::syntax::Formula;
 use toml::de::DeTable;
 
 use super::bracket::{BracketSpec, read_bracket};
 use super::error::SceneProblemCause;
 use super::families::{Families, boundaries, check_boundaries, length, on_axes, read_families};
-use super::field::{FieldSpec, family_of, read_parameters, without_sites};
+use super::field::{FieldSpec, Parameters, family_of, read_parameters, without_sites};
 use super::forces::{ForcesSpec, read_forces};
 use super::located::{Located, Place, Source};
 use super::noise::read_noise;
@@ -115,10 +116,14 @@ fn override_values(
     let parameters = table
         .get("parameters")
         .and_then(|item| read_parameters(item, has_sites, skip, problems));
-    let (parameters, sites) = parameters.unzip();
-    replace_sites(&mut system.sites, sites.unwrap_or_default(), problems);
+    let Parameters {
+        numbers: parameters,
+        formulas,
+        sites,
+    } = parameters.unwrap_or_default();
+    replace_sites(&mut system.sites, sites, problems);
     let is_known = |name: &str| system.parameters.iter().any(|(p, _)| p.value == name);
-    let (new, parameters): (Vec<_>, Vec<_>) = (parameters.into_iter().flatten())
+    let (new, parameters): (Vec<_>, Vec<_>) = (parameters.into_iter())
         .partition(|(name, _)| !is_known(&name.value) && system.forces.names(&name.value));
     system.parameters.extend(new);
     replace(
@@ -127,6 +132,24 @@ fn override_values(
         "parameter of this system",
         problems,
     );
+    let (known, unknown): (Vec<_>, Vec<_>) = formulas.into_iter().partition(|(name, _)| {
+        let mut numbers = system.parameters.iter();
+        numbers.any(|(own, _)| own.value == name.value) || system.forces.names(&name.value)
+    });
+    for (name, _) in unknown {
+        let known = system.parameters.iter().map(|(own, _)| own.value.clone());
+        let valid: Vec<String> = known.collect();
+        problems.push(
+            SceneProblemCause::UnknownName {
+                kind: "parameter of this system",
+                nearest: nearest(&name.value, valid.iter().map(String::as_str)),
+                name: name.value.clone(),
+                valid,
+            },
+            name.place(),
+        );
+    }
+    define_parameters(system, known, problems);
     let families = table
         .get("families")
         .and_then(|item| item.pairs("a table of lengths", problems, length));
@@ -152,6 +175,47 @@ fn override_values(
     replace(&mut moving, Some(given), "family of this system", problems);
     system.families = moving;
     add_sites(system, problems);
+}
+
+/// Makes definitions of parameters that are formulas of other ones; beside `library` they take the place of numbers.
+fn define_parameters(
+    system: &mut SystemSection,
+    formulas: Vec<(Located<String>, Located<String>)>,
+    problems: &mut Problems,
+) {
+    let numbers = system.parameters.iter();
+    let numbers: HashSet<String> = numbers.map(|(name, _)| name.value.clone()).collect();
+    let names = formulas.iter().map(|(name, _)| name.value.clone());
+    let known: HashSet<String> = numbers.iter().cloned().chain(names).collect();
+    let variables: HashSet<&str> = (system.variables.iter())
+        .chain(system.families.iter().map(|(name, _)| name))
+        .map(|name| name.value.as_str())
+        .collect();
+    for (name, formula) in &formulas {
+        let parsed = Formula::parse(&formula.value);
+        let references = parsed.iter().flat_map(|formula| formula.references());
+        let Some(other) = references.into_iter().find(|other| !known.contains(*other)) else {
+            continue;
+        };
+        let reason = if variables.contains(other) {
+            format!("`{other}` depends on the state")
+        } else {
+            let near = nearest(other, known.iter().map(String::as_str));
+            let near = near.map(|near| format!("; did you mean `{near}`?"));
+            format!("unknown name `{other}`{}", near.unwrap_or_default())
+        };
+        let cause = SceneProblemCause::NoConstant {
+            key: name.value.clone(),
+            text: formula.value.clone(),
+            reason,
+        };
+        problems.push(cause, formula.place());
+    }
+    let is_formula = |name: &str| formulas.iter().any(|(own, _)| own.value == name);
+    system
+        .parameters
+        .retain(|(name, _)| !is_formula(&name.value));
+    system.define.splice(0..0, formulas);
 }
 
 /// Values of parameters of sites beside those that a system has; the later hold.
@@ -241,7 +305,7 @@ fn read_inline(table: &Table<'_>, problems: &mut Problems) -> Option<SystemSecti
     let has_sites = table.get("families").is_some();
     let parameters = match table.get("parameters") {
         Some(item) => read_parameters(item, has_sites, |_| false, problems),
-        None => Some((Vec::new(), Vec::new())),
+        None => Some(Parameters::default()),
     };
     let define = match table.get("define") {
         Some(item) => item.pairs("a table of formulas", problems, Item::formula),
@@ -288,7 +352,11 @@ fn read_inline(table: &Table<'_>, problems: &mut Problems) -> Option<SystemSecti
     let families = families?;
     let (scalars, axes) = on_axes(families.scalars, problems)?;
     let vectors = families.vectors;
-    let (parameters, sites) = parameters?;
+    let Parameters {
+        numbers: parameters,
+        formulas,
+        sites,
+    } = parameters?;
     let mut system = SystemSection {
         library: None,
         variables: variables?,
@@ -310,6 +378,7 @@ fn read_inline(table: &Table<'_>, problems: &mut Problems) -> Option<SystemSecti
         numbers: None,
     };
     check_boundaries(&system, problems);
+    define_parameters(&mut system, formulas, problems);
     check_sites(&system, problems);
     add_sites(&mut system, problems);
     check_names(&system, problems);

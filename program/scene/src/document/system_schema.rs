@@ -82,7 +82,7 @@ pub(super) static SYSTEM: [Key; 14] = [
     key(
         "parameters",
         FIELDS,
-        "Named numbers that formulas may use; \"J[i]\" = a formula of i, a list or { file = \
+        "Named numbers that formulas may use, or formulas of them, \"m1/(m1 + m2)\"; \"J[i]\" = a formula of i, a list or { file = \
          \"j.csv\" } for one at every site",
     )
     .otherwise("none")

@@ -45,7 +45,7 @@ fn wrong_types_say_what_was_expected_and_what_was_found() {
     );
     assert_eq!(
         seen(&broken("I2 = 0.75", "I2 = \"half\"")).3,
-        "`I2` is no number, nor a formula of numbers: unknown name `half`"
+        "`I2` is no number, nor a formula of numbers and other parameters: unknown name `half`"
     );
 }
 

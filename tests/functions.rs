@@ -1,0 +1,263 @@
+//! The functions of formulas against values of `data/functions.json`, which mpmath computed at 60 digits, and their
+//! derivatives against those of motions, and against differences.
+
+use leafwise::expression::bounded::{Bounded, BoundedNumbers};
+use leafwise::expression::series::{Tape, TaylorState};
+use leafwise::expression::syntax::{Formula, Scope};
+use leafwise::expression::{Expression, Graph, Kernel, Ring, Term};
+use serde_json::Value;
+
+/// The formula of x and y that a text is.
+fn formula(text: &str) -> Expression {
+    let scope = Scope::new()
+        .with_variables(&["x", "y"])
+        .with_parameters(&["a", "b"]);
+    let parsed = Formula::parse(text).expect(text);
+    parsed.resolve(&scope, None).expect(text).expect(text)
+}
+
+/// The value and the two derivatives by code, those of the second by reverse mode.
+fn by_code(formula: &Expression, state: [f64; 2]) -> [f64; 5] {
+    let mut graph = Graph::new();
+    let code = formula.evaluate_in(&mut graph, &mut |graph: &mut Graph, at| Ok(graph.input(at)));
+    let code = code.expect("code");
+    let slopes = [0, 1].map(|at| graph.derivative(&code, at).expect("a derivative"));
+    let gradient = graph.gradient(&code, 2).expect("a gradient");
+    let outputs: Vec<Term> = [code].into_iter().chain(slopes).chain(gradient).collect();
+    let kernel = Kernel::compile(&graph, &outputs, 0, 2);
+    let mut workspace = kernel.workspace(1);
+    kernel.prepare(&mut workspace, &[], &[1.0], &[1.0]);
+    let mut values = [0.0; 5];
+    kernel.evaluate(&mut workspace, &state, &mut values);
+    values
+}
+
+fn data() -> Value {
+    serde_json::from_str(include_str!("data/functions.json")).expect("reference values")
+}
+
+fn number(value: &Value) -> f64 {
+    value
+        .as_str()
+        .expect("a decimal")
+        .parse()
+        .expect("a double")
+}
+
+/// Most units of 2⁻⁵² by which a derivative may be off, of the value, or of this size where the value is less. The errors
+/// of elliptic integrals next to m = 1 are those of the integrals of the second kind there; below −4 they grow with the
+/// order.
+fn allowed(name: &str, order: u64, x: f64) -> (f64, f64) {
+    let order = order as f64;
+    match name {
+        "erf" | "log10" | "log2" => (1.0, 0.0),
+        "erfc" => (1.5, 0.0),
+        "gamma" => (4.0, 0.0),
+        "lgamma" if order == 0.0 => (4.0, 1e-3),
+        "lgamma" => (16.0, 1.0),
+        // Of the size of the amplitude.
+        "j0" | "j1" => (2.0, if order == 0.0 { 0.3 } else { 1.0 }),
+        _ if x < -4.0 => (16.0 * libm::exp2(0.5 * order), 0.0),
+        _ => (24.0, 0.0),
+    }
+}
+
+/// The worst errors are printed: read them with --nocapture.
+#[test]
+#[allow(
+    clippy::print_stdout,
+    reason = "measured errors, read with --nocapture"
+)]
+fn special_functions_have_the_values_of_mpmath() {
+    let data = data();
+    let mut count = 0;
+    for case in data["functions"].as_array().expect("cases") {
+        let name = case["function"].as_str().expect("a name");
+        let order = case["derivative"].as_u64().expect("an order");
+        let of = match order {
+            0 => formula(&format!("{name}(x)")),
+            _ => formula(&format!("{name}(x, {order})")),
+        };
+        let mut worst = (0.0, 0.0);
+        for row in case["values"].as_array().expect("values") {
+            let (x, exact) = (number(&row[0]), number(&row[1]));
+            let [found, ..] = by_code(&of, [x, 0.0]);
+            assert_eq!(found.to_bits(), of.evaluate(&[x, 0.0], &[]).to_bits());
+            let (most, least) = allowed(name, order, x);
+            let units = match found == exact {
+                true => 0.0,
+                false => (found - exact).abs() / (f64::EPSILON * exact.abs().max(least)),
+            };
+            if units > worst.0 {
+                worst = (units, x);
+            }
+            assert!(
+                units <= most,
+                "{name}^({order})({x}) = {found}, not {exact}: {units:.1}"
+            );
+            count += 1;
+        }
+        println!("{name}^({order}): {:.2} units at {}", worst.0, worst.1);
+    }
+    assert!(count > 3000, "{count}");
+}
+
+/// A quotient, an arctangent and a sum; a − b⌊a/b⌋ with a product and a difference, of the size of a.
+#[test]
+fn angles_and_remainders_have_the_values_of_mpmath() {
+    let data = data();
+    for (name, rows) in [("atan2", &data["atan2"]), ("mod", &data["mod"])] {
+        let of = formula(&format!("{name}(x, y)"));
+        for row in rows.as_array().expect("rows") {
+            let (x, y, exact) = (number(&row[0]), number(&row[1]), number(&row[2]));
+            let [found, ..] = by_code(&of, [x, y]);
+            let size = match name {
+                "mod" => x.abs().max(y.abs()),
+                _ => exact.abs().max(1e-300),
+            };
+            let off = (found - exact).abs();
+            // Next to a multiple of b a remainder may be one of the other end.
+            let off = if name == "mod" {
+                off.min((off - y.abs()).abs())
+            } else {
+                off
+            };
+            assert!(
+                off <= 4.0 * f64::EPSILON * size,
+                "{name}({x}, {y}) = {found}, not {exact}"
+            );
+            if name == "mod" {
+                assert!(found * y >= 0.0 && found.abs() <= y.abs(), "{found} of {y}");
+            }
+        }
+    }
+}
+
+/// What has derivatives of all orders, and what is smooth in pieces, at states within one.
+const FORMULAS: [(&str, [f64; 2]); 30] = [
+    ("abs(x)*y^2", [-1.3, 0.7]),
+    ("sign(x)*y^3 + x", [-1.3, 0.7]),
+    ("min(x^2, sin(y))", [0.4, 2.1]),
+    ("max(x^2, sin(y))", [0.4, 2.1]),
+    ("mod(x*y, 0.7)", [1.9, 2.2]),
+    ("floor(3*x)*y + ceil(y)*x", [1.15, 0.6]),
+    ("atan2(y, x)", [0.7, 1.9]),
+    ("atan2(y, x)", [-1.7, 0.9]),
+    ("atan2(y, x)", [-1.7, -0.9]),
+    ("atan2(x*y, x - y)", [0.2, -1.9]),
+    ("heaviside(x)*exp(y) + cot(y)", [0.3, 0.9]),
+    ("sec(x)*csc(y)", [0.3, 0.9]),
+    ("if(x > 0, sqrt(x)*y, x^2)", [0.8, 1.4]),
+    ("if(x > 0, sqrt(x)*y, x^2*y)", [-0.8, 1.4]),
+    ("if(x < y and y < 2, ln(y - x), ln(x - y))", [0.5, 1.4]),
+    ("if(x < y or y < 0, ln(y - x), ln(x - y))", [2.5, 1.4]),
+    ("erf(x*y)", [0.8, 0.9]),
+    ("erfc(x - y)", [2.8, 0.9]),
+    ("gamma(x*y)", [1.8, 2.1]),
+    ("gamma(x)/y", [-1.4, 2.1]),
+    ("lgamma(x + y^2)", [0.3, 1.2]),
+    ("lgamma(x, 1)*y", [2.3, 1.2]),
+    ("j0(x*y) + j1(x - y)", [1.3, 2.4]),
+    ("j1(x)*j0(y, 2)", [0.0, 2.4]),
+    ("ellipk(x*y)", [0.8, 0.9]),
+    ("ellipk(x) + ellipe(y)", [0.0, 0.0]),
+    ("ellipe(x/y)", [-2.8, 0.9]),
+    ("ellipe(x)*ellipk(y, 1)", [0.95, -6.0]),
+    ("log10(x)*log2(y)", [0.3, 7.0]),
+    ("(max(x, 0)^2 + abs(y)^3)^1.5", [0.9, -0.4]),
+];
+
+/// Differences of fourth order have errors of h⁴ and ε/h; `D` is the program's own derivative to the bit.
+#[test]
+fn derivatives_are_those_of_differences() {
+    let h = 1e-3;
+    for (text, at) in FORMULAS {
+        let of = formula(text);
+        let found = by_code(&of, at);
+        let value = of.evaluate(&at, &[]);
+        assert!(
+            (found[0] - value).abs() <= 64.0 * f64::EPSILON * value.abs().max(1.0),
+            "{text}: {} for {value}",
+            found[0]
+        );
+        for along in 0..2 {
+            let moved = |steps: f64| {
+                let mut state = at;
+                state[along] += steps * h;
+                of.evaluate(&state, &[])
+            };
+            let difference =
+                (8.0 * (moved(1.0) - moved(-1.0)) - moved(2.0) + moved(-2.0)) / (12.0 * h);
+            let size = found[1 + along].abs().max(found[0].abs()).max(1.0);
+            for slope in [found[1 + along], found[3 + along]] {
+                let off = (slope - difference).abs();
+                assert!(
+                    off <= 1e-8 * size,
+                    "{text} along {along}: {slope}, {difference}"
+                );
+            }
+            let name = ["x", "y"][along];
+            let [own, ..] = by_code(&formula(&format!("D({text}, {name})")), at);
+            assert_eq!(own, found[1 + along], "D({text}, {name})");
+        }
+        // The exact ring, where it has the formula.
+        let mut ring = Ring::new(2);
+        let element = of.evaluate_in(&mut ring, &mut |ring: &mut Ring, at| Ok(ring.variable(at)));
+        let element = element.expect("an element");
+        for along in 0..2 {
+            let slope = ring.derivative(&element, along).expect("a derivative");
+            let slope = ring.formula(&slope).evaluate(&at, &[]);
+            let off = (slope - found[1 + along]).abs();
+            assert!(
+                off <= 1e-12 * slope.abs().max(1.0),
+                "{text} in the ring: {slope}"
+            );
+        }
+    }
+}
+
+/// The coefficients of f(x₀ + t) are f⁽ᵏ⁾(x₀)/k!, of special functions by their table and of others by f⁽ᵏ⁾ from D.
+#[test]
+fn series_are_those_of_the_derivatives() {
+    for (text, at) in [
+        ("lgamma(x)", 2.7),
+        ("j0(x)", 1.9),
+        ("j1(x)", 0.0),
+        ("ellipk(x)", 0.3),
+        ("ellipe(x)", -0.8),
+        ("gamma(x)", 1.6),
+        ("erf(x)", 0.4),
+        ("log10(x)", 2.0),
+        ("abs(x)^3", -1.2),
+        ("if(x > 0, j1(x^2), sqrt(x))", 1.1),
+        ("atan2(x^2, 1 - x)", 1.8),
+        ("ellipk(sin(x)^2)", 0.6),
+    ] {
+        let mut tape = Tape::new();
+        let top = tape.record(&formula(text)).expect(text);
+        let mut numbers = BoundedNumbers {
+            parameters: Vec::new(),
+        };
+        let mut state = TaylorState::new(&tape);
+        let (mut derivative, mut factorial) = (text.to_owned(), 1.0);
+        for k in 0..6 {
+            let variable = |_: &mut BoundedNumbers, _: usize| {
+                Bounded::exact(match k {
+                    0 => at,
+                    1 => 1.0,
+                    _ => 0.0,
+                })
+            };
+            state.extend(&tape, &mut numbers, variable).expect(text);
+            let found = state.coefficient(top, k).value;
+            let exact = formula(&derivative).evaluate(&[at, 0.0], &[]) / factorial;
+            let off = (found - exact).abs();
+            assert!(
+                off <= 1e-12 * exact.abs().max(1.0),
+                "{text}, {k}: {found}, {exact}"
+            );
+            derivative = format!("D({derivative}, x)");
+            factorial *= (k + 1) as f64;
+        }
+    }
+}
