@@ -193,7 +193,8 @@ fn a_changed_checkpoint_or_state_of_an_ensemble_is_refused() {
     let path = root.path();
     let run = || {
         let (options, one) = (options(path), workforce(1, 8));
-        run_ensemble(&document, &ensemble, &options, one, &mut Quiet)
+        let job = EnsembleJob::new(&document, &ensemble, Portion::default(), &options, one)?;
+        perform(&job, &mut Quiet)
     };
     run().expect("an ensemble");
     for (file, step) in [("checkpoint.bin", 7), ("final_states.csv", 1)] {
@@ -226,7 +227,8 @@ fn tables_and_the_page_of_a_finished_ensemble_are_made_anew_or_refused() {
     let path = root.path();
     let run = || {
         let (options, one) = (options(path), workforce(1, 8));
-        run_ensemble(&document, &ensemble, &options, one, &mut Quiet)
+        let job = EnsembleJob::new(&document, &ensemble, Portion::default(), &options, one)?;
+        perform(&job, &mut Quiet)
     };
     let report = run().expect("an ensemble");
     assert!(report.reductions.failed > 0 && report.reductions.stopped > 0);
