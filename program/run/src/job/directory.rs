@@ -6,18 +6,12 @@ use std::path::{Path, PathBuf};
 
 use super::beginning::plugins;
 use super::difference::{Change, changed_keys, listed};
-use super::manifest::{self, Kind, Manifest, PROGRAM_VERSION, PluginRecord};
+use super::manifest::{self, CHECKPOINT, Kind, Manifest, PROGRAM_VERSION, PluginRecord, SCENE};
 use super::shards::Whole;
 use super::subject::JobSubject;
 use crate::RunError;
 use leafwise_scene::document::SceneDocument;
 
-/// Everything later steps depend on.
-pub(crate) const CHECKPOINT: &str = "checkpoint.bin";
-/// The scene as run.
-pub(crate) const SCENE: &str = "scene.toml";
-/// The page to open.
-pub(crate) const REPORT: &str = "report.html";
 /// Held by the program that writes.
 const LOCK: &str = ".lock";
 

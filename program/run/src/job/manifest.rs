@@ -16,6 +16,13 @@ pub(super) const PROGRAM: &str = "leafwise";
 pub(crate) const FILE: &str = "manifest.json";
 pub(super) const UNFINISHED_FILE: &str = "manifest.new";
 
+/// Everything later steps depend on.
+pub(crate) const CHECKPOINT: &str = "checkpoint.bin";
+/// The scene as run.
+pub(crate) const SCENE: &str = "scene.toml";
+/// The page to open.
+pub(crate) const REPORT: &str = "report.html";
+
 /// Kind of run that a directory holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]

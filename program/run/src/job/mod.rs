@@ -20,16 +20,17 @@ mod time;
 
 pub use beginning::Beginning;
 pub(crate) use beginning::{files, plugins};
-pub(crate) use directory::{CHECKPOINT, REPORT};
 pub use directory::{Files, Held, default_directory};
 pub(crate) use due::Due;
+pub(crate) use manifest::{CHECKPOINT, REPORT};
 pub use manifest::{FilesRecord, Kind, Manifest, PROGRAM_VERSION, PluginRecord, ShardRecord};
 pub use output::{Content, Output};
 pub use subject::{JobSubject, RunOptions};
 
 use std::path::Path;
 
-use directory::{RunDirectory, SCENE};
+use directory::RunDirectory;
+use manifest::SCENE;
 
 use super::{Progress, RunError, RunOutcome, replace};
 

@@ -8,7 +8,7 @@ use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
-use super::directory::REPORT;
+use super::manifest::REPORT;
 use crate::{RunError, confirm, replace};
 
 /// Bytes of an output; `None` where this job has no such file.

@@ -3,8 +3,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use super::directory::REPORT;
-use super::manifest::{FilesRecord, Kind, ShardRecord};
+use super::manifest::{FilesRecord, Kind, REPORT, ShardRecord};
 use leafwise_scene::compose::{ComposedRun, SceneChecks};
 use leafwise_scene::document::SceneDocument;
 

@@ -11,8 +11,7 @@ use thiserror::Error;
 use super::shard::{Shard, Whole};
 use crate::RunError;
 use crate::job::difference::{changed_keys, listed};
-use crate::job::directory::{CHECKPOINT, SCENE};
-use crate::job::manifest::{FILE as MANIFEST, Kind, Manifest, ShardRecord};
+use crate::job::manifest::{CHECKPOINT, FILE as MANIFEST, Kind, Manifest, SCENE, ShardRecord};
 
 /// The shards of one ensemble, by their members; or of a sweep, by their settings.
 #[derive(Clone, Debug)]
