@@ -46,7 +46,7 @@ pub struct JobSubject<'a> {
     pub files: Option<FilesRecord>,
     /// Which members or settings, of a shard.
     pub shard: Option<ShardRecord>,
-    /// Whether shards are joined: unless they are whole, a directory is begun anew.
+    /// Whether shards are joined: a directory that has not come to its end is then begun anew.
     pub is_joined: bool,
     /// Where it is written.
     pub options: &'a RunOptions,
