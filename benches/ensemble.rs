@@ -9,11 +9,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use leafwise::core::{Registry, Walk};
-use leafwise::run::Quiet;
-use leafwise::run::{
-    ensemble::ComposedEnsemble, ensemble::Workforce, ensemble::compose_ensemble,
-    ensemble::run_ensemble,
-};
+use leafwise::run::ensemble::{ComposedEnsemble, EnsembleJob, Workforce, compose_ensemble};
+use leafwise::run::shards::Portion;
+use leafwise::run::{Quiet, perform};
 use leafwise::scene::SceneDocument;
 use leafwise_benches::options;
 use leafwise_benches::rotations::{Composition, rigid_bodies};
@@ -58,7 +56,9 @@ fn run(method: &str, time_step: f64, threads: usize) -> (f64, Vec<f64>) {
     let mut best = f64::INFINITY;
     for _ in 0..3 {
         let options = options(&directory);
-        let report = run_ensemble(&document, &ensemble, &options, workforce, &mut Quiet);
+        let all = Portion::default();
+        let job = EnsembleJob::new(&document, &ensemble, all, &options, workforce);
+        let report = job.and_then(|job| perform(&job, &mut Quiet));
         best = best.min(report.expect("an ensemble").wall_seconds);
     }
     let bytes = std::fs::read(directory.join("final_states.bin")).expect("states");

@@ -7,8 +7,7 @@ use leafwise::core::Registry;
 use leafwise::expression::{
     AnalyticFunction, Arithmetic, Execution, Function, Graph, Kernel, Rational, Side, Term,
 };
-use leafwise::run::RunOptions;
-use leafwise::run::{Quiet, run};
+use leafwise::run::{Quiet, RunJob, RunOptions, perform};
 use leafwise::scene::{SceneDocument, compose};
 use proptest::prelude::*;
 
@@ -239,7 +238,8 @@ fn the_manifest_says_what_was_compiled() {
             command: "leafwise run top.toml".to_owned(),
             checkpoint_every: RunOptions::CHECKPOINT_EVERY,
         };
-        run(&document, &composed, &registry, &options, &mut Quiet).expect("a run");
+        let job = RunJob::new(&document, &composed, &registry, &options).expect("a job");
+        perform(&job, &mut Quiet).expect("a run");
         let manifest = options.directory.join("manifest.json");
         let manifest = std::fs::read_to_string(manifest).expect("a manifest");
         let manifest: serde_json::Value = serde_json::from_str(&manifest).expect("JSON");

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use leafwise::core::Registry;
-use leafwise::run::{Quiet, RunOptions, RunReport};
+use leafwise::run::{Quiet, RunJob, RunOptions, RunReport, perform};
 use leafwise::scene::compose;
 use leafwise_tests::scenes::document;
 
@@ -26,7 +26,9 @@ pub(crate) fn ran(
         command: String::new(),
         checkpoint_every: RunOptions::CHECKPOINT_EVERY,
     };
-    let report = leafwise::run::run(&document, &run, &registry, &options, &mut Quiet)
+    let job = RunJob::new(&document, &run, &registry, &options);
+    let report = job
+        .and_then(|job| perform(&job, &mut Quiet))
         .unwrap_or_else(|error| panic!("{error}\n{text}"));
     let table = move |name: &str| {
         let text = std::fs::read_to_string(root.path().join("run").join(name)).expect("a table");

@@ -3,7 +3,7 @@
 use std::hint::black_box;
 
 use leafwise::core::Registry;
-use leafwise::run::{Quiet, run};
+use leafwise::run::{Quiet, RunJob, perform};
 use leafwise::scene::{ComposedRun, SceneDocument, compose};
 use leafwise_benches::options;
 
@@ -77,14 +77,9 @@ fn scene(system: &str, initial: &str, steps: u64, every: u64) -> (SceneDocument,
 fn whole(document: &SceneDocument, composed: &ComposedRun) -> f64 {
     let directory =
         std::env::temp_dir().join(format!("leafwise-bench-walk-{}", std::process::id()));
-    let options = options(&directory);
-    let report = run(
-        document,
-        composed,
-        &Registry::with_builtin(),
-        &options,
-        &mut Quiet,
-    );
+    let (registry, options) = (Registry::with_builtin(), options(&directory));
+    let job = RunJob::new(document, composed, &registry, &options);
+    let report = job.and_then(|job| perform(&job, &mut Quiet));
     let _ = std::fs::remove_dir_all(&directory);
     report.expect("a run").wall_seconds
 }

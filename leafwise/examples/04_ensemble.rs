@@ -6,8 +6,9 @@
 #![allow(clippy::print_stdout, reason = "a lesson prints")]
 
 use leafwise::prelude::*;
-use leafwise::run::ensemble::{Workforce, compose_ensemble, run_ensemble};
-use leafwise::run::{Quiet, RunOptions};
+use leafwise::run::ensemble::{EnsembleJob, Workforce, compose_ensemble};
+use leafwise::run::shards::Portion;
+use leafwise::run::{Quiet, RunOptions, perform};
 
 const SCENE: &str = r#"
     [system]
@@ -37,13 +38,9 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
         command: "cargo run --example 04_ensemble".to_owned(),
         checkpoint_every: RunOptions::CHECKPOINT_EVERY,
     };
-    let report = run_ensemble(
-        &document,
-        &ensemble,
-        &options,
-        Workforce::default(),
-        &mut Quiet,
-    )?;
+    let (all, workforce) = (Portion::default(), Workforce::default());
+    let job = EnsembleJob::new(&document, &ensemble, all, &options, workforce)?;
+    let report = perform(&job, &mut Quiet)?;
     std::fs::remove_dir_all(directory)?;
 
     let reductions = &report.reductions;

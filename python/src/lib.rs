@@ -21,6 +21,7 @@ mod error;
 mod functions;
 mod gradient;
 mod integrator;
+mod job;
 mod kept;
 mod progress;
 mod read;

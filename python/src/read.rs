@@ -18,7 +18,6 @@ use crate::command::with_plugins;
 use crate::error::exception;
 use crate::functions::Functions;
 use crate::kept::compose;
-use crate::sweep::AskedSweep;
 
 /// A surface, the direction in which it is crossed, and the number of the crossing that ends the run.
 pub(crate) type AskedEvent = (String, String, Option<u64>);
@@ -31,15 +30,6 @@ pub(crate) struct Read {
 }
 
 impl Read {
-    /// A sweep of it.
-    pub(crate) fn asked(&self, allow_non_poisson: bool, out: PathBuf) -> AskedSweep<'_> {
-        AskedSweep {
-            document: &self.document,
-            registry: &self.registry,
-            options: options(out, allow_non_poisson),
-        }
-    }
-
     pub(crate) fn new(text: SceneText, system: Option<&Arc<Py<PyAny>>>) -> PyResult<Self> {
         let mut parts = with_plugins()?;
         let functions = system.map(|system| Functions::new(Arc::clone(system)));

@@ -5,28 +5,25 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use leafwise::core::Registry;
-use leafwise::run::ensemble::{
-    Members, Workforce, join_shards, merge_shards, run_ensemble, run_shard,
-};
-use leafwise::run::shards::{MergeError, Shard, Shards, Whole};
+use leafwise::run::ensemble::{Members, Workforce};
 use leafwise::run::{Asked, Retraced as States, RunOutcome, run_in_memory};
 use leafwise::scene::{ComposedRun, SceneDocument};
 use leafwise_cli::failure::Failure;
 use leafwise_cli::scene::SceneText;
 use numpy::PyReadonlyArray2;
-use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 
 use crate::ensemble::{Ensemble, Left};
-use crate::error::{LeafwiseError, exception, is_interruption, of_scene};
+use crate::error::{exception, is_interruption, of_scene};
 use crate::gradient::Map;
 use crate::integrator::Integrator;
+use crate::job::{Origin, unless_interrupted};
 use crate::kept::{Kept, are_values, compose};
 use crate::progress::PythonProgress;
 use crate::read::{AskedEvent, Read, options, record_invariants};
 use crate::recorded::Recorded;
 use crate::retraced::Retraced;
-use crate::sweep::{Sweep, sweep_shard};
+use crate::sweep::Sweep;
 
 type Overrides = Vec<(String, String)>;
 
@@ -259,8 +256,9 @@ impl Scene {
         Recorded::new(py, coordinates, of, recorded)
     }
 
-    /// Steps an ensemble of the scene with more overrides into the directory `out`. Its members have these states
-    /// (n, d) and parameters, or are those of its own table, whose files are in `files`.
+    /// Steps an ensemble of the scene with more overrides into the directory `out`; with `shards`, joins those in that
+    /// folder instead. Its members have these states (n, d) and parameters, or are those of its own table, whose files
+    /// are in `files`.
     #[allow(clippy::too_many_arguments)]
     fn ensemble(
         &self,
@@ -270,6 +268,7 @@ impl Scene {
         parameters: Vec<(String, Vec<f64>)>,
         files: PathBuf,
         out: PathBuf,
+        shards: Option<PathBuf>,
         threads: Option<NonZeroUsize>,
         allow_non_poisson: bool,
         progress: Option<Py<PyAny>>,
@@ -278,26 +277,15 @@ impl Scene {
         let (composed, report, left) = py.detach(|| {
             let read = self.with(&overrides)?;
             let ensemble = read.ensemble(&members, &files)?;
-            let options = options(out, allow_non_poisson);
-            let mut told = PythonProgress::new(progress, read.functions.as_ref());
-            let report = run_ensemble(
-                &read.document,
-                &ensemble,
-                &options,
-                workforce(threads),
-                &mut told,
-            );
-            if let Some(error) = told.into_raised() {
-                return Err(error);
-            }
-            let report = report.map_err(|error| exception(&Failure::from(error)))?;
+            let (options, origin) = (options(out, allow_non_poisson), Origin::find(None, shards)?);
+            let report = read.make(&ensemble, &origin, &options, workforce(threads), progress)?;
             let left = Left::read(&ensemble, &report)?;
-            Ok((ensemble, report, left))
+            PyResult::Ok((ensemble, report, left))
         })?;
         Ensemble::new(py, &composed, &report, left)
     }
 
-    /// Steps one of `of` shards of it, counted from 1, into the directory `out`.
+    /// Makes a shard of it in the directory `out`: the one at `place`, I of N, or with `shards` those in that folder joined.
     #[allow(clippy::too_many_arguments)]
     fn shard(
         &self,
@@ -308,6 +296,7 @@ impl Scene {
         files: PathBuf,
         out: PathBuf,
         place: (u64, u64),
+        shards: Option<PathBuf>,
         threads: Option<NonZeroUsize>,
         allow_non_poisson: bool,
     ) -> PyResult<()> {
@@ -315,53 +304,10 @@ impl Scene {
         py.detach(|| {
             let read = self.with(&overrides)?;
             let ensemble = read.ensemble(&members, &files)?;
-            let (number, of) = place;
-            let count = ensemble.population.members();
-            let shard = Shard::of(Whole::Members, number, of, count);
-            let shard = shard.map_err(|error| LeafwiseError::new_err(error.to_string()))?;
             let options = options(out, allow_non_poisson);
-            let mut told = PythonProgress::new(None, read.functions.as_ref());
-            let report = run_shard(
-                &read.document,
-                &ensemble,
-                &shard,
-                &options,
-                workforce(threads),
-                &mut told,
-            );
-            if let Some(error) = told.into_raised() {
-                return Err(error);
-            }
-            let report = report.map_err(|error| exception(&Failure::from(error)))?;
-            match report.outcome {
-                RunOutcome::Interrupted => Err(PyKeyboardInterrupt::new_err(())),
-                _ => Ok(()),
-            }
-        })
-    }
-
-    /// Joins shards that follow one another, in the folder `shards`, into a larger one in the directory `out`.
-    #[allow(clippy::too_many_arguments)]
-    fn join(
-        &self,
-        py: Python<'_>,
-        overrides: Overrides,
-        states: Option<PyReadonlyArray2<'_, f64>>,
-        parameters: Vec<(String, Vec<f64>)>,
-        files: PathBuf,
-        out: PathBuf,
-        shards: PathBuf,
-        allow_non_poisson: bool,
-    ) -> PyResult<()> {
-        let members = members(states, parameters);
-        py.detach(|| {
-            let read = self.with(&overrides)?;
-            let ensemble = read.ensemble(&members, &files)?;
-            let failed = |error: MergeError| exception(&Failure::from(error));
-            let shards = Shards::find(&[shards]).map_err(failed)?;
-            let options = options(out, allow_non_poisson);
-            join_shards(&read.document, &ensemble, &shards, &options).map_err(failed)?;
-            Ok(())
+            let origin = Origin::find(Some(place), shards)?;
+            let report = read.make(&ensemble, &origin, &options, workforce(threads), None)?;
+            unless_interrupted(&report.outcome)
         })
     }
 
@@ -379,12 +325,9 @@ impl Scene {
     ) -> PyResult<Sweep> {
         py.detach(|| {
             let read = self.with(&overrides)?;
-            Sweep::run(
-                &read.asked(allow_non_poisson, out),
-                shards,
-                workforce(threads).threads,
-                &mut PythonProgress::new(progress, read.functions.as_ref()),
-            )
+            let (options, origin) = (options(out, allow_non_poisson), Origin::find(None, shards)?);
+            let report = read.sweep(&origin, &options, workforce(threads).threads, progress)?;
+            Sweep::read(&report)
         })
     }
 
@@ -402,42 +345,11 @@ impl Scene {
     ) -> PyResult<()> {
         py.detach(|| {
             let read = self.with(&overrides)?;
-            sweep_shard(
-                &read.asked(allow_non_poisson, out),
-                place,
-                shards,
-                workforce(threads).threads,
-                &mut PythonProgress::new(None, read.functions.as_ref()),
-            )
-        })
-    }
-
-    /// Joins the shards in the folder `shards` into the directory `out`.
-    #[allow(clippy::too_many_arguments)]
-    fn merge(
-        &self,
-        py: Python<'_>,
-        overrides: Overrides,
-        states: Option<PyReadonlyArray2<'_, f64>>,
-        parameters: Vec<(String, Vec<f64>)>,
-        files: PathBuf,
-        out: PathBuf,
-        shards: PathBuf,
-        allow_non_poisson: bool,
-    ) -> PyResult<Ensemble> {
-        let members = members(states, parameters);
-        let (composed, report, left) = py.detach(|| {
-            let read = self.with(&overrides)?;
-            let ensemble = read.ensemble(&members, &files)?;
-            let failed = |error: MergeError| exception(&Failure::from(error));
-            let shards = Shards::find(&[shards]).map_err(failed)?;
             let options = options(out, allow_non_poisson);
-            let report =
-                merge_shards(&read.document, &ensemble, &shards, &options).map_err(failed)?;
-            let left = Left::read(&ensemble, &report)?;
-            PyResult::Ok((ensemble, report, left))
-        })?;
-        Ensemble::new(py, &composed, &report, left)
+            let origin = Origin::find(Some(place), shards)?;
+            let report = read.sweep(&origin, &options, workforce(threads).threads, None)?;
+            unless_interrupted(&report.outcome)
+        })
     }
 
     /// The method's steps from the initial state, with more overrides and at other parameters.

@@ -14,7 +14,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use leafwise::core::{Registry, StepError, Structure, Walk};
 use leafwise::run::{AdviceKind, RunOptions, RunOutcome};
-use leafwise::run::{Quiet, run};
+use leafwise::run::{Quiet, RunJob, perform};
 use leafwise::scene::{ComposedRun, SceneChecks, SceneDocument, compose};
 
 use crate::dual::Dual;
@@ -122,7 +122,8 @@ fn reported(
         command: String::new(),
         checkpoint_every: RunOptions::CHECKPOINT_EVERY,
     };
-    let report = match run(document, composed, registry, &options, &mut Quiet) {
+    let job = RunJob::new(document, composed, registry, &options);
+    let report = match job.and_then(|job| perform(&job, &mut Quiet)) {
         Ok(report) => report,
         Err(error) => return Verdict::Refused(kind(&error.to_string())),
     };

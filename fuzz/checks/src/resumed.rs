@@ -8,7 +8,7 @@ use std::sync::OnceLock;
 use std::time::Duration;
 
 use leafwise::core::Registry;
-use leafwise::run::{Progress, Quiet, Status, run};
+use leafwise::run::{Progress, Quiet, RunJob, Status, perform};
 use leafwise::run::{RunOptions, RunOutcome};
 use leafwise::scene::{ComposedRun, SceneDocument, compose};
 
@@ -139,15 +139,11 @@ impl Runs {
             command: String::new(),
             checkpoint_every: Duration::ZERO,
         };
-        run(
-            &self.document,
-            &self.composed,
-            &self.registry,
-            &options,
-            progress,
-        )
-        .map(|report| report.outcome)
-        .map_err(|error| error.to_string())
+        let job = RunJob::new(&self.document, &self.composed, &self.registry, &options);
+        let report = job.and_then(|job| perform(&job, progress));
+        report
+            .map(|report| report.outcome)
+            .map_err(|error| error.to_string())
     }
 }
 

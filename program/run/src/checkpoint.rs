@@ -10,13 +10,10 @@ use serde::{Deserialize, Serialize};
 use super::appended::Vouched;
 use super::error::RunError;
 use super::invariants::Windows;
-use super::samples;
 use super::sealed::Format;
 use super::snapshots::Snapshots;
 use super::watch::Watch;
-
-/// The file's name in the run directory.
-pub(crate) const FILE: &str = "checkpoint.bin";
+use crate::CHECKPOINT;
 
 /// Format of the checkpoint of a run: the name of its content, and its number.
 const FORMAT: Format = Format {
@@ -66,21 +63,12 @@ pub(super) struct Checkpoint {
 impl Checkpoint {
     /// Writes the checkpoint of a directory.
     pub fn write(&self, directory: &Path) -> Result<(), RunError> {
-        FORMAT.write(&directory.join(FILE), self)
-    }
-
-    /// Reads the checkpoint of an unfinished run, `None` where it was killed before the first: at most
-    /// its initial state is recorded then, and it begins anew.
-    pub fn of_unfinished(directory: &Path, header: &str) -> Result<Option<Self>, RunError> {
-        if !directory.join(FILE).exists() && samples::has_begun_at_most(directory, header) {
-            return Ok(None);
-        }
-        Self::read(directory).map(Some)
+        FORMAT.write(&directory.join(CHECKPOINT), self)
     }
 
     /// Reads the checkpoint of a directory.
     pub fn read(directory: &Path) -> Result<Self, RunError> {
-        let path = directory.join(FILE);
+        let path = directory.join(CHECKPOINT);
         let checkpoint: Self = FORMAT.read(&path)?;
         if checkpoint.agrees() {
             return Ok(checkpoint);
@@ -225,7 +213,7 @@ mod tests {
             number: b'6',
             ..FORMAT
         };
-        let path = root.path().join(FILE);
+        let path = root.path().join(CHECKPOINT);
         older.write(&path, &example()).expect("written");
         let refused = Checkpoint::read(root.path()).expect_err("another format");
         assert!(

@@ -94,6 +94,11 @@ impl Table {
         &self.text
     }
 
+    /// The bytes of all rows.
+    pub fn into_bytes(self) -> Vec<u8> {
+        self.text.into_bytes()
+    }
+
     fn begin_cell(&mut self) {
         if self.is_begun {
             self.text.push(',');

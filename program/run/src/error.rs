@@ -170,6 +170,17 @@ pub enum RunError {
         /// Reason why it cannot be resumed from.
         reason: String,
     },
+    /// A file of a shard that is not as it was written.
+    #[error(
+        "{} is damaged: {reason}; make that shard again with --force, or take its folder away",
+        file.display()
+    )]
+    DamagedShard {
+        /// The file.
+        file: PathBuf,
+        /// Reason why it is refused.
+        reason: String,
+    },
     /// A file that a finished run has left is another one now.
     #[error(
         "{} is not what was written: it was changed since, or damaged; remove it, and the same command makes it \
@@ -274,6 +285,14 @@ impl RunError {
         }
     }
 
+    /// An error at a file of a shard that is to be joined: one from which it could not go on.
+    pub(crate) fn of_shard(self) -> Self {
+        match self {
+            Self::Damaged { file, reason } => Self::DamagedShard { file, reason },
+            other => other,
+        }
+    }
+
     /// Whether the command line asks for something that the directory's content forbids.
     pub fn is_usage(&self) -> bool {
         matches!(
@@ -291,6 +310,7 @@ impl RunError {
                 | Self::OtherKind { .. }
                 | Self::Busy { .. }
                 | Self::Damaged { .. }
+                | Self::DamagedShard { .. }
                 | Self::Changed { .. }
                 | Self::Format { .. }
         )

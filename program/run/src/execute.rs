@@ -1,58 +1,30 @@
-//! From a composed scene to a complete run directory.
+//! A run of one trajectory: as a job with a directory, and in memory.
 
-use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::path::Path;
 
 use leafwise_core::Registry;
 
 use super::checkpoint::Checkpoint;
 use super::columns::{header, headings, invariant_name, windows_headings};
 use super::crossing::Crossing;
-use super::directory::{REPORT, RunDirectory, RunRequest, SCENE, WINDOWS};
 use super::drive::Session;
+use super::ending::RunEnding;
 use super::error::RunError;
-use super::manifest::{Beginning, Kind, files, plugins};
 use super::outcome::{InvariantDrift, RunOutcome, RunReport};
-use super::page::{confirm_page, write_page};
 use super::progress::Progress;
-use super::replaced::{Put, confirm, replace};
 use super::round_off::round_off;
-use super::sampled;
-use super::samples::Samples;
-use super::start;
-use super::states::FINAL_STATE;
+use super::samples::{self, Samples};
 use super::summary::{report_data, short};
+use super::{sampled, start, states};
 use crate::advice::{Advice, AdviceKind, about_the_scene, advise, casimir_drift};
 use crate::csv::Headings;
+use crate::job::{
+    Beginning, Content, Job, JobSession, JobSubject, Kind, Output, RunOptions, files,
+};
 use leafwise_report::{ReportData, render_report};
 use leafwise_scene::compose::{ComposedRun, SceneChecks};
 use leafwise_scene::document::SceneDocument;
-use leafwise_walk::Event;
-
-/// Where a run is written and what is let pass.
-#[derive(Clone, Debug)]
-pub struct RunOptions {
-    /// The run directory.
-    pub directory: PathBuf,
-    /// Replaces the run that the directory holds.
-    pub force: bool,
-    /// Integrates a tensor that violates the Jacobi identity.
-    pub allow_non_poisson: bool,
-    /// The command that repeats this run, for the report.
-    pub command: String,
-    /// How often a checkpoint is written: what a kill costs at most.
-    pub checkpoint_every: Duration,
-}
-
-impl RunOptions {
-    /// The usual [`checkpoint_every`](Self::checkpoint_every).
-    pub const CHECKPOINT_EVERY: Duration = Duration::from_secs(2);
-
-    /// The page to open in a browser.
-    pub fn report(&self) -> PathBuf {
-        self.directory.join(REPORT)
-    }
-}
+use leafwise_walk::{Course, Event};
 
 /// A run that was kept in memory.
 #[derive(Clone, Debug)]
@@ -90,10 +62,10 @@ pub struct Asked<'a> {
     pub is_silent: bool,
 }
 
-/// Checks the scene as [`run`] does and steps it, with everything recorded in memory, to the same numbers.
+/// Checks the scene as [`RunJob::new`] does and steps it, with everything recorded in memory, to the same numbers.
 ///
 /// # Errors
-/// As [`run`], without those of directories and files.
+/// As [`RunJob::new`]; observables without code.
 pub fn run_in_memory(
     document: &SceneDocument,
     composed: &ComposedRun,
@@ -112,10 +84,9 @@ pub fn run_in_memory(
         ),
         outcome => (outcome?, false),
     };
-    let mut report = describe(composed, &session, outcome, None);
-    if report.outcome != RunOutcome::Interrupted && !asked.is_silent {
-        report.advice = advice(document, composed, registry, &mut session, &report)?;
-        report.shadow = sampled::shadow(composed, &session, &report)?;
+    let mut report = describe(composed, &session, outcome);
+    if !asked.is_silent {
+        judge(document, composed, registry, &mut session, &mut report)?;
     }
     let page = report_data(document, composed, &session, &report, "")?;
     let (windows_columns, windows) = windows_of(composed, &session);
@@ -141,116 +112,163 @@ fn check(
     composed: &ComposedRun,
     allow_non_poisson: bool,
 ) -> Result<SceneChecks, RunError> {
-    let checks = SceneChecks::of(&composed.system, &composed.near)?;
-    let refusal = match checks.refusal(document, &composed.system, allow_non_poisson) {
-        Some(refusal) => Some(refusal),
-        None => start::refusal(document, composed)?,
-    };
-    match refusal {
+    let checks = start::checked(document, composed, allow_non_poisson)?;
+    match start::refusal(document, composed)? {
         Some(refusal) => Err(RunError::Refused(refusal)),
         None => Ok(checks),
     }
 }
 
-/// Checks the scene with the parts that it may name, then steps it into its directory. An unfinished run of the same
-/// scene is resumed, to the same bits as without interruption. So is one, finished or not, whose scene asks for more
-/// steps. A finished run of the same scene is reported again, with nothing computed or written.
+/// A run of one trajectory, whose scene has passed its checks.
 ///
-/// Nothing is written before the scene has passed its checks. A numerical failure is an outcome, not an error. The
-/// directory is then complete, with everything recorded up to the failure.
-///
-/// # Errors
-/// [`RunError::Refused`] for a tensor that is not Poisson or a Casimir that is not one. The directory's refusals, and
-/// failures of the file system.
-pub fn run(
+/// An unfinished run of the same scene is resumed. So is one, finished or not, whose scene asks for more steps. A
+/// numerical failure is an outcome, not an error: the directory is then complete, with everything recorded up to it.
+pub struct RunJob<'a> {
+    document: &'a SceneDocument,
+    composed: &'a ComposedRun,
+    registry: &'a Registry,
+    options: &'a RunOptions,
+    checks: SceneChecks,
+    course: Course,
+}
+
+impl<'a> RunJob<'a> {
+    /// Checks a scene with the parts that it may name.
+    ///
+    /// # Errors
+    /// [`RunError::Refused`] for a tensor that is not Poisson or a Casimir that is not one.
+    pub fn new(
+        document: &'a SceneDocument,
+        composed: &'a ComposedRun,
+        registry: &'a Registry,
+        options: &'a RunOptions,
+    ) -> Result<Self, RunError> {
+        Ok(Self {
+            document,
+            composed,
+            registry,
+            options,
+            checks: check(document, composed, options.allow_non_poisson)?,
+            course: composed.course(&[])?,
+        })
+    }
+
+    /// `windows.csv`.
+    fn windows(&self, session: &Session<'a>, _: &RunReport) -> Content {
+        let (headings, rows) = windows_of(self.composed, session);
+        let mut table = headings.table();
+        for row in rows {
+            table.numbers(row).end_row();
+        }
+        Ok(Some(table.into_bytes()))
+    }
+
+    /// The last state, where no other file has it.
+    fn final_state(&self, _: &Session<'a>, report: &RunReport) -> Content {
+        let is_elsewhere = self.composed.plan.states.is_whole_in_samples();
+        let state = report.final_state.iter();
+        Ok((!is_elsewhere).then(|| state.flat_map(|x| x.to_le_bytes()).collect()))
+    }
+
+    /// `report.html`.
+    fn page(&self, session: &Session<'a>, report: &RunReport) -> Content {
+        let command = &self.options.command;
+        let data = report_data(self.document, self.composed, session, report, command)?;
+        Ok(Some(render_report(&data)?.into_bytes()))
+    }
+}
+
+impl<'a> Job<'a> for RunJob<'a> {
+    type Session = Session<'a>;
+    type Report = RunReport;
+
+    const RECORDS: &'static [&'static str] = &[
+        samples::FILE,
+        samples::UNPUBLISHED,
+        samples::SECTION,
+        states::FILE,
+    ];
+
+    fn outputs() -> Vec<Output<Self, Session<'a>, RunReport>> {
+        vec![
+            Output::table("windows.csv", Self::windows),
+            Output::table(states::FINAL_STATE, Self::final_state),
+            Output::page(Self::page),
+        ]
+    }
+
+    fn subject(&self) -> JobSubject<'_> {
+        JobSubject {
+            kind: Kind::Run,
+            document: self.document,
+            run: self.composed,
+            checks: &self.checks,
+            files: files(self.composed),
+            shard: None,
+            is_joined: false,
+            options: self.options,
+        }
+    }
+
+    fn has_begun_at_most(&self, directory: &Path) -> bool {
+        samples::has_begun_at_most(directory, &header(self.composed))
+    }
+
+    fn begin(&'a self, directory: &Path) -> Result<Session<'a>, RunError> {
+        let every = self.options.checkpoint_every;
+        Session::begin(self.composed, &self.course, directory, every)
+    }
+
+    fn resume(&'a self, directory: &Path) -> Result<Session<'a>, RunError> {
+        let (checkpoint, every) = (Checkpoint::read(directory)?, self.options.checkpoint_every);
+        Session::resume(self.composed, &self.course, directory, &checkpoint, every)
+    }
+
+    fn report(
+        &self,
+        session: &mut Session<'a>,
+        outcome: RunOutcome,
+        is_repeated: bool,
+    ) -> Result<RunReport, RunError> {
+        let mut report = describe(self.composed, session, outcome);
+        report.resumed_at = session.resumed_at.filter(|_| !is_repeated);
+        report.is_repeated = is_repeated;
+        judge(
+            self.document,
+            self.composed,
+            self.registry,
+            session,
+            &mut report,
+        )?;
+        Ok(report)
+    }
+
+    fn write_end(
+        &self,
+        beginning: Beginning<'_>,
+        report: &RunReport,
+        directory: &Path,
+    ) -> Result<(), RunError> {
+        let ending = RunEnding::new(report, self.composed.method.map());
+        beginning
+            .of_samples(report.samples)
+            .write_end(directory, ending)
+    }
+}
+
+/// Judges a run that has ended. Who interrupts one wants it to end.
+fn judge(
     document: &SceneDocument,
     composed: &ComposedRun,
     registry: &Registry,
-    options: &RunOptions,
-    progress: &mut dyn Progress,
-) -> Result<RunReport, RunError> {
-    let checks = check(document, composed, options.allow_non_poisson)?;
-    let kind = Kind::Run;
-    let files = files(composed);
-    let asked = RunRequest {
-        kind,
-        scene: &document.text,
-        plugins: &plugins(composed),
-        files: files.as_ref(),
-        shard: None,
-    };
-    let directory = RunDirectory::open(&options.directory, &asked, options.force)?;
-    let held = directory.held.as_ref();
-    let checkpoint = match held {
-        Some(_) => Checkpoint::of_unfinished(&directory.path, &header(composed))?,
-        None => None,
-    };
-    let every = options.checkpoint_every;
-    let course = composed.course(&[])?;
-    let resumed = checkpoint.as_ref();
-    let mut resumed = resumed
-        .map(|checkpoint| Session::resume(composed, &course, &directory, checkpoint, every))
-        .transpose()?;
-    let resumed_at = checkpoint.map(|checkpoint| checkpoint.walk.steps);
-    if let (Some(session), Some(asked)) = (&resumed, composed.plan.until)
-        && held.is_some_and(|held| !held.has_same_steps)
-        && session.is_at_end()
-        && !session.is_stopped()
-    {
-        return Err(RunError::Beyond {
-            directory: directory.path.clone(),
-            reached: session.time(),
-            asked,
-        });
+    session: &mut Session<'_>,
+    report: &mut RunReport,
+) -> Result<(), RunError> {
+    if report.outcome != RunOutcome::Interrupted {
+        report.advice = advice(document, composed, registry, session, report)?;
+        report.shadow = sampled::shadow(composed, session, report)?;
     }
-    if let Some(session) = resumed.as_mut()
-        && held.is_some_and(|held| held.is_done && held.is_stopped == session.is_stopped())
-        && session.is_at_end()
-    {
-        session.repeat_end()?;
-        let path = &directory.path;
-        let outcome = session.outcome();
-        let mut report = describe(composed, session, outcome, None);
-        report.is_repeated = true;
-        report.advice = advice(document, composed, registry, session, &report)?;
-        report.shadow = sampled::shadow(composed, session, &report)?;
-        write_tables(composed, session, &report, path, confirm)?;
-        confirm_page(&path.join(REPORT), || {
-            page(document, composed, session, &report, &options.command)
-        })?;
-        return Ok(report);
-    }
-    let command = &options.command;
-    let started = held.map(|held| held.started.clone());
-    let beginning = Beginning::new(kind, document, composed, &checks, command, started);
-    // From here on the directory is that of this run, with nothing in it yet or all that was
-    // recorded. The scene comes last: should a run that becomes longer be killed before, what is
-    // there is the shorter one, unfinished.
-    beginning.write_running(&directory.path)?;
-    if let Some(session) = &mut resumed {
-        session.go_on(held.is_some_and(|held| held.has_same_steps))?;
-    }
-    replace(&directory.path.join(SCENE), document.text.as_bytes())?;
-    let mut session = match resumed {
-        Some(session) => session,
-        None => Session::begin(composed, &course, &directory, every)?,
-    };
-    let mut finish = |progress: &mut dyn Progress| -> Result<RunReport, RunError> {
-        let outcome = session.drive(progress)?;
-        let mut report = describe(composed, &session, outcome, resumed_at);
-        // Who interrupts a run wants it to end.
-        if report.outcome != RunOutcome::Interrupted {
-            report.advice = advice(document, composed, registry, &mut session, &report)?;
-            report.shadow = sampled::shadow(composed, &session, &report)?;
-        }
-        let path = &directory.path;
-        write_tables(composed, &session, &report, path, replace)?;
-        let page = page(document, composed, &session, &report, &options.command)?;
-        write_page(&path.join(REPORT), &page)?;
-        beginning.write_ended(path, &report, composed.method.map())?;
-        Ok(report)
-    };
-    finish(progress).map_err(|error| error.with_a_checkpoint(&directory.path))
+    Ok(())
 }
 
 /// Advice on what to change in the scene, judged at states of the run and by its drifts and samples.
@@ -304,48 +322,10 @@ fn advice(
     Ok(advice)
 }
 
-/// Writes the tables of a run beside its samples: `windows.csv`, and the last state where no other file has it.
-fn write_tables(
-    composed: &ComposedRun,
-    session: &Session<'_>,
-    report: &RunReport,
-    directory: &Path,
-    put: Put,
-) -> Result<(), RunError> {
-    let (headings, rows) = windows_of(composed, session);
-    let mut table = headings.table();
-    for row in rows {
-        table.numbers(row).end_row();
-    }
-    put(&directory.join(WINDOWS), table.as_str().as_bytes())?;
-    if !composed.plan.states.is_whole_in_samples() {
-        let bytes: Vec<u8> = report
-            .final_state
-            .iter()
-            .flat_map(|x| x.to_le_bytes())
-            .collect();
-        put(&directory.join(FINAL_STATE), &bytes)?;
-    }
-    Ok(())
-}
-
-/// `report.html`.
-fn page(
-    document: &SceneDocument,
-    composed: &ComposedRun,
-    session: &Session<'_>,
-    report: &RunReport,
-    command: &str,
-) -> Result<String, RunError> {
-    let data = report_data(document, composed, session, report, command)?;
-    Ok(render_report(&data)?)
-}
-
 pub(crate) fn describe(
     composed: &ComposedRun,
     session: &Session<'_>,
     outcome: RunOutcome,
-    resumed_at: Option<u64>,
 ) -> RunReport {
     let windows = session.windows();
     let invariants = windows
@@ -372,7 +352,7 @@ pub(crate) fn describe(
         statistics: session.statistics(),
         samples: session.samples().count(),
         crossings: session.crossings().map(Samples::count),
-        resumed_at,
+        resumed_at: None,
         is_repeated: false,
         shadow: None,
         advice: Vec::new(),

@@ -2,13 +2,14 @@
 //!
 //! - [`ensemble`]: many members at once, reduced into such a directory;
 //! - [`sweep`]: one run for each of many settings, a table of them;
-//! - [`shards`]: parts of ensembles and sweeps for many processes;
+//! - [`perform`]: a run, an ensemble, a sweep or a part of these, in its directory;
+//! - `job`: the frame of all; [`shards`]: parts of ensembles and sweeps for many processes;
 //! - [`advice`]: warnings where a scene asks for what it does not use, or not for what it needs;
 //! - [`csv`]: tables as CSV;
 //! - `ordered`: numbered tasks on several threads;
 //! - `columns`: the columns of `samples.csv` and `windows.csv`;
 //! - `start`: whether a run can begin at its initial state;
-//! - `execute`: [`run`], from a composed scene to a complete directory, or in memory: [`run_in_memory`];
+//! - `execute`: [`RunJob`], a run of one trajectory; in memory: [`run_in_memory`]; `ending`: how its manifest ends;
 //! - `drive`: a walk, stepped into the tables of a run;
 //! - `crossing`: where a run in memory crosses a surface;
 //! - `invariants`: deviations of energy and Casimirs at every step, their maxima over windows;
@@ -22,9 +23,6 @@
 //! - `sealed`: files that are read back to every bit, or refused;
 //! - `shadow`: a map's step judged by the energy of its shadow; `shadow_step`: the step that keeps it as well as asked;
 //! - `checkpoint`: everything later steps depend on, written atomically;
-//! - `manifest`: record of a run: its scene, its parts, and how it ended;
-//! - `directory`: start afresh, resume, or refuse;
-//! - `difference`: keys that changed between two scenes;
 //! - `watch`: states that the method is judged at, whatever is recorded;
 //! - `sampled`: the method judged by a run that has ended, for warnings;
 //! - `summary`: `report.html` from what the directory holds;
@@ -38,17 +36,16 @@ mod checkpoint;
 mod columns;
 mod crossing;
 pub mod csv;
-mod difference;
-mod directory;
 mod drive;
+mod ending;
 pub mod ensemble;
 mod error;
 mod execute;
 mod invariants;
-mod manifest;
+mod job;
 mod ordered;
 mod outcome;
-mod page;
+mod perform;
 mod planes;
 mod progress;
 mod replaced;
@@ -60,7 +57,6 @@ mod samples;
 mod sealed;
 mod shadow;
 mod shadow_step;
-pub mod shards;
 mod snapshots;
 mod start;
 mod states;
@@ -68,26 +64,24 @@ mod summary;
 pub mod sweep;
 #[cfg(test)]
 mod tests;
-mod time;
 mod watch;
 
 pub use advice::{Advice, AdviceKind, advise};
 pub(crate) use appended::{Appended, Vouched};
-pub(crate) use checkpoint::{FILE as CHECKPOINT, StatisticsFields};
+pub(crate) use checkpoint::StatisticsFields;
 pub use crossing::Crossing;
-pub use directory::default_directory;
-pub(crate) use directory::{
-    FAILURES, LOSSES, REPORT, RunDirectory, RunRequest, SCENE, STATISTICS, SWEEP, WINDOWS, stem,
-};
 pub use error::RunError;
-pub use execute::{Asked, Recorded, RunOptions, run, run_in_memory};
+pub use execute::{Asked, Recorded, RunJob, run_in_memory};
+pub(crate) use job::{CHECKPOINT, REPORT, plugins};
+pub use job::{
+    FilesRecord, Kind, Manifest, PROGRAM_VERSION, PluginRecord, RunOptions, ShardRecord,
+    default_directory, shards,
+};
 pub use leafwise_walk::Event;
-pub(crate) use manifest::{Beginning, files, plugins};
-pub use manifest::{FilesRecord, Kind, Manifest, PROGRAM_VERSION, PluginRecord, ShardRecord};
 pub use outcome::{Failure, InvariantDrift, RunOutcome, RunReport, SolverFields};
-pub(crate) use page::{confirm_page, write_page};
+pub use perform::perform;
 pub use progress::{Progress, Quiet, Status};
-pub(crate) use replaced::{Put, confirm, replace};
+pub(crate) use replaced::{confirm, replace};
 pub use retraced::{Retrace, Retraced};
 pub use room::{NoRoom, with_room};
 pub(crate) use sealed::Format;

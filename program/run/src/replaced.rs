@@ -18,9 +18,6 @@ pub(crate) fn replace(path: &Path, content: &[u8]) -> Result<(), RunError> {
     })
 }
 
-/// How a file that is told of an end is put: it is [`replace`]d, or [`confirm`]ed where the run is told again.
-pub(crate) type Put = fn(&Path, &[u8]) -> Result<(), RunError>;
-
 /// Makes sure that a file has this content; one that is not there is written.
 ///
 /// # Errors

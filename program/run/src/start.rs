@@ -1,11 +1,28 @@
-//! Whether a run can begin: the energy and the motion at the initial state.
+//! Whether a run can begin: its system's formulas, the energy and the motion at the initial state.
 
 use leafwise_core::{BuildError, Evaluator};
 
+use crate::RunError;
 use crate::advice::{Advice, AdviceKind};
-use leafwise_scene::compose::{ComposedRun, Refusal};
+use leafwise_scene::compose::{ComposedRun, Refusal, SceneChecks};
 use leafwise_scene::document::SceneDocument;
 use leafwise_walk::outside;
+
+/// Checks of the formulas of a scene's system.
+///
+/// # Errors
+/// [`RunError::Refused`] for a tensor that is not Poisson or a Casimir that is not one.
+pub(super) fn checked(
+    document: &SceneDocument,
+    run: &ComposedRun,
+    allow_non_poisson: bool,
+) -> Result<SceneChecks, RunError> {
+    let checks = SceneChecks::of(&run.system, &run.near)?;
+    match checks.refusal(document, &run.system, allow_non_poisson) {
+        Some(refusal) => Err(RunError::Refused(refusal)),
+        None => Ok(checks),
+    }
+}
 
 /// Reason why no step can be taken from the initial state; `None` where one can. That state is outside the energy's
 /// domain, or the motion has no finite value there and the method takes no step.

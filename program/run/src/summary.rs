@@ -4,12 +4,12 @@ use leafwise_expression::words::counted;
 
 use super::drive::Session;
 use super::error::RunError;
-use super::manifest::{PROGRAM_VERSION, plugins};
 use super::outcome::{RunOutcome, RunReport};
 use super::planes::planes;
 use super::sampled::columns_of_states;
 use super::snapshots::spacing;
 use crate::advice::lines;
+use crate::{PROGRAM_VERSION, plugins};
 use leafwise_report::{
     Ellipsoid, InvariantSeries, Outcome, Recorded, ReportData, SectionPoints, TimeSeries,
     Trajectory,

@@ -160,6 +160,7 @@ class Scene:
         parameters: list[tuple[str, Array]],
         files: Path,
         out: Path,
+        shards: Path | None,
         threads: int | None,
         allow_non_poisson: bool,
         progress: Callable[[int, int], object] | None,
@@ -172,17 +173,8 @@ class Scene:
         files: Path,
         out: Path,
         place: tuple[int, int],
+        shards: Path | None,
         threads: int | None,
-        allow_non_poisson: bool,
-    ) -> None: ...
-    def join(
-        self,
-        overrides: list[tuple[str, str]],
-        states: Array | None,
-        parameters: list[tuple[str, Array]],
-        files: Path,
-        out: Path,
-        shards: Path,
         allow_non_poisson: bool,
     ) -> None: ...
     def sweep(
@@ -203,16 +195,6 @@ class Scene:
         threads: int | None,
         allow_non_poisson: bool,
     ) -> None: ...
-    def merge(
-        self,
-        overrides: list[tuple[str, str]],
-        states: Array | None,
-        parameters: list[tuple[str, Array]],
-        files: Path,
-        out: Path,
-        shards: Path,
-        allow_non_poisson: bool,
-    ) -> Ensemble: ...
     def integrator(
         self, overrides: list[tuple[str, str]], parameters: list[tuple[str, float]], allow_non_poisson: bool
     ) -> Integrator: ...

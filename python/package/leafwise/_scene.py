@@ -292,7 +292,7 @@ class Scene:
         with tempfile.TemporaryDirectory() as folder, shown(progress) as told:
             out = Path(folder) / "ensemble"
             left = self._scene.ensemble(
-                overrides, states, list(varied.items()), files, out, threads, allow_non_poisson, told
+                overrides, states, list(varied.items()), files, out, None, threads, allow_non_poisson, told
             )
         return self._told(left)
 

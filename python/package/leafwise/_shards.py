@@ -49,18 +49,22 @@ class AskedEnsemble(NamedTuple):
         """Steps the members of a shard into a directory."""
         scene = _leafwise.Scene(*self.origin)
         scene.shard(
-            self.overrides, self.states, self.parameters, self.files, out, place, threads, self.allow_non_poisson
+            self.overrides, self.states, self.parameters, self.files, out, place, None, threads, self.allow_non_poisson
         )
 
     def join(self, out: Path, shards: Path) -> None:
         """Joins shards that follow one another into a larger one."""
         scene = _leafwise.Scene(*self.origin)
-        scene.join(self.overrides, self.states, self.parameters, self.files, out, shards, self.allow_non_poisson)
+        scene.shard(
+            self.overrides, self.states, self.parameters, self.files, out, (1, 1), shards, None, self.allow_non_poisson
+        )
 
     def merge(self, out: Path, shards: Path) -> _leafwise.Ensemble:
         """The whole."""
         scene = _leafwise.Scene(*self.origin)
-        return scene.merge(self.overrides, self.states, self.parameters, self.files, out, shards, self.allow_non_poisson)
+        return scene.ensemble(
+            self.overrides, self.states, self.parameters, self.files, out, shards, None, self.allow_non_poisson, None
+        )
 
 
 class AskedSweep(NamedTuple):

@@ -6,14 +6,12 @@ use std::sync::atomic::AtomicBool;
 
 use leafwise::core::Registry;
 use leafwise::expression::words::counted;
-use leafwise::run::{Advice, RunOutcome};
-use leafwise::run::{
-    ensemble::ComposedEnsemble, ensemble::EnsembleEnding, ensemble::EnsembleReport,
-    ensemble::MemberError, ensemble::Workforce, ensemble::advise_ensemble,
-    ensemble::compose_ensemble, ensemble::default_ensemble_directory,
-    ensemble::default_shards_directory, ensemble::member_scene, ensemble::run_ensemble,
-    ensemble::run_shard, shards::Shard, shards::Whole,
+use leafwise::run::ensemble::{
+    ComposedEnsemble, EnsembleEnding, EnsembleJob, EnsembleReport, MemberError, Workforce,
+    advise_ensemble, compose_ensemble, member_scene,
 };
+use leafwise::run::shards::{Portion, Shard, Whole};
+use leafwise::run::{Advice, RunOutcome, perform};
 use leafwise::scene::SceneDocument;
 use leafwise::scene::compose::compose;
 use serde::Serialize;
@@ -69,14 +67,9 @@ pub fn execute(
         (None, None) => None,
     };
     let output = arguments.output;
-    let out = arguments.out.clone();
+    let portion = Portion::computed(shard.as_ref());
     let options = output.options(
-        match &shard {
-            None => out.unwrap_or_else(|| default_ensemble_directory(&document)),
-            Some(shard) => out
-                .unwrap_or_else(|| default_shards_directory(&document))
-                .join(shard.name()),
-        },
+        shard::directory(&arguments.out, &document, &portion, Whole::Members),
         repeating(
             "ensemble",
             file.file_name(),
@@ -97,10 +90,8 @@ pub fn execute(
     };
     let total = members.saturating_mul(ensemble.steps().unwrap_or(1));
     let mut bar = Bar::new(total, shown, interrupt);
-    let report = match &shard {
-        None => run_ensemble(&document, &ensemble, &options, workforce, &mut bar),
-        Some(shard) => run_shard(&document, &ensemble, shard, &options, workforce, &mut bar),
-    };
+    let job = EnsembleJob::new(&document, &ensemble, portion, &options, workforce);
+    let report = job.and_then(|job| perform(&job, &mut bar));
     bar.finish();
     let report = report?;
     if let Some(shard) = &shard {

@@ -1,10 +1,12 @@
 //! `leafwise merge`: the shards of an ensemble or a sweep as one.
 
+use std::num::NonZeroUsize;
 use std::path::Path;
 
-use leafwise::run::ensemble::{advise_ensemble, compose_ensemble, merge_shards};
-use leafwise::run::shards::{MergeError, Shards, Whole};
-use leafwise::run::sweep::{Settings, compose_sweep, merge_sweep};
+use leafwise::run::ensemble::{EnsembleJob, Workforce, advise_ensemble, compose_ensemble};
+use leafwise::run::shards::{MergeError, Portion, Shards, Whole};
+use leafwise::run::sweep::{Settings, SweepJob, compose_sweep};
+use leafwise::run::{Quiet, perform};
 
 use super::{ensemble, sweep};
 use crate::arguments::{MergeArguments, PluginArguments, SceneArguments};
@@ -56,12 +58,16 @@ pub fn execute(
             allow,
             &mut |_, _| (),
         )?;
-        let report = merge_sweep(&document, &merged, &shards, &options)?;
+        let (portion, threads) = (Portion::merged(&shards)?, NonZeroUsize::MIN);
+        let job = SweepJob::new(&document, &merged, portion, &options, threads);
+        let report = perform(&job, &mut Quiet)?;
         return Ok(sweep::tell(&report, None, output, console));
     }
     let folder = scene.parent().unwrap_or(Path::new(""));
     let composed = compose_ensemble(&document, &parts.registry, folder)?;
-    let report = merge_shards(&document, &composed, &shards, &options)?;
+    let (portion, workforce) = (Portion::merged(&shards)?, Workforce::default());
+    let job = EnsembleJob::new(&document, &composed, portion, &options, workforce)?;
+    let report = perform(&job, &mut Quiet)?;
     let mut advice = report.advice.clone();
     advice.extend(advise_ensemble(&composed, &parts.registry));
     ensemble::tell(

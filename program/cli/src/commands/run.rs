@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 
 use leafwise::core::{Registry, SolverStatistics};
 use leafwise::run::{
-    Advice, Failure as StepFailure, InvariantDrift, RunOptions, RunOutcome, RunReport,
-    ShadowVerdict, SolverFields, default_directory, run,
+    Advice, Failure as StepFailure, InvariantDrift, Kind, RunJob, RunOptions, RunOutcome,
+    RunReport, ShadowVerdict, SolverFields, default_directory, perform,
 };
 use leafwise::scene::SceneDocument;
 use leafwise::scene::compose::{ComposedRun, WIDEST_STATE, compose};
@@ -64,7 +64,7 @@ pub fn execute(
         checkpoint_every: Duration::try_from_secs_f64(arguments.checkpoint_every)
             .unwrap_or(Duration::MAX),
         ..output.options(
-            directory.unwrap_or_else(|| default_directory(&document)),
+            directory.unwrap_or_else(|| default_directory(&document, Kind::Run)),
             repeating("run", file, output.allow_non_poisson, plugins),
         )
     };
@@ -97,7 +97,8 @@ pub(super) fn integrate(
 ) -> Result<u8, Failure> {
     let shown = console.shown(output.quiet);
     let mut bar = Bar::new(composed.plan.steps, shown, interrupt);
-    let report = run(document, composed, registry, options, &mut bar);
+    let job = RunJob::new(document, composed, registry, options);
+    let report = job.and_then(|job| perform(&job, &mut bar));
     bar.finish();
     let report = report?;
     if !output.quiet {

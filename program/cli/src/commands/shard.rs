@@ -1,8 +1,11 @@
 //! A shard of an ensemble or a sweep, as the command line or a scheduler names it.
 
 use std::env;
+use std::path::PathBuf;
 
-use leafwise::run::shards::{Shard, ShardError, Whole};
+use leafwise::run::default_directory;
+use leafwise::run::shards::{Portion, Shard, ShardError, Whole};
+use leafwise::scene::SceneDocument;
 
 use crate::failure::Failure;
 
@@ -12,6 +15,21 @@ const TASK: &str = "SLURM_ARRAY_TASK_ID";
 const FIRST: &str = "SLURM_ARRAY_TASK_MIN";
 const LAST: &str = "SLURM_ARRAY_TASK_MAX";
 const COUNT: &str = "SLURM_ARRAY_TASK_COUNT";
+
+/// The directory of a job that makes a portion: the one that is named, or the usual; of a shard a folder within.
+pub(super) fn directory(
+    out: &Option<PathBuf>,
+    document: &SceneDocument,
+    portion: &Portion<'_>,
+    whole: Whole,
+) -> PathBuf {
+    let usual = || default_directory(document, portion.kind(whole));
+    let folder = out.clone().unwrap_or_else(usual);
+    match portion.shard() {
+        None => folder,
+        Some(shard) => folder.join(shard.name()),
+    }
+}
 
 /// The members that are asked for, of an ensemble of so many.
 ///

@@ -4,12 +4,9 @@ use std::num::NonZeroUsize;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use leafwise::run::RunOutcome;
-use leafwise::run::shards::{Shard, Whole};
-use leafwise::run::sweep::{
-    Settings, SweepEnding, SweepReport, compose_sweep, default_sweep_directory,
-    default_sweep_shards_directory, run_sweep, run_sweep_shard,
-};
+use leafwise::run::shards::{Portion, Shard, Whole};
+use leafwise::run::sweep::{Settings, SweepEnding, SweepJob, SweepReport, compose_sweep};
+use leafwise::run::{RunOutcome, perform};
 use serde::Serialize;
 
 use super::run::repeating;
@@ -65,25 +62,18 @@ pub fn execute(
     );
     line.finish();
     let sweep = sweep?;
-    let out = arguments.out.clone();
+    let portion = Portion::computed(shard.as_ref());
     let file = arguments.scene.scene.file_name();
     let options = output.options(
-        match &shard {
-            None => out.unwrap_or_else(|| default_sweep_directory(&document)),
-            Some(shard) => out
-                .unwrap_or_else(|| default_sweep_shards_directory(&document))
-                .join(shard.name()),
-        },
+        shard::directory(&arguments.out, &document, &portion, Whole::Settings),
         repeating("sweep", file, allow, plugins),
     );
     let every = || std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
     let threads = arguments.threads.unwrap_or_else(every);
     let total = (items.end - items.start).saturating_mul(sweep.base.plan.steps);
     let mut bar = Bar::new(total, shown, interrupt);
-    let report = match &shard {
-        None => run_sweep(&document, &sweep, &options, threads, &mut bar),
-        Some(shard) => run_sweep_shard(&document, &sweep, shard, &options, threads, &mut bar),
-    };
+    let job = SweepJob::new(&document, &sweep, portion, &options, threads);
+    let report = perform(&job, &mut bar);
     bar.finish();
     let report = report?;
     Ok(tell(&report, shard.as_ref(), output, console))

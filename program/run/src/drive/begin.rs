@@ -1,5 +1,6 @@
 //! How a session begins: at the initial state, or where an earlier one left off.
 
+use std::path::Path;
 use std::time::Duration;
 
 use leafwise_core::SolverStatistics;
@@ -8,9 +9,9 @@ use leafwise_walk::{Course, Memory, SampleTimes, Watched};
 
 use super::Session;
 use super::records::Records;
-use crate::checkpoint::{Checkpoint, FILE};
+use crate::CHECKPOINT;
+use crate::checkpoint::Checkpoint;
 use crate::columns::header;
-use crate::directory::RunDirectory;
 use crate::error::RunError;
 use crate::samples::{self, Samples};
 use crate::states::StateTable;
@@ -20,15 +21,15 @@ impl<'a> Session<'a> {
     pub fn begin(
         run: &'a ComposedRun,
         course: &'a Course,
-        directory: &'a RunDirectory,
+        directory: &Path,
         checkpoint_every: Duration,
     ) -> Result<Self, RunError> {
-        let path = |name: &str| directory.path.join(name);
+        let path = |name: &str| directory.join(name);
         let header = header(run);
         let samples = Samples::create(&path(samples::UNPUBLISHED), &header)?;
         let mut session = Self::new(run, course, Some(directory), checkpoint_every, samples)?;
         if let Some(width) = wide(run) {
-            session.records.states = Some(StateTable::create(&directory.path, width)?);
+            session.records.states = Some(StateTable::create(directory, width)?);
         }
         if run.plan.events.section.is_some() {
             let path = path(samples::SECTION);
@@ -52,26 +53,26 @@ impl<'a> Session<'a> {
         Ok(session)
     }
 
-    /// The next session of a run; no file is changed before [`go_on`](Self::go_on).
-    pub fn resume(
+    /// The next session of a run; no file is changed before [`go_on`](crate::job::JobSession::go_on).
+    pub(crate) fn resume(
         run: &'a ComposedRun,
         course: &'a Course,
-        directory: &'a RunDirectory,
+        directory: &Path,
         checkpoint: &Checkpoint,
         checkpoint_every: Duration,
     ) -> Result<Self, RunError> {
         let damaged = |reason: String| RunError::Damaged {
-            file: directory.path.join(FILE),
+            file: directory.join(CHECKPOINT),
             reason,
         };
         let (vouched, count) = (&checkpoint.vouched, checkpoint.samples);
-        let path = |name: &str| directory.path.join(name);
+        let path = |name: &str| directory.join(name);
         let header = header(run);
         let samples = Samples::resume(&path(samples::FILE), &header, vouched, count)?;
         let mut session = Self::new(run, course, Some(directory), checkpoint_every, samples)?;
         let records = &mut session.records;
         if let Some(width) = wide(run) {
-            let states = StateTable::resume(&directory.path, width, &checkpoint.states)?;
+            let states = StateTable::resume(directory, width, &checkpoint.states)?;
             records.states = Some(states);
         }
         let section = run.plan.events.section.as_ref();
@@ -101,7 +102,7 @@ impl<'a> Session<'a> {
         let (made, asked) = (checkpoint.walk.steps, run.plan.steps);
         if made > asked {
             return Err(RunError::Shortened {
-                directory: directory.path.clone(),
+                directory: directory.to_owned(),
                 made,
                 asked,
             });
@@ -112,6 +113,7 @@ impl<'a> Session<'a> {
         records.last_sample = checkpoint.last_sample;
         records.undefined.clone_from(&checkpoint.undefined);
         records.before = checkpoint.statistics.evaluations;
+        session.resumed_at = Some(made);
         session.before = checkpoint.statistics;
         session.wall = Duration::try_from_secs_f64(checkpoint.wall_seconds).unwrap_or_default();
         session.watched.look_again()?;
@@ -121,7 +123,7 @@ impl<'a> Session<'a> {
     fn new(
         run: &'a ComposedRun,
         course: &'a Course,
-        directory: Option<&'a RunDirectory>,
+        directory: Option<&Path>,
         checkpoint_every: Duration,
         samples: Samples,
     ) -> Result<Self, RunError> {
@@ -131,26 +133,14 @@ impl<'a> Session<'a> {
         let records = Records::new(run, course, watched.invariants(), samples)?;
         Ok(Self {
             run,
-            directory,
+            directory: directory.map(Path::to_owned),
             checkpoint_every,
+            resumed_at: None,
             watched,
             records,
             before: SolverStatistics::default(),
             wall: Duration::ZERO,
         })
-    }
-
-    /// Prepares the files of an earlier session for more steps; `has_same_plan` unless the run is to
-    /// become longer.
-    pub fn go_on(&mut self, has_same_plan: bool) -> Result<(), RunError> {
-        let records = &mut self.records;
-        if let Some(states) = &mut records.states {
-            states.go_on(has_same_plan)?;
-        }
-        if let Some(crossings) = &mut records.crossings {
-            crossings.go_on(has_same_plan)?;
-        }
-        records.samples.go_on(has_same_plan)
     }
 }
 

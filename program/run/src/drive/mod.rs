@@ -3,7 +3,7 @@
 mod begin;
 mod records;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use leafwise_core::SolverStatistics;
@@ -15,9 +15,9 @@ use crate::appended::Vouched;
 use crate::checkpoint::Checkpoint;
 use crate::columns::invariant_name;
 use crate::crossing::Crossing;
-use crate::directory::RunDirectory;
 use crate::error::RunError;
 use crate::invariants::Windows;
+use crate::job::{Held, JobSession};
 use crate::outcome::{Failure, RunOutcome};
 use crate::progress::{Progress, Status};
 use crate::room::NoRoom;
@@ -32,11 +32,13 @@ const FLUSH_EVERY: Duration = Duration::from_millis(200);
 const COORDINATES_A_LOOK: usize = 4096;
 
 /// A run between two looks at the clock.
-pub(super) struct Session<'a> {
+pub struct Session<'a> {
     run: &'a ComposedRun,
     /// Where checkpoints are written, and how often.
-    directory: Option<&'a RunDirectory>,
+    directory: Option<PathBuf>,
     checkpoint_every: Duration,
+    /// The step that an earlier session had come to.
+    pub resumed_at: Option<u64>,
     watched: Watched<'a>,
     records: Records<'a>,
     before: SolverStatistics,
@@ -44,13 +46,8 @@ pub(super) struct Session<'a> {
 }
 
 impl Session<'_> {
-    /// Whether all steps were made, or the run has ended before.
-    pub fn is_at_end(&self) -> bool {
-        self.watched.is_at_end()
-    }
-
     /// Whether a condition or an event has ended the run.
-    pub fn is_stopped(&self) -> bool {
+    fn is_stopped(&self) -> bool {
         let why = self.watched.ended(0).map(|ended| &ended.why);
         matches!(why, Some(Why::Stopped | Why::Event(_)))
     }
@@ -93,74 +90,6 @@ impl Session<'_> {
         self.watched.step_times(0)
     }
 
-    /// Takes up the end of a run that has come to it before. No file is changed.
-    ///
-    /// # Errors
-    /// [`RunError::Damaged`] where a file does not end with the run's last row.
-    pub fn repeat_end(&mut self) -> Result<(), RunError> {
-        // The row waits, and is never handed over: the files have it.
-        if let Some(states) = &mut self.records.states {
-            states.freeze();
-        }
-        self.watched.arrive()?;
-        self.record_end()?;
-        let records = &mut self.records;
-        records
-            .states
-            .as_mut()
-            .map_or(Ok(()), StateTable::confirm_end)?;
-        records
-            .crossings
-            .as_mut()
-            .map_or(Ok(()), Samples::confirm_end)?;
-        records.samples.confirm_end()
-    }
-
-    /// Steps to the end of the plan, to a failure, or until interrupted.
-    ///
-    /// Done or interrupted, the checkpoint holds the last state. Failed, it stays behind: should
-    /// the program be killed before it has said how the run ended, the next session comes to the
-    /// same failure with the same counts.
-    pub fn drive(&mut self, progress: &mut dyn Progress) -> Result<RunOutcome, RunError> {
-        let stride = (COORDINATES_A_LOOK / self.run.dimension().max(1)).max(1) as u64;
-        let (mut flushed, mut saved) = (Instant::now(), Instant::now());
-        self.records.watch.begin(self.watched.walk().state());
-        self.watched.begin(&mut |look| self.records.take(look))?;
-        loop {
-            let started = Instant::now();
-            self.watched
-                .advance(stride, &mut |look| self.records.take(look))?;
-            self.wall += started.elapsed();
-            progress.show(&self.status());
-            if self.watched.walk().living() == 0 || progress.is_interrupted() {
-                break;
-            }
-            if saved.elapsed() >= self.checkpoint_every {
-                self.checkpoint()?;
-                (flushed, saved) = (Instant::now(), Instant::now());
-            } else if flushed.elapsed() >= FLUSH_EVERY {
-                let records = &mut self.records;
-                records.states.as_mut().map_or(Ok(()), StateTable::flush)?;
-                records.crossings.as_mut().map_or(Ok(()), Samples::flush)?;
-                records.samples.flush()?;
-                flushed = Instant::now();
-            }
-        }
-        // The last state is a sample, if the plan's grid has it or not. The checkpoint does not count
-        // one off the grid: a run that goes on leaves the same file as one that never stopped.
-        if !matches!(self.outcome(), RunOutcome::Failed(_)) {
-            self.checkpoint()?;
-        }
-        if self.watched.ended(0).is_some() {
-            self.record_end()?;
-            let records = &mut self.records;
-            records.states.as_mut().map_or(Ok(()), StateTable::end)?;
-            records.crossings.as_mut().map_or(Ok(()), Samples::end)?;
-            records.samples.end()?;
-        }
-        Ok(self.outcome())
-    }
-
     /// The failure of a run that has no memory for its next sample.
     pub fn failure_for_want_of(&self, no_room: NoRoom) -> Failure {
         let walk = self.watched.walk();
@@ -200,7 +129,7 @@ impl Session<'_> {
     }
 
     fn checkpoint(&mut self) -> Result<(), RunError> {
-        let Some(directory) = self.directory else {
+        let Some(directory) = &self.directory else {
             return Ok(());
         };
         let statistics = self.statistics();
@@ -230,7 +159,7 @@ impl Session<'_> {
                 .map_or_else(Side::default, |(side, _)| *side),
             start: memory.start,
         };
-        checkpoint.write(&directory.path)
+        checkpoint.write(directory)
     }
 
     /// The solver's work, earlier sessions included.
@@ -257,7 +186,7 @@ impl Session<'_> {
     }
 
     /// The invariants' deviations.
-    pub fn windows(&self) -> &Windows {
+    pub(crate) fn windows(&self) -> &Windows {
         &self.records.windows
     }
 
@@ -275,17 +204,17 @@ impl Session<'_> {
     }
 
     /// Fields of a long lattice.
-    pub fn snapshots(&self) -> &Snapshots {
+    pub(crate) fn snapshots(&self) -> &Snapshots {
         &self.records.snapshots
     }
 
     /// Samples recorded.
-    pub fn samples(&self) -> &Samples {
+    pub(crate) fn samples(&self) -> &Samples {
         &self.records.samples
     }
 
     /// Crossings recorded, where there is a section.
-    pub fn crossings(&self) -> Option<&Samples> {
+    pub(crate) fn crossings(&self) -> Option<&Samples> {
         self.records.crossings.as_ref()
     }
 
@@ -302,7 +231,7 @@ impl Session<'_> {
 
     /// Where the run is written, if it is.
     pub fn directory(&self) -> Option<&Path> {
-        self.directory.map(|directory| directory.path.as_path())
+        self.directory.as_deref()
     }
 
     /// For each recorded formula, its name and the samples at which it has no finite value.
@@ -317,5 +246,105 @@ impl Session<'_> {
     /// Seconds of integration, earlier sessions included.
     pub fn wall_seconds(&self) -> f64 {
         self.wall.as_secs_f64()
+    }
+}
+
+impl JobSession for Session<'_> {
+    /// Takes up the end of a run, of as many steps as its scene asks for.
+    ///
+    /// # Errors
+    /// [`RunError::Damaged`] where a file does not end with the run's last row, [`RunError::Beyond`] where the run has
+    /// gone further in time.
+    fn repeat(&mut self, held: &Held) -> Result<Option<RunOutcome>, RunError> {
+        let (is_stopped, is_at_end) = (self.is_stopped(), self.watched.is_at_end());
+        if let (Some(asked), Some(directory)) = (self.run.plan.until, &self.directory)
+            && !held.has_same_steps
+            && is_at_end
+            && !is_stopped
+        {
+            return Err(RunError::Beyond {
+                directory: directory.clone(),
+                reached: self.time(),
+                asked,
+            });
+        }
+        if !(held.is_done && held.is_stopped == is_stopped && is_at_end) {
+            return Ok(None);
+        }
+        // The row waits, and is never handed over: the files have it.
+        if let Some(states) = &mut self.records.states {
+            states.freeze();
+        }
+        self.watched.arrive()?;
+        self.record_end()?;
+        let records = &mut self.records;
+        records
+            .states
+            .as_mut()
+            .map_or(Ok(()), StateTable::confirm_end)?;
+        records
+            .crossings
+            .as_mut()
+            .map_or(Ok(()), Samples::confirm_end)?;
+        records.samples.confirm_end()?;
+        Ok(Some(self.outcome()))
+    }
+
+    fn go_on(&mut self, held: &Held) -> Result<(), RunError> {
+        // Otherwise the run is to become longer.
+        let has_same_plan = held.has_same_steps;
+        let records = &mut self.records;
+        if let Some(states) = &mut records.states {
+            states.go_on(has_same_plan)?;
+        }
+        if let Some(crossings) = &mut records.crossings {
+            crossings.go_on(has_same_plan)?;
+        }
+        records.samples.go_on(has_same_plan)
+    }
+
+    /// Steps to the end of the plan, to a failure, or until interrupted.
+    ///
+    /// Done or interrupted, the checkpoint holds the last state. Failed, it stays behind: should
+    /// the program be killed before it has said how the run ended, the next session comes to the
+    /// same failure with the same counts.
+    fn drive(&mut self, progress: &mut dyn Progress) -> Result<RunOutcome, RunError> {
+        let stride = (COORDINATES_A_LOOK / self.run.dimension().max(1)).max(1) as u64;
+        let (mut flushed, mut saved) = (Instant::now(), Instant::now());
+        self.records.watch.begin(self.watched.walk().state());
+        self.watched.begin(&mut |look| self.records.take(look))?;
+        loop {
+            let started = Instant::now();
+            self.watched
+                .advance(stride, &mut |look| self.records.take(look))?;
+            self.wall += started.elapsed();
+            progress.show(&self.status());
+            if self.watched.walk().living() == 0 || progress.is_interrupted() {
+                break;
+            }
+            if saved.elapsed() >= self.checkpoint_every {
+                self.checkpoint()?;
+                (flushed, saved) = (Instant::now(), Instant::now());
+            } else if flushed.elapsed() >= FLUSH_EVERY {
+                let records = &mut self.records;
+                records.states.as_mut().map_or(Ok(()), StateTable::flush)?;
+                records.crossings.as_mut().map_or(Ok(()), Samples::flush)?;
+                records.samples.flush()?;
+                flushed = Instant::now();
+            }
+        }
+        // The last state is a sample, if the plan's grid has it or not. The checkpoint does not count
+        // one off the grid: a run that goes on leaves the same file as one that never stopped.
+        if !matches!(self.outcome(), RunOutcome::Failed(_)) {
+            self.checkpoint()?;
+        }
+        if self.watched.ended(0).is_some() {
+            self.record_end()?;
+            let records = &mut self.records;
+            records.states.as_mut().map_or(Ok(()), StateTable::end)?;
+            records.crossings.as_mut().map_or(Ok(()), Samples::end)?;
+            records.samples.end()?;
+        }
+        Ok(self.outcome())
     }
 }

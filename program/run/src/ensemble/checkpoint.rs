@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 use std::path::Path;
+use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
@@ -39,36 +40,38 @@ impl Checkpoint {
         FORMAT.write(&directory.join(CHECKPOINT), self)
     }
 
-    /// Refuses one that is not of these members of this ensemble; `file` is where it was read.
-    pub fn check(
-        &self,
+    /// Reads the checkpoint of a directory, of these members of an ensemble.
+    ///
+    /// # Errors
+    /// [`RunError::Damaged`] for one of others.
+    pub fn read_of(
+        directory: &Path,
         ensemble: &ComposedEnsemble,
         members: &Range<u64>,
-        file: &Path,
-    ) -> Result<(), RunError> {
-        let damaged = |reason: &str| RunError::Damaged {
-            file: file.to_owned(),
-            reason: reason.to_owned(),
-        };
+    ) -> Result<Self, RunError> {
+        let file = directory.join(CHECKPOINT);
+        let checkpoint: Self = FORMAT.read(&file)?;
         let population = &ensemble.population;
-        if self.fingerprint != population.fingerprint() {
-            return Err(damaged(
-                "the file of states has changed since it was written",
-            ));
-        }
-        let held = self.tree.members();
+        let held = checkpoint.tree.members();
         let is_of_these = held.start == members.start && held.end <= members.end;
-        let is_of_this =
-            self.members == population.members() && self.tree.shape() == ensemble.shape();
-        if !is_of_these || !is_of_this {
-            return Err(damaged("it is of another ensemble"));
-        }
-        Ok(())
+        let is_of_this = checkpoint.members == population.members()
+            && checkpoint.tree.shape() == ensemble.shape();
+        let reason = if checkpoint.fingerprint != population.fingerprint() {
+            "the file of states has changed since it was written"
+        } else if !is_of_these || !is_of_this {
+            "it is of another ensemble"
+        } else {
+            return Ok(checkpoint);
+        };
+        Err(RunError::Damaged {
+            file,
+            reason: reason.to_owned(),
+        })
     }
 
-    /// Reads the checkpoint of a directory.
-    pub fn read(directory: &Path) -> Result<Self, RunError> {
-        FORMAT.read(&directory.join(CHECKPOINT))
+    /// The time of integration so far.
+    pub fn wall(&self) -> Duration {
+        Duration::try_from_secs_f64(self.wall_seconds).unwrap_or_default()
     }
 }
 
@@ -119,9 +122,9 @@ mod tests {
         };
         let root = tempfile::tempdir().expect("a directory");
         checkpoint.write(root.path()).expect("written");
-        assert_eq!(
-            Checkpoint::read(root.path()).expect("a checkpoint"),
-            checkpoint
-        );
+        let back: Checkpoint = FORMAT
+            .read(&root.path().join(CHECKPOINT))
+            .expect("a checkpoint");
+        assert_eq!(back, checkpoint);
     }
 }

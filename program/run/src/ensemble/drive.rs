@@ -1,7 +1,8 @@
-//! Blocks of members on several threads, taken in by number.
+//! Session of an ensemble: blocks of members on several threads, taken in by number.
 
 use std::num::NonZeroUsize;
-use std::path::Path;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
@@ -9,17 +10,14 @@ use super::block::{self, Signals};
 use super::checkpoint::Checkpoint;
 use super::plan::ComposedEnsemble;
 use super::record::Record;
+use super::report::EnsembleReport;
 use super::section::SectionStore;
 use super::store::FinalStore;
 use super::tree::Tree;
+use crate::job::shards::Found;
+use crate::job::{Due, Held, JobSession};
 use crate::ordered::{Turn, in_order};
 use crate::{Progress, RunError, RunOutcome, Status};
-
-/// How often a checkpoint is written.
-const CHECKPOINT_EVERY: Duration = Duration::from_secs(2);
-
-/// Largest share of the time that writing checkpoints may take, one part in so many; slow ones are written less often.
-const SHARE: u32 = 20;
 
 /// How an ensemble is computed. Its results do not depend on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,43 +40,143 @@ impl Default for Workforce {
 }
 
 /// An ensemble between two members.
-pub(super) struct Session<'a> {
-    pub ensemble: &'a ComposedEnsemble,
-    pub tree: Tree,
-    pub store: FinalStore,
-    pub section: SectionStore,
+pub struct Session<'a> {
+    ensemble: &'a ComposedEnsemble,
+    workforce: Workforce,
+    tree: Tree,
+    store: FinalStore,
+    section: SectionStore,
     /// Where it is written.
-    pub directory: &'a Path,
-    pub wall: Duration,
+    directory: PathBuf,
+    wall: Duration,
     /// Threads that the members were stepped on.
-    pub threads: usize,
+    threads: usize,
     /// The member behind the last.
-    pub end: u64,
+    end: u64,
+    /// The member that an earlier session had come to.
+    resumed_at: Option<u64>,
 }
 
-impl Session<'_> {
-    /// Steps all members that are left, or as many as go before an interruption; `save` writes a
-    /// checkpoint.
-    pub fn drive(
-        &mut self,
+impl<'a> Session<'a> {
+    /// No member yet, of these.
+    pub fn begin(
+        ensemble: &'a ComposedEnsemble,
+        directory: &Path,
+        members: Range<u64>,
         workforce: Workforce,
-        progress: &mut dyn Progress,
-        save: &mut dyn FnMut(&Checkpoint) -> Result<(), RunError>,
-    ) -> Result<RunOutcome, RunError> {
+    ) -> Result<Self, RunError> {
+        Ok(Self {
+            ensemble,
+            workforce,
+            tree: Tree::new(ensemble.shape(), members.start),
+            store: FinalStore::create(ensemble, directory, members.end - members.start)?,
+            section: SectionStore::create(ensemble, directory)?,
+            directory: directory.to_owned(),
+            wall: Duration::ZERO,
+            threads: 0,
+            end: members.end,
+            resumed_at: None,
+        })
+    }
+
+    /// These members as the checkpoint of a directory has them; no file is changed before [`go_on`](JobSession::go_on).
+    pub fn resume(
+        ensemble: &'a ComposedEnsemble,
+        directory: &Path,
+        members: &Range<u64>,
+        workforce: Workforce,
+    ) -> Result<Self, RunError> {
+        let checkpoint = Checkpoint::read_of(directory, ensemble, members)?;
+        let (section, crossings) = (&checkpoint.section, checkpoint.crossings);
+        Ok(Self {
+            ensemble,
+            workforce,
+            store: FinalStore::resume(ensemble, directory, &checkpoint.vouched)?,
+            section: SectionStore::resume(ensemble, directory, section, crossings)?,
+            directory: directory.to_owned(),
+            wall: checkpoint.wall(),
+            threads: 0,
+            end: members.end,
+            resumed_at: Some(checkpoint.tree.next()),
+            tree: checkpoint.tree,
+        })
+    }
+
+    /// Takes in the members of a shard, which follow.
+    pub(crate) fn append(&mut self, shard: &Found) -> Result<(), RunError> {
+        let (members, path) = (shard.items(), &shard.directory);
+        let checkpoint = Checkpoint::read_of(path, self.ensemble, &members)?;
+        if checkpoint.tree.members() != members {
+            return Err(shard.holds_fewer());
+        }
+        self.wall += checkpoint.wall();
+        self.tree.append(checkpoint.tree);
+        self.store
+            .append(self.ensemble, path, &checkpoint.vouched)?;
+        let (section, crossings) = (&checkpoint.section, checkpoint.crossings);
+        self.section.append(self.ensemble, path, section, crossings)
+    }
+
+    /// Report of the ensemble as the session leaves it, still without advice.
+    pub fn report(&self, outcome: RunOutcome, is_repeated: bool) -> EnsembleReport {
+        let crossings = self.ensemble.run.plan.events.section.as_ref();
+        EnsembleReport {
+            outcome,
+            wall_seconds: self.wall.as_secs_f64(),
+            reductions: self.tree.total(),
+            crossings: crossings.map(|_| self.section.count),
+            resumed_at: self.resumed_at.filter(|_| !is_repeated),
+            is_repeated,
+            threads: self.threads,
+            advice: Vec::new(),
+            directory: self.directory.clone(),
+        }
+    }
+
+    /// Takes a block in.
+    fn take(&mut self, record: &mut Record) -> Result<(), RunError> {
+        record.fold(self.ensemble, &mut self.tree);
+        self.section.push(&mut record.crossings)?;
+        self.store.push(self.ensemble, record)
+    }
+
+    /// Writes a checkpoint: all that a resumed session needs.
+    pub fn save(&mut self) -> Result<(), RunError> {
+        let checkpoint = Checkpoint {
+            fingerprint: self.ensemble.population.fingerprint(),
+            members: self.ensemble.population.members(),
+            wall_seconds: self.wall.as_secs_f64(),
+            vouched: self.store.sync()?,
+            section: self.section.sync()?,
+            crossings: self.section.count,
+            tree: self.tree.clone(),
+        };
+        checkpoint.write(&self.directory)
+    }
+}
+
+impl JobSession for Session<'_> {
+    fn repeat(&mut self, held: &Held) -> Result<Option<RunOutcome>, RunError> {
+        Ok(held.is_done.then_some(RunOutcome::Done))
+    }
+
+    fn go_on(&mut self, _: &Held) -> Result<(), RunError> {
+        self.store.go_on()?;
+        self.section.go_on(&self.directory)
+    }
+
+    /// Steps all members that are left, or as many as go before an interruption, with checkpoints.
+    fn drive(&mut self, progress: &mut dyn Progress) -> Result<RunOutcome, RunError> {
         let (begun, members) = (self.tree.members().start, self.end);
         // Where steps are not counted, members are.
         let steps = self.ensemble.steps().unwrap_or(1);
         let from = self.tree.next();
-        let blocks = blocks(
-            from,
-            members,
-            workforce,
-            self.ensemble.population.dimension(),
-        );
+        let dimension = self.ensemble.population.dimension();
+        let blocks = blocks(from, members, self.workforce, dimension);
         let signals = Signals::default();
-        let (ensemble, directory) = (self.ensemble, self.directory);
+        let (ensemble, directory) = (self.ensemble, self.directory.clone());
         let (started, before) = (Instant::now(), self.wall);
-        let (mut saved, mut took) = (Instant::now(), Duration::ZERO);
+        let mut due = Due::new();
         let turn = |turn: Turn<Record>| {
             match turn {
                 Turn::Take(mut record) => self.take(&mut record)?,
@@ -93,12 +191,7 @@ impl Session<'_> {
                         until: None,
                         energy_drift: self.tree.largest_deviation(),
                     });
-                    if saved.elapsed() >= CHECKPOINT_EVERY.max(SHARE * took) {
-                        let begun = Instant::now();
-                        let checkpoint = self.checkpoint()?;
-                        save(&checkpoint)?;
-                        (saved, took) = (Instant::now(), begun.elapsed());
-                    }
+                    due.save(|| self.save())?;
                 }
             }
             Ok(!progress.is_interrupted())
@@ -108,33 +201,15 @@ impl Session<'_> {
             tasks,
             &signals.stop,
             |tools, block| match blocks.at(block) {
-                Some(block) => block::run(tools, (ensemble, directory), block, &signals),
+                Some(block) => block::run(tools, (ensemble, &directory), block, &signals),
                 None => Ok(None),
             },
             turn,
         );
         self.threads = threads;
-        outcome
-    }
-
-    /// Takes a block in.
-    fn take(&mut self, record: &mut Record) -> Result<(), RunError> {
-        record.fold(self.ensemble, &mut self.tree);
-        self.section.push(&mut record.crossings)?;
-        self.store.push(self.ensemble, record)
-    }
-
-    /// Checkpoint of the session: all that a resumed one needs.
-    pub fn checkpoint(&mut self) -> Result<Checkpoint, RunError> {
-        Ok(Checkpoint {
-            fingerprint: self.ensemble.population.fingerprint(),
-            members: self.ensemble.population.members(),
-            wall_seconds: self.wall.as_secs_f64(),
-            vouched: self.store.sync()?,
-            section: self.section.sync()?,
-            crossings: self.section.count,
-            tree: self.tree.clone(),
-        })
+        let outcome = outcome?;
+        self.save()?;
+        Ok(outcome)
     }
 }
 

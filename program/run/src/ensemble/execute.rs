@@ -1,146 +1,157 @@
-//! From a composed ensemble to a complete run directory.
+//! An ensemble as a job, or a shard of it: computed, or joined from shards.
 
-use std::ops::Range;
-use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::path::Path;
 
 use serde::Serialize;
 
 use super::advice::measured;
-use super::checkpoint::Checkpoint;
 use super::drive::{Session, Workforce};
 use super::ending::EnsembleEnding;
 use super::plan::ComposedEnsemble;
 use super::report::EnsembleReport;
-use super::section::SectionStore;
-use super::store::{FinalStore, has_begun_at_most};
-use super::tree::Tree;
+use super::store::{self, has_begun_at_most};
 use super::{page, tables};
-use crate::shards::Shard;
-use crate::{
-    Beginning, Kind, Progress, RunDirectory, RunError, RunOptions, RunOutcome, RunRequest, SCENE,
-    confirm, confirm_page, files, plugins, replace, write_page,
-};
+use crate::job::shards::{Portion, Whole};
+use crate::job::{Beginning, Content, Job, JobSubject, Output, files};
+use crate::samples::SECTION;
+use crate::start::checked;
+use crate::{RunError, RunOptions, RunOutcome};
 use leafwise_report::render_ensemble;
 use leafwise_scene::compose::SceneChecks;
 use leafwise_scene::document::SceneDocument;
 
-/// `runs/` and the scene file's name with `-ensemble`.
-pub fn default_ensemble_directory(document: &SceneDocument) -> PathBuf {
-    let out = document.ensemble.as_ref().and_then(|e| e.out.as_ref());
-    match out {
-        Some(out) => PathBuf::from(&out.value),
-        None => PathBuf::from("runs").join(format!("{}-ensemble", crate::stem(document))),
+/// An ensemble, or a shard of it, whose scene has passed its checks: its members are stepped and reduced.
+///
+/// Members that failed are counted, and no error. Shards are joined to the bytes of one process.
+pub struct EnsembleJob<'a> {
+    document: &'a SceneDocument,
+    ensemble: &'a ComposedEnsemble,
+    portion: Portion<'a>,
+    options: &'a RunOptions,
+    workforce: Workforce,
+    checks: SceneChecks,
+}
+
+impl<'a> EnsembleJob<'a> {
+    /// Checks a scene of which these members are made.
+    ///
+    /// # Errors
+    /// [`RunError::Refused`] for a tensor that is not Poisson or a Casimir that is not one.
+    pub fn new(
+        document: &'a SceneDocument,
+        ensemble: &'a ComposedEnsemble,
+        portion: Portion<'a>,
+        options: &'a RunOptions,
+        workforce: Workforce,
+    ) -> Result<Self, RunError> {
+        Ok(Self {
+            checks: checked(document, &ensemble.run, options.allow_non_poisson)?,
+            document,
+            ensemble,
+            portion,
+            options,
+            workforce,
+        })
+    }
+
+    /// `report.html`.
+    fn page(&self, _: &Session<'a>, report: &EnsembleReport) -> Content {
+        let data = page::data(self.document, self.ensemble, report, &self.options.command)
+            .map_err(RunError::reading(&report.directory))?;
+        Ok(Some(render_ensemble(&data)?.into_bytes()))
     }
 }
 
-/// `runs/` and the scene file's name with `-shards`: a folder of shards.
-pub fn default_shards_directory(document: &SceneDocument) -> PathBuf {
-    PathBuf::from("runs").join(format!("{}-shards", crate::stem(document)))
-}
+impl<'a> Job<'a> for EnsembleJob<'a> {
+    type Session = Session<'a>;
+    type Report = EnsembleReport;
 
-/// Checks the scene, then steps all members and reduces them into a directory. An unfinished ensemble of the same scene
-/// is resumed, to the same bits as without interruption. A finished one is reported again.
-///
-/// # Errors
-/// As [`run`](crate::run).
-pub fn run_ensemble(
-    document: &SceneDocument,
-    ensemble: &ComposedEnsemble,
-    options: &RunOptions,
-    workforce: Workforce,
-    progress: &mut dyn Progress,
-) -> Result<EnsembleReport, RunError> {
-    let end = |beginning: &Beginning<'_>, report| {
-        write_end(document, ensemble, options, beginning, report)
-    };
-    let asked = (ensemble, None);
-    let mut report = integrate(document, asked, options, workforce, progress, end)?;
-    if report.is_repeated {
-        repeat_end(document, ensemble, options, &mut report)?;
+    const RECORDS: &'static [&'static str] = &[SECTION, store::CSV, store::BINARY, store::MATRIX];
+
+    fn outputs() -> Vec<Output<Self, Session<'a>, EnsembleReport>> {
+        vec![
+            Output::table("statistics.csv", |job, _, report| {
+                Ok(Some(tables::statistics(job.ensemble, report).into_bytes()))
+            }),
+            Output::table("windows.csv", |job, _, report| {
+                Ok(Some(tables::windows(job.ensemble, report).into_bytes()))
+            }),
+            Output::table("losses.csv", |job, _, report| {
+                let has_losses = job.ensemble.run.plan.events.stop.is_some();
+                Ok(has_losses.then(|| tables::losses(job.ensemble, report).into_bytes()))
+            }),
+            Output::table("failures.csv", |job, _, report| {
+                let has_failures = report.reductions.failed > 0;
+                Ok(has_failures.then(|| tables::failures(job.ensemble, report).into_bytes()))
+            }),
+            Output::page(Self::page),
+        ]
     }
-    Ok(report)
-}
 
-/// Tells of an ensemble that has ended before: its advice, and tables and a page as they were written. A file that is
-/// not there is made anew.
-///
-/// # Errors
-/// [`RunError::Changed`] where one is not what was written.
-pub(super) fn repeat_end(
-    document: &SceneDocument,
-    ensemble: &ComposedEnsemble,
-    options: &RunOptions,
-    report: &mut EnsembleReport,
-) -> Result<(), RunError> {
-    report.advice = measured(document, ensemble, report);
-    tables::write(ensemble, report, confirm)?;
-    confirm_page(&report.report(), || {
-        page(document, ensemble, options, report)
-    })
-}
-
-/// `report.html`.
-fn page(
-    document: &SceneDocument,
-    ensemble: &ComposedEnsemble,
-    options: &RunOptions,
-    report: &EnsembleReport,
-) -> Result<String, RunError> {
-    let data = page::data(document, ensemble, report, &options.command)
-        .map_err(RunError::reading(&report.directory))?;
-    Ok(render_ensemble(&data)?)
-}
-
-/// Steps the members of a shard into a directory of its own, for [`merge_shards`](super::merge_shards); an unfinished shard
-/// goes on, and a finished one is reported again.
-///
-/// # Errors
-/// As [`run_ensemble`].
-pub fn run_shard(
-    document: &SceneDocument,
-    ensemble: &ComposedEnsemble,
-    shard: &Shard,
-    options: &RunOptions,
-    workforce: Workforce,
-    progress: &mut dyn Progress,
-) -> Result<EnsembleReport, RunError> {
-    let asked = (ensemble, Some(shard));
-    integrate(
-        document,
-        asked,
-        options,
-        workforce,
-        progress,
-        write_shard_end,
-    )
-}
-
-/// Steps what is left of an ensemble, or of a shard of it; `end` writes what is told of the end.
-fn integrate(
-    document: &SceneDocument,
-    (ensemble, shard): (&ComposedEnsemble, Option<&Shard>),
-    options: &RunOptions,
-    workforce: Workforce,
-    progress: &mut dyn Progress,
-    end: impl FnOnce(&Beginning<'_>, EnsembleReport) -> Result<EnsembleReport, RunError>,
-) -> Result<EnsembleReport, RunError> {
-    let checks = checked(document, ensemble, options)?;
-    let directory = open(document, ensemble, options, shard)?;
-    let begun = begin(document, ensemble, options, (&checks, shard), &directory)?;
-    let Begun {
-        mut session,
-        beginning,
-        resumed_at,
-        is_done,
-    } = begun;
-    if is_done {
-        let mut report = session.report(RunOutcome::Done, None);
-        report.is_repeated = true;
-        return Ok(report);
+    fn subject(&self) -> JobSubject<'_> {
+        JobSubject {
+            kind: self.portion.kind(Whole::Members),
+            document: self.document,
+            run: &self.ensemble.run,
+            checks: &self.checks,
+            files: files(&self.ensemble.run),
+            shard: self.portion.record(),
+            is_joined: self.portion.is_joined(),
+            options: self.options,
+        }
     }
-    let outcome = session.steps(workforce, progress)?;
-    end(&beginning, session.report(outcome, resumed_at))
+
+    fn has_begun_at_most(&self, directory: &Path) -> bool {
+        has_begun_at_most(self.ensemble, directory)
+    }
+
+    fn begin(&'a self, directory: &Path) -> Result<Session<'a>, RunError> {
+        let members = self.portion.items(self.ensemble.population.members());
+        let mut session = Session::begin(self.ensemble, directory, members, self.workforce)?;
+        for shard in self.portion.shards() {
+            session.append(shard).map_err(RunError::of_shard)?;
+        }
+        session.save()?;
+        Ok(session)
+    }
+
+    fn resume(&'a self, directory: &Path) -> Result<Session<'a>, RunError> {
+        let members = self.portion.items(self.ensemble.population.members());
+        Session::resume(self.ensemble, directory, &members, self.workforce)
+    }
+
+    fn report(
+        &self,
+        session: &mut Session<'a>,
+        outcome: RunOutcome,
+        is_repeated: bool,
+    ) -> Result<EnsembleReport, RunError> {
+        let mut report = session.report(outcome, is_repeated);
+        // Who interrupts an ensemble wants it to end.
+        if self.portion.record().is_none() && report.outcome != RunOutcome::Interrupted {
+            report.advice = measured(self.document, self.ensemble, &report);
+        }
+        Ok(report)
+    }
+
+    fn write_end(
+        &self,
+        beginning: Beginning<'_>,
+        report: &EnsembleReport,
+        directory: &Path,
+    ) -> Result<(), RunError> {
+        match self.portion.record() {
+            None => beginning.write_end(directory, EnsembleEnding::new(self.ensemble, report)),
+            Some(_) => beginning.write_end(
+                directory,
+                ShardEnding {
+                    failed: report.reductions.failed,
+                    wall_seconds: report.wall_seconds,
+                    outcome: report.outcome.word(),
+                },
+            ),
+        }
+    }
 }
 
 /// The end of a shard's manifest.
@@ -149,231 +160,4 @@ struct ShardEnding {
     failed: u64,
     wall_seconds: f64,
     outcome: &'static str,
-}
-
-/// Writes what is told of a shard that has ended.
-pub(super) fn write_shard_end(
-    beginning: &Beginning<'_>,
-    report: EnsembleReport,
-) -> Result<EnsembleReport, RunError> {
-    let ending = ShardEnding {
-        failed: report.reductions.failed,
-        wall_seconds: report.wall_seconds,
-        outcome: report.outcome.word(),
-    };
-    beginning.write_end(&report.directory, ending)?;
-    Ok(report)
-}
-
-/// The checks of a scene before it is stepped.
-pub(super) fn checked(
-    document: &SceneDocument,
-    ensemble: &ComposedEnsemble,
-    options: &RunOptions,
-) -> Result<SceneChecks, RunError> {
-    let composed = &ensemble.run;
-    let checks = SceneChecks::of(&composed.system, &composed.near)?;
-    match checks.refusal(document, &composed.system, options.allow_non_poisson) {
-        Some(refusal) => Err(RunError::Refused(refusal)),
-        None => Ok(checks),
-    }
-}
-
-/// The directory of an ensemble or of a shard of it.
-pub(super) fn open(
-    document: &SceneDocument,
-    ensemble: &ComposedEnsemble,
-    options: &RunOptions,
-    shard: Option<&Shard>,
-) -> Result<RunDirectory, RunError> {
-    let composed = &ensemble.run;
-    let files = files(composed);
-    let asked = RunRequest {
-        kind: match shard {
-            None => Kind::Ensemble,
-            Some(_) => Kind::Shard,
-        },
-        scene: &document.text,
-        plugins: &plugins(composed),
-        files: files.as_ref(),
-        shard: shard.map(Shard::record),
-    };
-    RunDirectory::open(&options.directory, &asked, options.force)
-}
-
-/// A session that may step, or has come to its end.
-pub(super) struct Begun<'a> {
-    pub session: Session<'a>,
-    pub beginning: Beginning<'a>,
-    pub resumed_at: Option<u64>,
-    pub is_done: bool,
-}
-
-/// Resumes what a directory holds, or begins anew.
-pub(super) fn begin<'a>(
-    document: &'a SceneDocument,
-    ensemble: &'a ComposedEnsemble,
-    options: &'a RunOptions,
-    (checks, shard): (&'a SceneChecks, Option<&Shard>),
-    directory: &'a RunDirectory,
-) -> Result<Begun<'a>, RunError> {
-    let members = shard.map_or(0..ensemble.population.members(), Shard::items);
-    let held = directory.held.as_ref();
-    let resumed = match held {
-        Some(_) => resume(ensemble, directory, &members)?,
-        None => None,
-    };
-    let beginning = beginning(document, ensemble, options, (checks, shard), directory);
-    let resumed_at = resumed.as_ref().map(|session| session.tree.next());
-    let is_done = held.is_some_and(|held| held.is_done);
-    let session = match resumed {
-        Some(session) if is_done => session,
-        resumed => {
-            write_begun(document, &beginning, directory)?;
-            match resumed {
-                Some(mut session) => {
-                    session.store.go_on()?;
-                    session.section.go_on(&directory.path)?;
-                    session
-                }
-                None => Session::new(ensemble, &directory.path, members)?,
-            }
-        }
-    };
-    Ok(Begun {
-        is_done: is_done && resumed_at.is_some(),
-        session,
-        beginning,
-        resumed_at,
-    })
-}
-
-/// Beginning of the manifest of an ensemble or a shard: all that is told before the first member.
-pub(super) fn beginning<'a>(
-    document: &'a SceneDocument,
-    ensemble: &'a ComposedEnsemble,
-    options: &'a RunOptions,
-    (checks, shard): (&'a SceneChecks, Option<&Shard>),
-    directory: &RunDirectory,
-) -> Beginning<'a> {
-    let kind = match shard {
-        None => Kind::Ensemble,
-        Some(_) => Kind::Shard,
-    };
-    let started = directory.held.as_ref().map(|held| held.started.clone());
-    let (composed, command) = (&ensemble.run, &options.command);
-    let beginning = Beginning::new(kind, document, composed, checks, command, started);
-    beginning.of_shard(shard.map(Shard::record))
-}
-
-/// Makes a directory that of an ensemble.
-pub(super) fn write_begun(
-    document: &SceneDocument,
-    beginning: &Beginning<'_>,
-    directory: &RunDirectory,
-) -> Result<(), RunError> {
-    beginning.write_running(&directory.path)?;
-    replace(&directory.path.join(SCENE), document.text.as_bytes())
-}
-
-/// Writes all that is told of an ensemble that has ended.
-pub(super) fn write_end(
-    document: &SceneDocument,
-    ensemble: &ComposedEnsemble,
-    options: &RunOptions,
-    beginning: &Beginning<'_>,
-    mut report: EnsembleReport,
-) -> Result<EnsembleReport, RunError> {
-    // Who interrupts an ensemble wants it to end.
-    if report.outcome != RunOutcome::Interrupted {
-        report.advice = measured(document, ensemble, &report);
-    }
-    tables::write(ensemble, &report, replace)?;
-    let page = page(document, ensemble, options, &report)?;
-    write_page(&report.report(), &page)?;
-    beginning.write_end(&report.directory, EnsembleEnding::new(ensemble, &report))?;
-    Ok(report)
-}
-
-impl<'a> Session<'a> {
-    /// No member yet, of these.
-    pub fn new(
-        ensemble: &'a ComposedEnsemble,
-        directory: &'a Path,
-        members: Range<u64>,
-    ) -> Result<Self, RunError> {
-        Ok(Session {
-            ensemble,
-            tree: Tree::new(ensemble.shape(), members.start),
-            store: FinalStore::create(ensemble, directory, members.end - members.start)?,
-            section: SectionStore::create(ensemble, directory)?,
-            directory,
-            wall: Duration::ZERO,
-            threads: 0,
-            end: members.end,
-        })
-    }
-
-    /// Steps what is left, with checkpoints.
-    fn steps(
-        &mut self,
-        workforce: Workforce,
-        progress: &mut dyn Progress,
-    ) -> Result<RunOutcome, RunError> {
-        let directory = self.directory;
-        self.checkpoint()?.write(directory)?;
-        let save = &mut |checkpoint: &Checkpoint| checkpoint.write(directory);
-        let mut steps = || {
-            let outcome = self.drive(workforce, progress, save)?;
-            self.checkpoint()?.write(directory)?;
-            Ok(outcome)
-        };
-        steps().map_err(|error: RunError| error.with_a_checkpoint(directory))
-    }
-
-    /// Report of the ensemble as the session leaves it, still without advice.
-    pub fn report(&self, outcome: RunOutcome, resumed_at: Option<u64>) -> EnsembleReport {
-        let crossings = self.ensemble.run.plan.events.section.as_ref();
-        EnsembleReport {
-            outcome,
-            wall_seconds: self.wall.as_secs_f64(),
-            reductions: self.tree.total(),
-            crossings: crossings.map(|_| self.section.count),
-            resumed_at,
-            is_repeated: false,
-            threads: self.threads,
-            advice: Vec::new(),
-            directory: self.directory.to_owned(),
-        }
-    }
-}
-
-/// An ensemble, or these members of it, as its checkpoint has it; `None` where it was killed
-/// before the first, and begins anew.
-fn resume<'a>(
-    ensemble: &'a ComposedEnsemble,
-    directory: &'a RunDirectory,
-    members: &Range<u64>,
-) -> Result<Option<Session<'a>>, RunError> {
-    let file = directory.path.join(crate::CHECKPOINT);
-    if !file.exists() && has_begun_at_most(ensemble, &directory.path) {
-        return Ok(None);
-    }
-    let checkpoint = Checkpoint::read(&directory.path)?;
-    checkpoint.check(ensemble, members, &file)?;
-    Ok(Some(Session {
-        ensemble,
-        store: FinalStore::resume(ensemble, &directory.path, &checkpoint.vouched)?,
-        section: SectionStore::resume(
-            ensemble,
-            &directory.path,
-            &checkpoint.section,
-            checkpoint.crossings,
-        )?,
-        directory: &directory.path,
-        wall: Duration::try_from_secs_f64(checkpoint.wall_seconds).unwrap_or_default(),
-        tree: checkpoint.tree,
-        threads: 0,
-        end: members.end,
-    }))
 }

@@ -10,8 +10,7 @@
 //! - `statistics`, `quantiles`, `losses`: reductions over members; `tree`: their order;
 //! - `report`: [`EnsembleReport`], results of an ensemble that has ended;
 //! - `checkpoint`, `store`, `tables`, `ending`, `page`: files of the run directory;
-//! - `execute`: [`run_ensemble`], all of it, or a [`Shard`](crate::shards::Shard) of it; `merge`: [`merge_shards`],
-//!   these joined to the bytes of one process.
+//! - `execute`: [`EnsembleJob`], all of it, or a [`Shard`](crate::shards::Shard) of it.
 
 mod advice;
 mod begun;
@@ -24,7 +23,6 @@ mod execute;
 mod losses;
 mod member;
 mod member_records;
-mod merge;
 mod page;
 mod plan;
 mod population;
@@ -34,7 +32,7 @@ mod report;
 mod section;
 mod states;
 mod statistics;
-pub(crate) mod store;
+mod store;
 mod tables;
 #[cfg(test)]
 mod tests;
@@ -43,10 +41,9 @@ mod tree;
 pub use advice::advise_ensemble;
 pub use drive::Workforce;
 pub use ending::EnsembleEnding;
-pub use execute::{default_ensemble_directory, default_shards_directory, run_ensemble, run_shard};
+pub use execute::EnsembleJob;
 pub use losses::Loss;
 pub use member::{MemberError, member_scene};
-pub use merge::{join_shards, merge_shards};
 pub use plan::{ComposedEnsemble, compose_ensemble, compose_members};
 pub use population::{NoMember, Population};
 pub use quantiles::Quantile;

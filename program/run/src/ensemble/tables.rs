@@ -4,7 +4,6 @@ use super::plan::ComposedEnsemble;
 use super::report::EnsembleReport;
 use super::statistics::Summary;
 use crate::csv::{Headings, Table};
-use crate::{FAILURES, LOSSES, Put, RunError, STATISTICS, WINDOWS};
 
 /// The columns of `statistics.csv` before the quantiles and the errors of their ranks.
 const MOMENTS: [&str; 10] = [
@@ -20,27 +19,8 @@ const MOMENTS: [&str; 10] = [
     "maximum_member",
 ];
 
-/// Writes `statistics.csv`, `windows.csv`, with a condition `losses.csv` and, where members failed, `failures.csv`.
-pub(super) fn write(
-    ensemble: &ComposedEnsemble,
-    report: &EnsembleReport,
-    put: Put,
-) -> Result<(), RunError> {
-    let put =
-        |name: &str, table: Table| put(&report.directory.join(name), table.as_str().as_bytes());
-    put(STATISTICS, statistics(ensemble, report))?;
-    put(WINDOWS, windows(ensemble, report))?;
-    if ensemble.run.plan.events.stop.is_some() {
-        put(LOSSES, losses(ensemble, report))?;
-    }
-    if report.reductions.failed > 0 {
-        put(FAILURES, failures(ensemble, report))?;
-    }
-    Ok(())
-}
-
 /// A row for each observable and time.
-fn statistics(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> Table {
+pub(super) fn statistics(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> Table {
     let parts = ensemble.quantiles.iter();
     let quantiles = parts.clone().map(|p| format!("q{p:?}"));
     let errors = parts.map(|p| format!("q{p:?}_rank_error"));
@@ -82,7 +62,7 @@ pub(super) fn summaries<'a>(
 
 /// The end of each window, and each invariant's largest deviation in it: over all members, whose it
 /// is, and the members' mean.
-fn windows(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> Table {
+pub(super) fn windows(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> Table {
     let names = ensemble.invariant_names();
     let mut headings = Headings::default();
     headings.push("t_end", "time");
@@ -107,7 +87,7 @@ fn windows(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> Table {
 }
 
 /// How many members have ended by each time, and the part of all with its confidence interval.
-fn losses(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> Table {
+pub(super) fn losses(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> Table {
     let mut table = Table::new(["t", "stopped", "members", "fraction", "low", "high"]);
     for loss in ensemble.losses(&report.reductions) {
         table
@@ -121,7 +101,8 @@ fn losses(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> Table {
     table
 }
 
-fn failures(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> Table {
+/// The first members that failed, each where and why.
+pub(super) fn failures(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> Table {
     let mut headings = Headings::default();
     headings.extend(["member", "step", "t", "message"], "of the failure");
     headings.extend(ensemble.run.names(), "variable");

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 use std::path::Path;
+use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
@@ -33,6 +34,11 @@ impl Checkpoint {
     /// Writes the checkpoint of a directory.
     pub fn write(&self, directory: &Path) -> Result<(), RunError> {
         FORMAT.write(&directory.join(CHECKPOINT), self)
+    }
+
+    /// The time of integration so far.
+    pub fn wall(&self) -> Duration {
+        Duration::from_secs_f64(f64::from_bits(self.wall_seconds).max(0.0))
     }
 
     /// Reads the checkpoint of a directory, of these settings of a sweep.

@@ -7,7 +7,7 @@
 //! - `session`: settings on threads, their rows in order;
 //! - `checkpoint`: all that a resumed sweep needs;
 //! - `report`: [`SweepReport`], results of a sweep that has ended; `page`: to look at;
-//! - `execute`: [`run_sweep`], all settings; [`run_sweep_shard`], some of them; [`merge_sweep`], these joined.
+//! - `execute`: [`SweepJob`], all settings or some of them.
 
 mod checkpoint;
 mod columns;
@@ -22,10 +22,7 @@ mod settings;
 mod tests;
 
 pub use columns::SweepColumns;
-pub use execute::{
-    default_sweep_directory, default_sweep_shards_directory, join_sweep_shards, merge_sweep,
-    run_sweep, run_sweep_shard,
-};
+pub use execute::SweepJob;
 pub use plan::{ComposedSweep, compose_sweep};
 pub use report::{SweepEnding, SweepReport};
 pub use settings::Settings;

@@ -8,6 +8,7 @@ use leafwise_core::Registry;
 use super::columns::SweepColumns;
 use super::settings::{Settings, section};
 use crate::RunError;
+use crate::start::checked;
 use leafwise_scene::SceneErrors;
 use leafwise_scene::compose::{ComposedRun, Refusal, SceneChecks, compose};
 use leafwise_scene::document::{RecordSpec, SceneDocument};
@@ -103,18 +104,6 @@ fn recording(mut document: SceneDocument) -> Result<SceneDocument, Refusal> {
         states: None,
     };
     Ok(document)
-}
-
-fn checked(
-    document: &SceneDocument,
-    run: &ComposedRun,
-    allow_non_poisson: bool,
-) -> Result<SceneChecks, RunError> {
-    let checks = SceneChecks::of(&run.system, &run.near)?;
-    match checks.refusal(document, &run.system, allow_non_poisson) {
-        Some(refusal) => Err(RunError::Refused(refusal)),
-        None => Ok(checks),
-    }
 }
 
 impl ComposedSweep<'_> {

@@ -5,7 +5,10 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use super::columns::SweepColumns;
-use crate::{REPORT, RunOutcome, SWEEP};
+use crate::{REPORT, RunOutcome};
+
+/// The table: a row for each setting.
+pub(super) const SWEEP: &str = "sweep.csv";
 
 /// A sweep that has ended and left its directory complete.
 #[derive(Clone, Debug)]

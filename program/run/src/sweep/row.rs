@@ -6,6 +6,7 @@ use super::settings::{Settings, cell};
 use crate::csv::Table;
 use crate::drive::Session;
 use crate::execute::describe;
+use crate::job::JobSession;
 use crate::{Progress, RunError, RunOutcome, Status};
 use leafwise_scene::compose::ComposedRun;
 
@@ -62,7 +63,7 @@ impl Row {
         if outcome == RunOutcome::Interrupted {
             return Ok(None);
         }
-        let report = describe(run, &session, outcome, None);
+        let report = describe(run, &session, outcome);
         let error = report
             .outcome
             .failure()

@@ -2,48 +2,59 @@
 
 use std::num::NonZeroUsize;
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use super::checkpoint::Checkpoint;
 use super::plan::ComposedSweep;
+use super::report::{SWEEP, SweepReport};
 use super::row::{Row, Signals};
 use crate::csv::Table;
+use crate::job::shards::Found;
+use crate::job::{Due, Held, JobSession};
 use crate::ordered::{Turn, in_order};
-use crate::shards::Found;
-use crate::{Appended, CHECKPOINT, Progress, RunError, RunOutcome, SWEEP, Status};
-
-/// How often a checkpoint is written.
-const CHECKPOINT_EVERY: Duration = Duration::from_secs(2);
+use crate::{Appended, Progress, RunError, RunOutcome, Status};
 
 /// A sweep between two settings.
-pub(super) struct Session<'a> {
+pub struct Session<'a> {
     sweep: &'a ComposedSweep<'a>,
-    directory: &'a Path,
+    /// Threads that were asked for, and as many as there were.
+    wanted: NonZeroUsize,
+    threads: usize,
+    directory: PathBuf,
     table: Appended,
     items: Range<u64>,
     /// The setting whose row is written next.
-    pub next: u64,
-    pub failed: u64,
-    pub wall: Duration,
-    pub threads: usize,
+    next: u64,
+    failed: u64,
+    wall: Duration,
     largest: f64,
+    /// The setting that an earlier session had come to.
+    resumed_at: Option<u64>,
+}
+
+/// Whether a directory holds no row.
+pub(super) fn has_begun_at_most(sweep: &ComposedSweep<'_>, directory: &Path) -> bool {
+    let begun = directory.join(SWEEP).metadata();
+    begun.map_or(0, |file| file.len()) <= sweep.columns().heading().len() as u64
 }
 
 impl<'a> Session<'a> {
     /// No row yet.
-    pub fn new(
+    pub fn begin(
         sweep: &'a ComposedSweep<'a>,
-        directory: &'a Path,
+        directory: &Path,
         items: Range<u64>,
+        wanted: NonZeroUsize,
     ) -> Result<Self, RunError> {
         let mut table = Appended::create(&directory.join(SWEEP))?;
         table.push(sweep.columns().heading().as_bytes())?;
         table.flush()?;
         Ok(Self {
             sweep,
-            directory,
+            wanted,
+            directory: directory.to_owned(),
             table,
             next: items.start,
             items,
@@ -51,96 +62,47 @@ impl<'a> Session<'a> {
             wall: Duration::ZERO,
             threads: 0,
             largest: 0.0,
+            resumed_at: None,
         })
     }
 
-    /// The rows of an earlier session; `None` where it was killed before its first checkpoint.
+    /// The rows of an earlier session; none is changed before [`go_on`](JobSession::go_on).
     pub fn resume(
         sweep: &'a ComposedSweep<'a>,
-        directory: &'a Path,
+        directory: &Path,
         items: Range<u64>,
-    ) -> Result<Option<Self>, RunError> {
-        let path = directory.join(SWEEP);
-        if !directory.join(CHECKPOINT).exists() {
-            let begun = path.metadata().map_or(0, |file| file.len());
-            if begun <= sweep.columns().heading().len() as u64 {
-                return Ok(None);
-            }
-        }
+        wanted: NonZeroUsize,
+    ) -> Result<Self, RunError> {
         let checkpoint = Checkpoint::read(directory, sweep.settings().count(), &items)?;
-        Ok(Some(Self {
+        Ok(Self {
             sweep,
-            directory,
-            table: Appended::resume(&path, &checkpoint.vouched)?,
+            wanted,
+            directory: directory.to_owned(),
+            table: Appended::resume(&directory.join(SWEEP), &checkpoint.vouched)?,
             next: checkpoint.next,
             failed: checkpoint.failed,
-            wall: Duration::from_secs_f64(f64::from_bits(checkpoint.wall_seconds).max(0.0)),
+            wall: checkpoint.wall(),
             items,
             threads: 0,
             largest: 0.0,
-        }))
+            resumed_at: Some(checkpoint.next),
+        })
     }
 
-    /// Runs the settings that are left, or as many as go before an interruption.
-    pub fn drive(
-        &mut self,
-        threads: NonZeroUsize,
-        progress: &mut dyn Progress,
-    ) -> Result<RunOutcome, RunError> {
-        self.table.cut(false)?;
-        self.checkpoint()?;
-        let directory = self.directory;
-        let mut steps = || {
-            let outcome = self.steps(threads, progress)?;
-            self.checkpoint()?;
-            Ok(outcome)
-        };
-        steps().map_err(|error: RunError| error.with_a_checkpoint(directory))
-    }
-
-    fn steps(
-        &mut self,
-        threads: NonZeroUsize,
-        progress: &mut dyn Progress,
-    ) -> Result<RunOutcome, RunError> {
-        let signals = Signals::default();
-        let (sweep, first) = (self.sweep, self.next);
-        let work = |(): &mut (), task: u64| {
-            let setting = first + task;
-            match sweep.run(setting).map_err(RunError::Refused)? {
-                Some(run) => Row::of(setting, &run, &signals),
-                None => Ok(None),
-            }
-        };
-        let each = sweep.base.plan.steps;
-        let (total, done) = (self.items.end - self.items.start, first - self.items.start);
-        let (started, before) = (Instant::now(), self.wall);
-        let mut saved = Instant::now();
-        let tasks = (self.items.end - first, threads);
-        let turn = |turn: Turn<Row>| {
-            match turn {
-                Turn::Take(row) => self.take(&row)?,
-                Turn::Look => {
-                    self.wall = before + started.elapsed();
-                    let made = signals.steps.load(Ordering::Relaxed);
-                    progress.show(&Status {
-                        steps: done.saturating_mul(each).saturating_add(made),
-                        total: total.saturating_mul(each),
-                        time: sweep.base.plan.epsilon * sweep.base.plan.h * each as f64,
-                        until: None,
-                        energy_drift: self.largest,
-                    });
-                    if saved.elapsed() >= CHECKPOINT_EVERY {
-                        self.checkpoint()?;
-                        saved = Instant::now();
-                    }
-                }
-            }
-            Ok(!progress.is_interrupted())
-        };
-        let (threads, outcome) = in_order(tasks, &signals.stop, work, turn);
-        self.threads = threads;
-        outcome
+    /// Report of the sweep as the session leaves it.
+    pub fn report(&self, outcome: RunOutcome, is_repeated: bool) -> SweepReport {
+        SweepReport {
+            outcome,
+            settings: self.items.end - self.items.start,
+            done: self.next - self.items.start,
+            failed: self.failed,
+            wall_seconds: self.wall.as_secs_f64(),
+            resumed_at: self.resumed_at.filter(|_| !is_repeated),
+            is_repeated,
+            threads: self.threads,
+            columns: self.sweep.columns().clone(),
+            directory: self.directory.clone(),
+        }
     }
 
     fn take(&mut self, row: &Row) -> Result<(), RunError> {
@@ -154,29 +116,23 @@ impl<'a> Session<'a> {
     }
 
     /// Takes in the rows of a shard, which follow.
-    pub fn append(&mut self, shard: &Found) -> Result<(), RunError> {
+    pub(crate) fn append(&mut self, shard: &Found) -> Result<(), RunError> {
         let (items, path) = (shard.items(), &shard.directory);
-        if items.is_empty() {
-            return Ok(());
-        }
         let checkpoint = Checkpoint::read(path, self.sweep.settings().count(), &items)?;
         if checkpoint.next != items.end {
-            return Err(RunError::Damaged {
-                file: path.join(CHECKPOINT),
-                reason: "it holds fewer settings than its manifest says".to_owned(),
-            });
+            return Err(shard.holds_fewer());
         }
         let heading = self.sweep.columns().heading().len() as u64;
         self.table
             .append_file(&path.join(SWEEP), &checkpoint.vouched, heading)?;
         self.next = items.end;
         self.failed += checkpoint.failed;
-        self.wall += Duration::from_secs_f64(f64::from_bits(checkpoint.wall_seconds).max(0.0));
+        self.wall += checkpoint.wall();
         Ok(())
     }
 
     /// Writes what a resumed session needs.
-    pub fn checkpoint(&mut self) -> Result<(), RunError> {
+    pub fn save(&mut self) -> Result<(), RunError> {
         let checkpoint = Checkpoint {
             settings: self.sweep.settings().count(),
             first: self.items.start,
@@ -185,6 +141,58 @@ impl<'a> Session<'a> {
             wall_seconds: self.wall.as_secs_f64().to_bits(),
             vouched: self.table.sync()?,
         };
-        checkpoint.write(self.directory)
+        checkpoint.write(&self.directory)
+    }
+}
+
+impl JobSession for Session<'_> {
+    fn repeat(&mut self, held: &Held) -> Result<Option<RunOutcome>, RunError> {
+        Ok(held.is_done.then_some(RunOutcome::Done))
+    }
+
+    fn go_on(&mut self, _: &Held) -> Result<(), RunError> {
+        // Rows that the checkpoint does not count go.
+        self.table.cut(false)
+    }
+
+    /// Runs the settings that are left, or as many as go before an interruption, with checkpoints.
+    fn drive(&mut self, progress: &mut dyn Progress) -> Result<RunOutcome, RunError> {
+        let signals = Signals::default();
+        let (sweep, first) = (self.sweep, self.next);
+        let work = |(): &mut (), task: u64| {
+            let setting = first + task;
+            match sweep.run(setting).map_err(RunError::Refused)? {
+                Some(run) => Row::of(setting, &run, &signals),
+                None => Ok(None),
+            }
+        };
+        let each = sweep.base.plan.steps;
+        let (total, done) = (self.items.end - self.items.start, first - self.items.start);
+        let (started, before) = (Instant::now(), self.wall);
+        let mut due = Due::new();
+        let tasks = (self.items.end - first, self.wanted);
+        let turn = |turn: Turn<Row>| {
+            match turn {
+                Turn::Take(row) => self.take(&row)?,
+                Turn::Look => {
+                    self.wall = before + started.elapsed();
+                    let made = signals.steps.load(Ordering::Relaxed);
+                    progress.show(&Status {
+                        steps: done.saturating_mul(each).saturating_add(made),
+                        total: total.saturating_mul(each),
+                        time: sweep.base.plan.epsilon * sweep.base.plan.h * each as f64,
+                        until: None,
+                        energy_drift: self.largest,
+                    });
+                    due.save(|| self.save())?;
+                }
+            }
+            Ok(!progress.is_interrupted())
+        };
+        let (threads, outcome) = in_order(tasks, &signals.stop, work, turn);
+        self.threads = threads;
+        let outcome = outcome?;
+        self.save()?;
+        Ok(outcome)
     }
 }

@@ -7,12 +7,9 @@ use std::path::{Path, PathBuf};
 use leafwise_core::Registry;
 use leafwise_scene::document::SceneDocument;
 
-use super::{
-    Settings, SweepReport, compose_sweep, join_sweep_shards, merge_sweep, run_sweep,
-    run_sweep_shard,
-};
-use crate::shards::{MergeError, Shard, Shards, Whole};
-use crate::{Progress, Quiet, RunError, RunOptions, RunOutcome, Status};
+use super::{Settings, SweepJob, SweepReport, compose_sweep};
+use crate::shards::{MergeError, Portion, Shard, Shards, Whole};
+use crate::{Progress, Quiet, RunError, RunOptions, RunOutcome, Status, perform};
 
 const SCENE: &str = r#"
 [system]
@@ -75,10 +72,9 @@ fn sweep(
     );
     let threads = NonZeroUsize::new(threads).expect("threads");
     let options = options(directory.to_owned());
-    match &shard {
-        None => run_sweep(&document, &sweep, &options, threads, progress),
-        Some(shard) => run_sweep_shard(&document, &sweep, shard, &options, threads, progress),
-    }
+    let portion = Portion::computed(shard.as_ref());
+    let job = SweepJob::new(&document, &sweep, portion, &options, threads);
+    perform(&job, progress)
 }
 
 fn join(folder: &Path, out: &Path, is_whole: bool) -> Result<SweepReport, MergeError> {
@@ -88,10 +84,12 @@ fn join(folder: &Path, out: &Path, is_whole: bool) -> Result<SweepReport, MergeE
     let sweep = compose_sweep(&document, &registry, settings, 0..0, false, &mut |_, _| ())?;
     let shards = Shards::find(&[folder.to_owned()])?;
     let options = options(out.to_owned());
-    match is_whole {
-        true => merge_sweep(&document, &sweep, &shards, &options),
-        false => join_sweep_shards(&document, &sweep, &shards, &options),
-    }
+    let portion = match is_whole {
+        true => Portion::merged(&shards)?,
+        false => Portion::joined(&shards)?,
+    };
+    let job = SweepJob::new(&document, &sweep, portion, &options, NonZeroUsize::MIN);
+    Ok(perform(&job, &mut Quiet)?)
 }
 
 fn table(directory: &Path) -> String {

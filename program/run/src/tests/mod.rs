@@ -14,7 +14,7 @@ use std::path::Path;
 
 use leafwise_core::Registry;
 
-use super::{Progress, RunError, RunOptions, RunReport, Status, run};
+use super::{Progress, RunError, RunJob, RunOptions, RunReport, Status, perform};
 use leafwise_scene::compose::{ComposedRun, compose};
 use leafwise_scene::document::SceneDocument;
 
@@ -93,7 +93,8 @@ impl Prepared {
             registry,
             composed,
         } = self;
-        run(document, composed, registry, &options, progress)
+        let job = RunJob::new(document, composed, registry, &options)?;
+        perform(&job, progress)
     }
 }
 

@@ -4,7 +4,7 @@ use std::fs;
 
 use super::running::StopAfter;
 use super::*;
-use crate::{Quiet, RunOutcome, run};
+use crate::{Quiet, RunJob, RunOutcome};
 use leafwise_scene::compose::compose;
 
 const FILES: [&str; 6] = [
@@ -248,14 +248,9 @@ fn a_member_alone_ends_and_crosses_as_in_the_ensemble() {
                 }
             };
             let directory = root.path().join(format!("{member}"));
-            let report = run(
-                &alone,
-                &composed,
-                &Registry::with_builtin(),
-                &options(&directory),
-                &mut Quiet,
-            )
-            .expect("a run");
+            let (registry, options) = (Registry::with_builtin(), options(&directory));
+            let job = RunJob::new(&alone, &composed, &registry, &options).expect("a run");
+            let report = perform(&job, &mut Quiet).expect("a run");
             assert_eq!(report.outcome.word(), row[1]);
             assert_eq!(format!("{:?}", report.time), row[2]);
             let state: Vec<String> = report

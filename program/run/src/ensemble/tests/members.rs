@@ -266,7 +266,8 @@ fn members_in_memory_are_those_of_a_file() {
         let out = tempfile::tempdir().expect("a directory");
         let options = options(&out.path().join("out"));
         let (all, progress) = (workforce(2, 2), &mut crate::Quiet);
-        let report = run_ensemble(document, ensemble, &options, all, progress).expect("a run");
+        let job = EnsembleJob::new(document, ensemble, Portion::default(), &options, all);
+        let report = perform(&job.expect("a job"), progress).expect("a run");
         assert_eq!(report.reductions.members, 3);
         fs::read_to_string(options.directory.join("final_states.csv")).expect("a file")
     });

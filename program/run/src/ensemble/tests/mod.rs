@@ -16,7 +16,8 @@ use leafwise_reference as _;
 use leafwise_splitting as _;
 
 use super::*;
-use crate::{Progress, RunError, RunOptions};
+use crate::shards::{Portion, Shard};
+use crate::{Progress, RunError, RunOptions, perform};
 use leafwise_scene::document::SceneDocument;
 
 const BODY: &str = r#"
@@ -82,11 +83,18 @@ fn attempt(
     force: Workforce,
     progress: &mut dyn Progress,
 ) -> Result<EnsembleReport, RunError> {
-    run_ensemble(
-        document,
-        &composed(document),
-        &options(directory),
-        force,
-        progress,
-    )
+    make(document, None, &options(directory), force, progress)
+}
+
+/// Makes an ensemble, or a shard of it.
+fn make(
+    document: &SceneDocument,
+    shard: Option<&Shard>,
+    options: &RunOptions,
+    force: Workforce,
+    progress: &mut dyn Progress,
+) -> Result<EnsembleReport, RunError> {
+    let (ensemble, portion) = (composed(document), Portion::computed(shard));
+    let job = EnsembleJob::new(document, &ensemble, portion, options, force)?;
+    perform(&job, progress)
 }

@@ -3,7 +3,7 @@
 use std::fs;
 
 use super::*;
-use crate::{Kind, Manifest, Quiet, RunOutcome, Status};
+use crate::{Kind, Manifest, Quiet, RunJob, RunOutcome, Status};
 use leafwise_scene::compose::compose;
 
 /// Everything but the work counted, which is summed over blocks.
@@ -193,7 +193,8 @@ fn a_changed_checkpoint_or_state_of_an_ensemble_is_refused() {
     let path = root.path();
     let run = || {
         let (options, one) = (options(path), workforce(1, 8));
-        run_ensemble(&document, &ensemble, &options, one, &mut Quiet)
+        let job = EnsembleJob::new(&document, &ensemble, Portion::default(), &options, one)?;
+        perform(&job, &mut Quiet)
     };
     run().expect("an ensemble");
     for (file, step) in [("checkpoint.bin", 7), ("final_states.csv", 1)] {
@@ -226,7 +227,8 @@ fn tables_and_the_page_of_a_finished_ensemble_are_made_anew_or_refused() {
     let path = root.path();
     let run = || {
         let (options, one) = (options(path), workforce(1, 8));
-        run_ensemble(&document, &ensemble, &options, one, &mut Quiet)
+        let job = EnsembleJob::new(&document, &ensemble, Portion::default(), &options, one)?;
+        perform(&job, &mut Quiet)
     };
     let report = run().expect("an ensemble");
     assert!(report.reductions.failed > 0 && report.reductions.stopped > 0);
@@ -380,4 +382,54 @@ fn names_of_several_lines_are_one_cell() {
             assert!(holds, "{file} has no {cell:?}: {:?}", rows[0]);
         }
     }
+}
+
+/// All that a job leaves is in its list: what another job of the same directory replaces by force.
+#[test]
+fn force_removes_every_file_of_a_job_of_another_kind() {
+    let small = "members = 5\ninitial = { ball = 0.2 }\nfinal-states = \"npy\"\n\
+                 parameters = { I2 = { values = [0.75, 0.0, 0.8, 0.85, 0.9] } }";
+    let text = BODY
+        .replace("METHOD", METHODS[0])
+        .replace("ENSEMBLE", small)
+        .replace(
+            "steps   = 43",
+            "steps   = 43\nstop    = \"x1 > 9\"\nsection = { at = \"x1 = 1.02\", direction = \"both\" }\n\
+             record  = { states = [] }",
+        );
+    let registry = Registry::with_builtin();
+    let document = SceneDocument::parse("body.toml", &text, &registry).expect("a scene");
+    let ensemble = composed(&document);
+    let alone = compose(&document, &registry).expect("a run");
+    let root = tempfile::tempdir().expect("a directory");
+    let options = |name: &str| RunOptions {
+        force: true,
+        ..options(&root.path().join(name))
+    };
+    let one = |name: &str| {
+        let options = options(name);
+        let job = RunJob::new(&document, &alone, &registry, &options).expect("a job");
+        perform(&job, &mut Quiet).expect("a run");
+    };
+    let many = |name: &str| {
+        let (options, all) = (options(name), Portion::default());
+        let job = EnsembleJob::new(&document, &ensemble, all, &options, workforce(1, 8));
+        let report = perform(&job.expect("a job"), &mut Quiet).expect("an ensemble");
+        assert!(report.reductions.failed > 0);
+    };
+    let left = |name: &str| {
+        let entries = fs::read_dir(root.path().join(name)).expect("a directory");
+        let names = entries.map(|entry| entry.expect("an entry").file_name());
+        names.collect::<std::collections::BTreeSet<_>>()
+    };
+    one("run");
+    many("ensemble");
+    one("both");
+    assert_eq!(left("both"), left("run"));
+    many("both");
+    assert_eq!(left("both"), left("ensemble"));
+    one("both");
+    assert_eq!(left("both"), left("run"));
+    assert!(left("run").iter().any(|name| name == "final_state.bin"));
+    assert!(left("ensemble").iter().any(|name| name == "failures.csv"));
 }

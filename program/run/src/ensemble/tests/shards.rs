@@ -5,7 +5,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use super::*;
-use crate::shards::{MergeError, Shard, Shards, Whole};
+use crate::shards::{MergeError, Shards, Whole};
 use crate::{Quiet, RunOutcome, Status};
 
 const FILES: [&str; 4] = [
@@ -39,15 +39,7 @@ fn shard(
     force: Workforce,
     progress: &mut dyn Progress,
 ) -> Result<EnsembleReport, RunError> {
-    let ensemble = composed(document);
-    run_shard(
-        document,
-        &ensemble,
-        shard,
-        &options(directory),
-        force,
-        progress,
-    )
+    make(document, Some(shard), &options(directory), force, progress)
 }
 
 fn merged(
@@ -55,8 +47,10 @@ fn merged(
     shards: &[PathBuf],
     into: &Path,
 ) -> Result<EnsembleReport, MergeError> {
-    let shards = Shards::find(shards)?;
-    merge_shards(document, &composed(document), &shards, &options(into))
+    let (shards, ensemble, options) = (Shards::find(shards)?, composed(document), options(into));
+    let (portion, force) = (Portion::merged(&shards)?, workforce(1, 64));
+    let job = EnsembleJob::new(document, &ensemble, portion, &options, force)?;
+    Ok(perform(&job, &mut Quiet)?)
 }
 
 fn is_same(whole: &Path, merged: &Path, files: &[&str]) {

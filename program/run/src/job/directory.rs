@@ -4,68 +4,47 @@ use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use super::checkpoint;
+use super::beginning::plugins;
 use super::difference::{Change, changed_keys, listed};
-use super::error::RunError;
-use super::manifest::{
-    self, FilesRecord, Kind, Manifest, PROGRAM_VERSION, PluginRecord, ShardRecord,
-};
-use super::{samples, states};
-use crate::ensemble::store;
-use crate::shards::Whole;
+use super::manifest::{self, CHECKPOINT, Kind, Manifest, PROGRAM_VERSION, PluginRecord, SCENE};
+use super::shards::Whole;
+use super::subject::JobSubject;
+use crate::RunError;
 use leafwise_scene::document::SceneDocument;
 
-/// The scene as run.
-pub(crate) const SCENE: &str = "scene.toml";
-/// Maxima of the invariants' deviations over windows.
-pub(crate) const WINDOWS: &str = "windows.csv";
-/// The page to open.
-pub(crate) const REPORT: &str = "report.html";
-/// Tables of an ensemble: statistics of its members, and the first of those that failed.
-pub(crate) const STATISTICS: &str = "statistics.csv";
-pub(crate) const FAILURES: &str = "failures.csv";
-/// How many of them the scene's condition has ended, against time.
-pub(crate) const LOSSES: &str = "losses.csv";
-/// A row for each setting of a sweep.
-pub(crate) const SWEEP: &str = "sweep.csv";
 /// Held by the program that writes.
 const LOCK: &str = ".lock";
 
-/// `runs/` and the scene file's name without its extension.
-pub fn default_directory(document: &SceneDocument) -> PathBuf {
-    if let Some(out) = &document.run.out {
+/// The files that jobs of a kind leave, beside those of every job.
+pub type Files = fn(Kind) -> Vec<&'static str>;
+
+/// The directory that the scene names, or else `runs/` and the scene file's name without its extension, behind it what
+/// kind of job it is. Of a shard it is a folder of shards.
+pub fn default_directory(document: &SceneDocument, kind: Kind) -> PathBuf {
+    let ensemble = document.ensemble.as_ref();
+    let sweep = document.sweep.as_ref();
+    let (out, behind) = match kind {
+        Kind::Run => (document.run.out.as_ref(), ""),
+        Kind::Ensemble => (ensemble.and_then(|table| table.out.as_ref()), "-ensemble"),
+        Kind::Shard => (None, "-shards"),
+        Kind::Sweep => (sweep.and_then(|table| table.out.as_ref()), "-sweep"),
+        Kind::SweepShard => (None, "-sweep-shards"),
+    };
+    if let Some(out) = out {
         return PathBuf::from(&out.value);
     }
-    Path::new("runs").join(stem(document))
-}
-
-/// The scene file's name without its extension; `scene` where that is no name for a folder.
-pub(crate) fn stem(document: &SceneDocument) -> String {
     let stem = Path::new(&document.name).file_stem().unwrap_or_default();
-    match stem.to_string_lossy().as_ref() {
+    let stem = match stem.to_string_lossy().as_ref() {
+        // No name for a folder.
         "" | "." | ".." => "scene".to_owned(),
         stem => stem.to_owned(),
-    }
-}
-
-/// A run that wants a directory.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct RunRequest<'a> {
-    /// One trajectory or many.
-    pub kind: Kind,
-    /// The scene as run.
-    pub scene: &'a str,
-    /// The libraries it uses.
-    pub plugins: &'a [PluginRecord],
-    /// Record of the files that it read.
-    pub files: Option<&'a FilesRecord>,
-    /// Which members of an ensemble.
-    pub shard: Option<ShardRecord>,
+    };
+    Path::new("runs").join(stem + behind)
 }
 
 /// A run of the same scene and inputs that a directory holds.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Held {
+pub struct Held {
     /// When it was begun.
     pub started: String,
     /// Whether it has come to its end.
@@ -87,16 +66,15 @@ pub(crate) struct RunDirectory {
 }
 
 impl RunDirectory {
-    /// Takes hold of `path` for a run.
+    /// Takes hold of the directory of a job.
     ///
-    /// A directory without the manifest of a run must be empty: nothing else tells that its files are
-    /// ours. With `force` the run it holds is removed: only the files that a run of its kind writes.
-    pub fn open(path: &Path, run: &RunRequest<'_>, force: bool) -> Result<Self, RunError> {
+    /// A directory without the manifest of a job must be empty: nothing else tells that its files are
+    /// ours. With `force` the job it holds is removed: only the `files` that a job of its kind writes.
+    pub fn open(subject: &JobSubject<'_>, files: Files) -> Result<Self, RunError> {
         // No path at all is the folder where the program runs.
-        let path = if path.as_os_str().is_empty() {
-            Path::new(".")
-        } else {
-            path
+        let path = match subject.options.directory.as_path() {
+            path if path.as_os_str().is_empty() => Path::new("."),
+            path => path,
         };
         if Manifest::read(path).is_none() && !holds_nothing(path)? {
             return Err(RunError::Foreign {
@@ -107,11 +85,11 @@ impl RunDirectory {
         let lock = lock(path)?;
         let stored = Manifest::read(path);
         let held = match &stored {
-            Some(stored) if !force => Some(held(path, stored, run)?),
+            Some(stored) if !subject.options.force => Some(held(path, stored, subject, files)?),
             _ => None,
         };
         if let (Some(stored), None) = (&stored, &held) {
-            remove_run(path, stored.kind)?;
+            remove(path, files(stored.kind))?;
         }
         Ok(Self {
             path: path.to_owned(),
@@ -155,9 +133,14 @@ fn lock(path: &Path) -> Result<File, RunError> {
 
 /// The run of a directory, refused where it has failed or is another one. Other comments and other
 /// spaces are the same scene; another number of steps, or another end, is the same run of one trajectory.
-fn held(path: &Path, stored: &Manifest, run: &RunRequest<'_>) -> Result<Held, RunError> {
+fn held(
+    path: &Path,
+    stored: &Manifest,
+    job: &JobSubject<'_>,
+    files: Files,
+) -> Result<Held, RunError> {
     let directory = path.to_owned();
-    if stored.kind != run.kind {
+    if stored.kind != job.kind {
         let other = stored.kind.words();
         return Err(RunError::OtherKind { directory, other });
     }
@@ -172,10 +155,10 @@ fn held(path: &Path, stored: &Manifest, run: &RunRequest<'_>) -> Result<Held, Ru
             version: stored.version.clone(),
         });
     }
-    let changes = changes(path, run.scene)?;
+    let changes = changes(path, &job.document.text, files)?;
     let is_steps = |change: &Change| {
         let is_end = |key: &str| ["run.steps", "run.until"].contains(&key);
-        run.kind == Kind::Run && change.key.as_deref().is_some_and(is_end)
+        job.kind == Kind::Run && change.key.as_deref().is_some_and(is_end)
     };
     let reasons = changes.iter().filter(|change| !is_steps(change));
     let reasons: Vec<Change> = reasons.cloned().collect();
@@ -193,9 +176,9 @@ fn held(path: &Path, stored: &Manifest, run: &RunRequest<'_>) -> Result<Held, Ru
             }
         });
     }
-    if stored.shard != run.shard {
+    if stored.shard != job.shard {
         let held = stored.shard.map_or([0, 0], |shard| shard.members);
-        let items = match run.kind {
+        let items = match job.kind {
             Kind::SweepShard => Whole::Settings.items(),
             _ => Whole::Members.items(),
         };
@@ -205,8 +188,8 @@ fn held(path: &Path, stored: &Manifest, run: &RunRequest<'_>) -> Result<Held, Ru
             held,
         });
     }
-    let is_used =
-        |before: &&PluginRecord| run.plugins.iter().any(|now| now.sha256 == before.sha256);
+    let used = plugins(job.run);
+    let is_used = |before: &&PluginRecord| used.iter().any(|now| now.sha256 == before.sha256);
     if let Some(changed) = stored.plugins.iter().find(|before| !is_used(before)) {
         return Err(RunError::PluginChanged {
             directory,
@@ -214,7 +197,7 @@ fn held(path: &Path, stored: &Manifest, run: &RunRequest<'_>) -> Result<Held, Ru
             sha256: changed.sha256.clone(),
         });
     }
-    if let (Some(before), Some(now)) = (&stored.files, run.files)
+    if let (Some(before), Some(now)) = (&stored.files, &job.files)
         && before.sha256 != now.sha256
     {
         let files = now.paths.join(", ");
@@ -230,10 +213,10 @@ fn held(path: &Path, stored: &Manifest, run: &RunRequest<'_>) -> Result<Held, Ru
 
 /// Differences between the scene that a directory holds and another. There are none where the run was killed before it
 /// had written any file but the manifest.
-fn changes(path: &Path, scene: &str) -> Result<Vec<Change>, RunError> {
+fn changes(path: &Path, scene: &str, files: Files) -> Result<Vec<Change>, RunError> {
     let file = path.join(SCENE);
     let before = match fs::read_to_string(&file) {
-        Err(error) if error.kind() == ErrorKind::NotFound && has_only_a_manifest(path) => {
+        Err(error) if error.kind() == ErrorKind::NotFound && has_only_a_manifest(path, files) => {
             return Ok(Vec::new());
         }
         read => read.map_err(RunError::resuming(&file))?,
@@ -244,44 +227,18 @@ fn changes(path: &Path, scene: &str) -> Result<Vec<Change>, RunError> {
     })
 }
 
-fn has_only_a_manifest(path: &Path) -> bool {
-    let files = files(Kind::Run)
-        .chain(files(Kind::Ensemble))
-        .chain(files(Kind::Sweep));
-    let mut others = files.filter(|name| *name != manifest::FILE);
-    !others.any(|name| path.join(name).exists())
+fn has_only_a_manifest(path: &Path, files: Files) -> bool {
+    let kinds = [Kind::Run, Kind::Ensemble, Kind::Sweep];
+    let mut names = kinds.into_iter().flat_map(files).chain(COMMON);
+    !names.any(|name| path.join(name).exists())
 }
 
-/// The files that a run writes.
-fn files(kind: Kind) -> impl Iterator<Item = &'static str> {
-    let common = [manifest::FILE, checkpoint::FILE, SCENE, WINDOWS, REPORT];
-    let own: &[&str] = match kind {
-        Kind::Run => &[
-            samples::FILE,
-            samples::UNPUBLISHED,
-            samples::SECTION,
-            states::FILE,
-            states::FINAL_STATE,
-        ],
-        Kind::Sweep | Kind::SweepShard => &[SWEEP],
-        Kind::Ensemble | Kind::Shard => &[
-            STATISTICS,
-            FAILURES,
-            LOSSES,
-            samples::SECTION,
-            store::CSV,
-            store::BINARY,
-            store::MATRIX,
-        ],
-    };
-    common.into_iter().chain(own.iter().copied())
-}
+/// Files of every job beside the manifest.
+const COMMON: [&str; 2] = [CHECKPOINT, SCENE];
 
-/// Removes the files that a run of a kind writes, and nothing else; the manifest last, which tells
-/// whose they are.
-fn remove_run(path: &Path, kind: Kind) -> Result<(), RunError> {
-    let (first, last): (Vec<_>, Vec<_>) = files(kind).partition(|name| *name != manifest::FILE);
-    for name in first.into_iter().chain(last) {
+/// Removes the files that a job leaves, and nothing else; the manifest last, which tells whose they are.
+fn remove(path: &Path, names: Vec<&'static str>) -> Result<(), RunError> {
+    for name in names.into_iter().chain(COMMON).chain([manifest::FILE]) {
         let file = path.join(name);
         match fs::remove_file(&file) {
             Err(error) if error.kind() != ErrorKind::NotFound => {

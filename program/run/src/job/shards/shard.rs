@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use thiserror::Error;
 
-use crate::ShardRecord;
+use crate::job::manifest::ShardRecord;
 
 /// Whole that shards are parts of: an ensemble or a sweep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -9,9 +9,9 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 use super::shard::{Shard, Whole};
-use crate::difference::{changed_keys, listed};
-use crate::manifest::FILE as MANIFEST;
-use crate::{Kind, Manifest, RunError, SCENE, ShardRecord};
+use crate::RunError;
+use crate::job::difference::{changed_keys, listed};
+use crate::job::manifest::{CHECKPOINT, FILE as MANIFEST, Kind, Manifest, SCENE, ShardRecord};
 
 /// The shards of one ensemble, by their members; or of a sweep, by their settings.
 #[derive(Clone, Debug)]
@@ -53,6 +53,22 @@ impl Found {
 
     fn is_done(&self) -> bool {
         self.manifest.outcome == "done"
+    }
+
+    /// The scene that it was made from.
+    fn scene(&self) -> Result<String, RunError> {
+        let file = self.directory.join(SCENE);
+        let text = fs::read_to_string(&file);
+        text.map_err(|error| RunError::resuming(file)(error).of_shard())
+    }
+
+    /// Refusal of a checkpoint that has not come as far.
+    pub fn holds_fewer(&self) -> RunError {
+        let items = self.whole.items();
+        RunError::Damaged {
+            file: self.directory.join(CHECKPOINT),
+            reason: format!("it holds fewer {items} than its manifest says"),
+        }
     }
 
     /// In what the two are not of one ensemble, their scenes apart.
@@ -107,17 +123,6 @@ pub enum MergeError {
         /// The directory.
         directory: PathBuf,
     },
-    /// A file of a shard that is not as it was written.
-    #[error(
-        "{} is damaged: {reason}; make that shard again with --force, or take its folder away",
-        file.display()
-    )]
-    Damaged {
-        /// The file.
-        file: PathBuf,
-        /// Reason why it is refused.
-        reason: String,
-    },
     /// Two shards are of different ensembles or sweeps.
     #[error("{} and {} are not of one {}: {reason}", first.display(), other.display(), whole.word())]
     Other {
@@ -158,17 +163,7 @@ pub enum MergeError {
     Missing(Missing),
     /// A directory or a file could not be read or written.
     #[error(transparent)]
-    Run(RunError),
-}
-
-impl From<RunError> for MergeError {
-    /// A file from which a shard could not go on is one that cannot be joined.
-    fn from(error: RunError) -> Self {
-        match error {
-            RunError::Damaged { file, reason } => Self::Damaged { file, reason },
-            error => Self::Run(error),
-        }
-    }
+    Run(#[from] RunError),
 }
 
 /// Members or settings that are missing, and the shards that make them.
@@ -250,10 +245,10 @@ impl Shards {
                         match Manifest::read(&path) {
                             Some(manifest) => found.extend(Found::of(&path, manifest)),
                             None if path.join(MANIFEST).exists() => {
-                                return Err(MergeError::Damaged {
+                                return Err(MergeError::Run(RunError::DamagedShard {
                                     file: path.join(MANIFEST),
                                     reason: "it is no manifest of this program".to_owned(),
-                                });
+                                }));
                             }
                             None => {}
                         }
@@ -279,16 +274,12 @@ impl Shards {
                 directory: PathBuf::new(),
             });
         };
-        let scene = |shard: &Found| {
-            let file = shard.directory.join(SCENE);
-            fs::read_to_string(&file).map_err(RunError::resuming(file))
-        };
-        let text = scene(first)?;
+        let text = first.scene()?;
         for other in &found[1..] {
             let reason = match first.differs(other) {
                 Some(reason) => Some(reason),
                 None => {
-                    let own = scene(other)?;
+                    let own = other.scene()?;
                     let changes = match own == text {
                         true => None,
                         false => changed_keys(&text, &own),
@@ -322,9 +313,7 @@ impl Shards {
     /// # Errors
     /// [`MergeError::Scene`].
     pub fn check_scene(&self, text: &str) -> Result<(), MergeError> {
-        let file = self.scene();
-        let own = fs::read_to_string(&file).map_err(RunError::resuming(file))?;
-        match changed_keys(&own, text) {
+        match changed_keys(&self.all[0].scene()?, text) {
             Some(changes) if !changes.is_empty() => Err(MergeError::Scene {
                 directory: self.all[0].directory.clone(),
                 difference: listed(&changes),

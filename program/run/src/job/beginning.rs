@@ -1,150 +1,27 @@
-//! Manifest of a run, `manifest.json`: what was run, with what, and how it ended.
+//! Manifest of a job as it is written: all that is told before its first step, and how it ended.
 
 use std::collections::BTreeMap;
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use leafwise_core::diagnostics::Verdict;
-use leafwise_core::{Origin, PartKind, SolverStatistics, StepMap};
+use leafwise_core::{Origin, PartKind};
 use leafwise_expression::OperationCount;
-use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value};
+use serde::Serialize;
+use serde_json::Map;
 use sha2::{Digest, Sha256};
 
-use super::advice::Advice;
-use super::error::RunError;
-use super::outcome::{Failure, InvariantDrift, RunReport};
-use super::replaced::replace;
+use super::manifest::{
+    FILE, FilesRecord, Kind, PROGRAM, PROGRAM_VERSION, PluginRecord, ShardRecord,
+};
+use super::subject::JobSubject;
 use super::time::now;
-use super::{samples, states};
-use leafwise_scene::compose::{ComposedRun, PartChoice, RecordedStates, SceneChecks, StateSlice};
-use leafwise_scene::document::SceneDocument;
+use crate::{RunError, replace, samples, states};
+use leafwise_scene::compose::{ComposedRun, PartChoice, RecordedStates, StateSlice};
 use leafwise_scene::json::{Double, object, pretty};
 
-/// The version that is written into manifests and reports.
-pub const PROGRAM_VERSION: &str = env!("CARGO_PKG_VERSION");
-
-/// Name of the program in a manifest.
-const PROGRAM: &str = "leafwise";
-
-/// The file's name in the run directory, and before it has it.
-pub(super) const FILE: &str = "manifest.json";
-pub(super) const UNFINISHED_FILE: &str = "manifest.new";
-
-/// Kind of run that a directory holds.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Kind {
-    /// One trajectory.
-    #[default]
-    Run,
-    /// Many.
-    Ensemble,
-    /// Some of those many.
-    Shard,
-    /// One trajectory for each of many settings.
-    Sweep,
-    /// Some of those settings.
-    SweepShard,
-}
-
-impl Kind {
-    /// For messages.
-    pub(super) fn words(self) -> &'static str {
-        match self {
-            Self::Run => "a run of one trajectory",
-            Self::Ensemble => "an ensemble",
-            Self::Shard => "a shard of an ensemble",
-            Self::Sweep => "a sweep",
-            Self::SweepShard => "a shard of a sweep",
-        }
-    }
-}
-
-/// Fields of a stored manifest that decide whether a run is resumed.
-#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
-pub struct Manifest {
-    /// `leafwise`.
-    pub program: String,
-    /// The version of the program that began the run.
-    pub version: String,
-    /// `running`, `done`, `stopped`, `interrupted` or `failed`.
-    pub outcome: String,
-    /// When the run was begun.
-    pub started: String,
-    /// One trajectory or many.
-    #[serde(default)]
-    pub kind: Kind,
-    /// The libraries it uses.
-    #[serde(default)]
-    pub plugins: Vec<PluginRecord>,
-    /// Record of the files that it read.
-    #[serde(default)]
-    pub files: Option<FilesRecord>,
-    /// The scene file's name.
-    #[serde(default)]
-    pub scene: String,
-    /// How its steps are computed.
-    #[serde(default)]
-    pub path: String,
-    /// Which members of an ensemble.
-    #[serde(default)]
-    pub shard: Option<ShardRecord>,
-}
-
-/// Members of an ensemble or settings of a sweep, for a shard's directory.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct ShardRecord {
-    /// The first of them and the one behind the last.
-    pub members: [u64; 2],
-    /// How many there are in the whole.
-    pub ensemble: u64,
-    /// Which of how many shards it is, counted from 1.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub place: Option<[u64; 2]>,
-}
-
-/// Values of sites that a run read from files.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct FilesRecord {
-    /// The files, as the scene names them.
-    pub paths: Vec<String>,
-    /// SHA-256 of the state that the run begins with and of its parameters of sites, in hexadecimal.
-    pub sha256: String,
-}
-
-/// A library that a run uses.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct PluginRecord {
-    /// The file.
-    pub path: PathBuf,
-    /// Its SHA-256, in hexadecimal.
-    pub sha256: String,
-    /// The version it states.
-    pub version: String,
-    /// The plugin interface it was built for.
-    pub abi: String,
-    /// The parts taken from it, each with where its values come from.
-    pub parts: Map<String, Value>,
-}
-
-impl Manifest {
-    /// The manifest of a directory; `None` when there is none of this program that can be read.
-    pub fn read(directory: &Path) -> Option<Self> {
-        let text = fs::read_to_string(directory.join(FILE)).ok()?;
-        let manifest: Self = serde_json::from_str(&text).ok()?;
-        (manifest.program == PROGRAM).then_some(manifest)
-    }
-
-    /// Whether the run can go on.
-    pub fn is_unfinished(&self) -> bool {
-        self.outcome == "running" || self.outcome == "interrupted"
-    }
-}
-
 /// Beginning of a manifest: all that it says before the first step.
-#[derive(Clone, Serialize)]
-pub(crate) struct Beginning<'a> {
+#[derive(Serialize)]
+pub struct Beginning<'a> {
     program: &'static str,
     kind: Kind,
     version: &'static str,
@@ -185,45 +62,8 @@ struct Written<'a, E> {
     ending: E,
 }
 
-/// End of the manifest of a run of one trajectory.
-#[derive(Serialize)]
-struct Ending<'a> {
-    outcome: &'static str,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    stopped_by: Option<&'a str>,
-    steps: u64,
-    time: Double,
-    wall_seconds: f64,
-    samples: u64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    crossings: Option<u64>,
-    #[serde(with = "WorkFields")]
-    solver: SolverStatistics,
-    #[serde(serialize_with = "object")]
-    drift: Vec<(&'a str, Double)>,
-    #[serde(serialize_with = "object")]
-    invariants: Vec<(&'a str, &'a InvariantDrift)>,
-    machine_code: Vec<MachineCode>,
-    warnings: &'a [Advice],
-    #[serde(skip_serializing_if = "Option::is_none")]
-    failure: Option<&'a Failure>,
-}
-
-/// The solver's work.
-#[derive(Serialize)]
-#[serde(remote = "SolverStatistics")]
-struct WorkFields {
-    evaluations: u64,
-    #[serde(getter = "SolverStatistics::evaluations_per_step")]
-    evaluations_per_step: f64,
-    most_evaluations: u64,
-    failures: u64,
-    rounded: u64,
-    held: f64,
-}
-
 /// The coordinates' names, or the families with their lengths where there are too many.
-#[derive(Clone, Serialize)]
+#[derive(Serialize)]
 #[serde(untagged)]
 enum Variables<'a> {
     Names(Vec<String>),
@@ -232,7 +72,7 @@ enum Variables<'a> {
 }
 
 /// Where the recorded states are: the file, its columns or the slices they come from, and its shape.
-#[derive(Clone, Serialize)]
+#[derive(Serialize)]
 struct StatesFields<'a> {
     file: Option<&'static str>,
     /// Samples and columns.
@@ -243,7 +83,7 @@ struct StatesFields<'a> {
 }
 
 /// Checks of the scene's formulas: verdicts on the Jacobi identity and on each Casimir.
-#[derive(Clone, Serialize)]
+#[derive(Serialize)]
 struct Checks<'a> {
     jacobi: Verdict,
     #[serde(serialize_with = "object")]
@@ -251,7 +91,7 @@ struct Checks<'a> {
 }
 
 /// A part as chosen; a composition has no values of its own.
-#[derive(Clone, Serialize)]
+#[derive(Serialize)]
 struct Part<'a> {
     #[serde(flatten)]
     choice: &'a PartChoice,
@@ -260,7 +100,7 @@ struct Part<'a> {
 }
 
 /// Computations of a step: the kernels' operations, or the costs that a map has of its own.
-#[derive(Clone, Serialize)]
+#[derive(Serialize)]
 #[serde(untagged)]
 enum Kernels {
     Newton {
@@ -288,25 +128,15 @@ struct OperationFields {
     functions: usize,
 }
 
-/// A kernel of the steps that was compiled to machine code, for a number of lanes.
-#[derive(Serialize)]
-struct MachineCode {
-    kernel: &'static str,
-    operations: usize,
-    lanes: usize,
-    bytes: usize,
-}
-
 impl<'a> Beginning<'a> {
-    /// Describes a run begun at `started`, or now.
-    pub fn new(
-        kind: Kind,
-        document: &'a SceneDocument,
-        run: &'a ComposedRun,
-        checks: &'a SceneChecks,
-        command: &'a str,
-        started: Option<String>,
-    ) -> Self {
+    /// Describes a job begun at `started`, or now.
+    pub fn new(subject: &JobSubject<'a>, started: Option<String>) -> Self {
+        let JobSubject {
+            document,
+            run,
+            checks,
+            ..
+        } = *subject;
         let casimirs = checks.casimirs.iter();
         let parameters = run.system.parameters().iter();
         let own = run.own(&run.plan.initial);
@@ -314,9 +144,9 @@ impl<'a> Beginning<'a> {
         let initial = own.iter().copied().map(Double);
         Self {
             program: PROGRAM,
-            kind,
+            kind: subject.kind,
             version: PROGRAM_VERSION,
-            command,
+            command: &subject.options.command,
             scene: &document.name,
             library: document.fragment.as_ref().map(|(id, _)| id.as_str()),
             dimension: own.len(),
@@ -328,7 +158,7 @@ impl<'a> Beginning<'a> {
                 .map(|parameter| (parameter.name.as_str(), Double(parameter.value)))
                 .collect(),
             initial: is_short.then(|| initial.collect()),
-            states: (kind == Kind::Run).then(|| StatesFields::of(&run.plan.states)),
+            states: (subject.kind == Kind::Run).then(|| StatesFields::of(&run.plan.states)),
             tensor: run.tensor_shape().to_string(),
             checks: Checks {
                 jacobi: checks.jacobi.verdict,
@@ -344,8 +174,8 @@ impl<'a> Beginning<'a> {
                 .map(|choice| Part::of(choice, run))
                 .collect(),
             plugins: plugins(run),
-            files: files(run),
-            shard: None,
+            files: subject.files.clone(),
+            shard: subject.shard,
             path: run.path(),
             declared_order: run.method.declared_order(),
             epsilon: run.plan.epsilon,
@@ -355,53 +185,22 @@ impl<'a> Beginning<'a> {
         }
     }
 
-    /// The same of some members of an ensemble.
-    pub fn of_shard(self, shard: Option<ShardRecord>) -> Self {
-        Self { shard, ..self }
+    /// The same of a run that has recorded so many samples.
+    pub fn of_samples(mut self, samples: u64) -> Self {
+        if let Some(states) = &mut self.states {
+            states.shape.0 = samples;
+        }
+        self
     }
 
-    /// The same of a run that has read these files.
-    pub fn of_files(self, files: Option<FilesRecord>) -> Self {
-        Self { files, ..self }
-    }
-
-    /// Writes the manifest of a run that goes on.
+    /// Writes the manifest of a job that goes on.
     pub fn write_running(&self, directory: &Path) -> Result<(), RunError> {
         self.write(directory, None, BTreeMap::from([("outcome", "running")]))
     }
 
-    /// Writes the manifest of a run that has ended, with what its kind tells of the end.
+    /// Writes the manifest of a job that has ended, with what its kind tells of the end.
     pub fn write_end(&self, directory: &Path, ending: impl Serialize) -> Result<(), RunError> {
         self.write(directory, Some(now()), ending)
-    }
-
-    /// Writes the manifest of a run of one trajectory that has ended.
-    pub fn write_ended(
-        &self,
-        directory: &Path,
-        report: &RunReport,
-        map: &dyn StepMap,
-    ) -> Result<(), RunError> {
-        let mut beginning = self.clone();
-        if let Some(states) = &mut beginning.states {
-            states.shape.0 = report.samples;
-        }
-        let ending = Ending {
-            outcome: report.outcome.word(),
-            stopped_by: report.outcome.stopped_by(),
-            steps: report.steps,
-            time: Double(report.time),
-            wall_seconds: report.wall_seconds,
-            samples: report.samples,
-            crossings: report.crossings,
-            solver: report.statistics,
-            drift: report.drift(),
-            invariants: report.named_invariants(),
-            machine_code: machine_code(map),
-            warnings: &report.advice,
-            failure: report.outcome.failure(),
-        };
-        beginning.write_end(directory, ending)
     }
 
     fn write(
@@ -475,7 +274,7 @@ pub(crate) fn files(run: &ComposedRun) -> Option<FilesRecord> {
 }
 
 /// SHA-256 of the doubles' bytes.
-pub(crate) fn digest(values: &[f64]) -> [u8; 32] {
+fn digest(values: &[f64]) -> [u8; 32] {
     let mut digest = Sha256::new();
     for value in values {
         digest.update(value.to_le_bytes());
@@ -511,20 +310,4 @@ pub(crate) fn plugins(run: &ComposedRun) -> Vec<PluginRecord> {
         parts.insert(choice.name.to_owned(), choice.path.into());
     }
     plugins
-}
-
-/// The kernels of the steps that were compiled to machine code, for each number of lanes.
-fn machine_code(map: &dyn StepMap) -> Vec<MachineCode> {
-    let mut compiled = Vec::new();
-    for (kernel, code) in map.kernels() {
-        for size in code.machine_code() {
-            compiled.push(MachineCode {
-                kernel,
-                operations: code.step_operations().total(),
-                lanes: size.lanes,
-                bytes: size.bytes,
-            });
-        }
-    }
-    compiled
 }
