@@ -195,7 +195,7 @@ impl DynamicApproximation for Careless {
         &self,
         system: &PoissonSystem,
         _: &Arc<dyn RealizationData>,
-    ) -> Result<Arc<dyn LagrangianBisection>, BuildError> {
+    ) -> Result<LagrangianBisection, BuildError> {
         self.inner.bisection(system, &self.over)
     }
 }

@@ -20,7 +20,10 @@ enum Kind {
     /// z = (x, p) itself, each of so many coordinates.
     Pairs(usize),
     Code(SmoothMap),
-    Numbers(Arc<dyn RealizationData>),
+    Numbers {
+        realization: Arc<dyn RealizationData>,
+        has_jacobian: bool,
+    },
 }
 
 impl ChartMaps {
@@ -47,17 +50,26 @@ impl ChartMaps {
             let kind = Kind::Code(map);
             return Ok(Some(Self { kind }));
         }
-        let is_offered = realization
-            .chart_evaluator(&vec![1.0; parameters], 1.0)
-            .is_some();
-        Ok(is_offered.then(|| Self {
-            kind: Kind::Numbers(Arc::clone(realization)),
+        let chart = realization.chart_evaluator(&vec![1.0; parameters], 1.0);
+        Ok(chart.map(|chart| Self {
+            kind: Kind::Numbers {
+                realization: Arc::clone(realization),
+                has_jacobian: chart.has_jacobian(),
+            },
         }))
     }
 
     /// Whether points of S are pairs (x, p) themselves: χ is the identity.
     pub fn has_pairs(&self) -> bool {
         matches!(self.kind, Kind::Pairs(_))
+    }
+
+    /// Whether Dχ is offered.
+    pub fn has_jacobian(&self) -> bool {
+        match &self.kind {
+            Kind::Pairs(_) | Kind::Code(_) => true,
+            Kind::Numbers { has_jacobian, .. } => *has_jacobian,
+        }
     }
 
     /// An evaluator of (x, p) ↦ χ(x, p) for fixed parameters and ε.
@@ -68,7 +80,7 @@ impl ChartMaps {
         match &self.kind {
             Kind::Pairs(dimension) => Box::new(Pairs(*dimension)),
             Kind::Code(map) => Box::new(map.evaluator(parameters, epsilon, 1.0)),
-            Kind::Numbers(realization) => realization
+            Kind::Numbers { realization, .. } => realization
                 .chart_evaluator(parameters, epsilon)
                 .expect("a chart was offered when the method was composed"),
         }

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use leafwise_expression::{Arithmetic, Graph, Kernel, StepSize, Term, Workspace};
 
-use crate::bisection::PointCode;
 use crate::error::{BuildError, StepError};
 use crate::evaluator::{Evaluator, is_same, one_by_one};
+use crate::one_form::PointCode;
 use crate::point_kernel::PointKernel;
 use crate::realization::{Accuracy, MapCode, RealizationData, RealizationEvaluator};
 use crate::solver::judge::{at_most, inside_chart, larger, ratio_in_own_units};
@@ -69,14 +69,26 @@ impl RealizationMaps {
         realization: &Arc<dyn RealizationData>,
         parameters: &[f64],
     ) -> Result<Self, BuildError> {
+        Self::of(realization, parameters)?.ok_or_else(|| no_maps(realization.as_ref()))
+    }
+
+    /// The same, `None` where the realization offers neither code nor numbers.
+    pub(crate) fn of(
+        realization: &Arc<dyn RealizationData>,
+        parameters: &[f64],
+    ) -> Result<Option<Self>, BuildError> {
         let code = compiled(realization.as_ref(), parameters.len())?;
-        if code.is_none() && realization.evaluator(parameters, 1.0).is_none() {
-            return Err(no_maps(realization.as_ref()));
-        }
-        Ok(Self {
+        let is_offered = code.is_some() || realization.evaluator(parameters, 1.0).is_some();
+        Ok(is_offered.then(|| Self {
             realization: Arc::clone(realization),
             code,
-        })
+        }))
+    }
+
+    /// The kernels of maps that are code.
+    pub(crate) fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
+        let code = self.code.iter();
+        code.flat_map(CodeRealization::kernels).collect()
     }
 
     /// An evaluator for fixed parameters and ε.

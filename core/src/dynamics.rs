@@ -42,7 +42,7 @@ pub trait DynamicApproximation: Send + Sync + std::fmt::Debug {
         &self,
         system: &PoissonSystem,
         realization: &Arc<dyn RealizationData>,
-    ) -> Result<Arc<dyn LagrangianBisection>, BuildError>;
+    ) -> Result<LagrangianBisection, BuildError>;
 }
 
 /// Treatment of the equation β̂(L(y)) = x_k by a method.

@@ -11,8 +11,7 @@
 //! - [`chart`]: charts about the section, as numbers.
 //! - [`dynamics`]: [`DynamicApproximation`], the dynamic one.
 //! - [`bisection`]: [`LagrangianBisection`], which it provides.
-//! - [`one_form`]: bisections that are graphs of one-forms, as numbers.
-//! - [`graph_bisection`]: graphs of dS and of other one-forms, by code.
+//! - [`one_form`]: dS and other one-forms, as code and as numbers.
 //! - [`method`](mod@method): [`Method`], the two combined into a step map.
 //! - [`noise`]: steps with parameters that are drawn anew before each.
 //! - [`random`]: random numbers by seed, member and purpose.
@@ -45,7 +44,6 @@ pub mod formulas;
 mod generating_function;
 mod generating_shadow;
 pub mod gradient;
-pub mod graph_bisection;
 mod hint;
 mod instead;
 pub mod lattice;
@@ -71,7 +69,7 @@ pub mod solver;
 pub mod system;
 pub mod walk;
 
-pub use bisection::{LagrangianBisection, PointCode};
+pub use bisection::{GraphBisection, LagrangianBisection};
 pub use chart::ChartMaps;
 pub use closed_form::{ChartPoint, ClosedForm, ClosedRealization};
 pub use code_evaluators::{RealizationMaps, realization_evaluator};
@@ -79,14 +77,13 @@ pub use compensation::two_sum;
 pub use dynamics::{Correction, DynamicApproximation};
 pub use error::{BuildError, StepError};
 pub use evaluator::Evaluator;
-pub use graph_bisection::{GraphBisection, OneForm};
 pub use hint::Hint;
 pub use lattice::LatticeMethod;
 pub use lift::Lift;
 pub use lifted_realization::LiftedRealization;
 pub use method::{Method, MethodEvaluators};
 pub use observe::Observe;
-pub use one_form::{CodeOneForm, GraphOfOneForm};
+pub use one_form::{OneForm, PointCode};
 pub use origin::Origin;
 pub use part::{PartInfo, PartKind, PartParameters};
 pub use realization::{

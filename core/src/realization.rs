@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use leafwise_expression::{DifferentialAlgebra, Graph, Ring, Term};
 
-use crate::bisection::LagrangianBisection;
 use crate::error::{BuildError, StepError};
 use crate::evaluator::Evaluator;
 use crate::lattice::StageCode;
-use crate::lift::{Lift, LiftedMap};
+use crate::lift::Lift;
+use crate::one_form::OneForm;
 use crate::solver::{MapProperties, StepMap};
 use crate::system::PoissonSystem;
 
@@ -75,25 +75,18 @@ pub trait RealizationData: Send + Sync + std::fmt::Debug {
     fn lift(&self) -> Option<Arc<dyn Lift>> {
         None
     }
-    /// Self-contained step map that solves for the realization and the bisection in one go. By default it is that of
-    /// its [`lift`](Self::lift), where it has one.
+    /// Self-contained step map that solves for the realization and the graph of a one-form in one go.
     ///
     /// # Errors
-    /// [`BuildError`] when the bisection cannot be fused.
+    /// [`BuildError`] when the form cannot be compiled.
     fn fuse(
         self: Arc<Self>,
         system: &PoissonSystem,
-        bisection: Arc<dyn LagrangianBisection>,
+        form: &OneForm,
         properties: MapProperties,
-    ) -> Option<Result<Box<dyn StepMap>, BuildError>> {
-        let lifted = LiftedMap::of(
-            self.lift()?,
-            &self.describe(),
-            system,
-            &bisection,
-            properties,
-        );
-        lifted.map(|map| map.map(|map| Box::new(map) as Box<dyn StepMap>))
+    ) -> Option<Result<Arc<dyn StepMap>, BuildError>> {
+        let _ = (system, form, properties);
+        None
     }
     /// α̂ and β̂ as sweeps over a lattice.
     fn stages(&self) -> Option<StageCode<'_>> {

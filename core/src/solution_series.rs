@@ -35,7 +35,7 @@ const MOST: usize = 4;
 /// [`BuildError::Algebra`] where an adjoined function has no code.
 pub(crate) fn start_of_solves(
     realization: &dyn RealizationData,
-    bisection: &dyn LagrangianBisection,
+    bisection: &LagrangianBisection,
     parameters: usize,
     operations: u64,
 ) -> Result<Option<StartCode>, BuildError> {

@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use leafwise_expression::{Expression, Polynomial, Ring};
 
-use crate::bisection::LagrangianBisection;
+use crate::bisection::{GraphBisection, LagrangianBisection};
 use crate::diagnostics::same_motion::other_motion;
 use crate::dimensions::Dimensions;
 use crate::dynamics::{Correction, DynamicApproximation, Generating, GeneratingFunction};
 use crate::error::BuildError;
-use crate::graph_bisection::{GraphBisection, OneForm};
+use crate::one_form::OneForm;
 use crate::realization::RealizationData;
 use crate::system::PoissonSystem;
 
@@ -104,12 +104,11 @@ impl DynamicApproximation for FormulaDynamics {
         &self,
         system: &PoissonSystem,
         realization: &Arc<dyn RealizationData>,
-    ) -> Result<Arc<dyn LagrangianBisection>, BuildError> {
+    ) -> Result<LagrangianBisection, BuildError> {
         self.dimensions.check(self.name, system.dimension())?;
         self.check_first(system)?;
         let form = OneForm::Differential(self.generating(system.dimension())?);
         let parameters = system.parameters().len();
-        let graph = GraphBisection::new(form, realization, parameters, &self.describe())?;
-        Ok(Arc::new(graph))
+        GraphBisection::odd(form, realization, parameters, &self.describe())
     }
 }

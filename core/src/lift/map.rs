@@ -7,7 +7,6 @@ use nalgebra::DMatrix;
 
 use super::slowing::slower;
 use super::{End, Lift};
-use crate::bisection::LagrangianBisection;
 use crate::error::{BuildError, StepError};
 use crate::evaluator::Evaluator;
 use crate::runge_kutta::smooth_map::MapAt;
@@ -35,27 +34,28 @@ struct Code {
 }
 
 impl LiftedMap {
-    /// The map of a bisection that a Gauss method gives; `None` for another.
-    pub(crate) fn of(
+    /// The map of a Gauss method of so many stages.
+    ///
+    /// # Errors
+    /// [`BuildError::Incompatible`] for a number of stages without coefficients; those of the lift's code.
+    pub(crate) fn new(
         lift: Arc<dyn Lift>,
         realization: &str,
         system: &PoissonSystem,
-        bisection: &Arc<dyn LagrangianBisection>,
+        stages: usize,
         properties: MapProperties,
-    ) -> Option<Result<Self, BuildError>> {
-        let stages = bisection.lifted_by()?;
-        let description = format!("{realization} + collective gauss s = {stages}");
+    ) -> Result<Self, BuildError> {
         if !(1..=Tableau::MOST_STAGES).contains(&stages) {
-            return Some(Err(BuildError::Incompatible {
+            return Err(BuildError::Incompatible {
                 dynamics: format!("a Gauss method of {stages} stages"),
                 realization: realization.to_owned(),
                 reason: format!("the number of stages lies in 1 to {}", Tableau::MOST_STAGES),
-            }));
+            });
         }
-        let tableau = Tableau::gauss(stages);
-        let built = Code::of(lift.as_ref(), system).map(|code| Self {
+        Ok(Self {
+            code: Arc::new(Code::of(lift.as_ref(), system)?),
             lift,
-            code: Arc::new(code),
+            tableau: Tableau::gauss(stages),
             dimension: system.dimension(),
             // Gauss methods are symmetric, and begin at x itself whether a bisection is solved for or not.
             properties: MapProperties {
@@ -63,10 +63,8 @@ impl LiftedMap {
                 self_adjoint: Some(true),
                 ..properties
             },
-            tableau,
-            description,
-        });
-        Some(built)
+            description: format!("{realization} + collective gauss s = {stages}"),
+        })
     }
 }
 

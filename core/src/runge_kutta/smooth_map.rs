@@ -366,6 +366,10 @@ impl Evaluator for SmoothMapEvaluator {
         self.evaluator.get_mut().jacobians(z, out)
     }
 
+    fn approach(&mut self, begins: bool, z: &[f64], out: &mut [f64]) -> Result<bool, StepError> {
+        self.evaluator.get_mut().approach(begins, z, out)
+    }
+
     fn has_jacobian(&self) -> bool {
         self.map.has_jacobian()
     }

@@ -13,11 +13,10 @@ use leafwise_core::{
     RealizationData, RealizationMaps,
 };
 
-use crate::bisection::ImageOfSection;
+use crate::bisection::image_of_section;
 use crate::gauss::gauss;
 use crate::hamiltonian::collective_field;
 use crate::implicit_midpoint::implicit_midpoint;
-use crate::lifted::LiftedFlow;
 use crate::numbers::collective_numbers;
 use crate::stormer_verlet::stormer_verlet;
 
@@ -227,7 +226,7 @@ impl DynamicApproximation for Collective {
         &self,
         system: &PoissonSystem,
         realization: &Arc<dyn RealizationData>,
-    ) -> Result<Arc<dyn LagrangianBisection>, BuildError> {
+    ) -> Result<LagrangianBisection, BuildError> {
         let missing = |reason: &str| BuildError::Incompatible {
             dynamics: self.describe(),
             realization: realization.describe(),
@@ -240,7 +239,7 @@ impl DynamicApproximation for Collective {
                     "its coordinates are no positions and momenta; take gauss or implicit-midpoint",
                 )
             })?;
-            return Ok(Arc::new(LiftedFlow(stages)));
+            return Ok(LagrangianBisection::Lifted { stages });
         }
         let (d, parameters) = (system.dimension(), system.parameter_values());
         let chart = ChartMaps::of(realization, parameters.len())?.ok_or_else(|| {
@@ -275,13 +274,8 @@ impl DynamicApproximation for Collective {
         if field.has_jacobian() {
             check_equations(tableau.stages() * field.inputs())?;
         }
-        Ok(Arc::new(ImageOfSection::new(
-            field,
-            chart,
-            tableau,
-            self.correction,
-            space,
-        )))
+        let correction = self.correction;
+        Ok(image_of_section(field, chart, tableau, correction, space))
     }
 }
 

@@ -98,7 +98,7 @@ impl DynamicApproximation for Written {
         &self,
         system: &PoissonSystem,
         realization: &Arc<dyn RealizationData>,
-    ) -> Result<Arc<dyn LagrangianBisection>, BuildError> {
+    ) -> Result<LagrangianBisection, BuildError> {
         let formulas = system.formulas(INFO.name)?;
         let mut scope = scope(INFO.name, system, &[])?;
         if !scope.has(HAMILTONIAN) {

@@ -58,7 +58,7 @@ impl DynamicApproximation for ForcedGraph {
         &self,
         system: &PoissonSystem,
         realization: &Arc<dyn RealizationData>,
-    ) -> Result<Arc<dyn LagrangianBisection>, BuildError> {
+    ) -> Result<LagrangianBisection, BuildError> {
         let formulas = system.formulas(INFO.name)?;
         if formulas.forces().is_empty() {
             return Err(BuildError::DoesNotFit {
@@ -74,8 +74,7 @@ impl DynamicApproximation for ForcedGraph {
         graph.unless_refused(())?;
         let form = OneForm::Code { graph, components };
         let parameters = system.parameters().len();
-        let graph = GraphBisection::new(form, realization, parameters, INFO.name)?;
-        Ok(Arc::new(graph))
+        GraphBisection::odd(form, realization, parameters, INFO.name)
     }
 }
 

@@ -7,14 +7,14 @@ use leafwise_core::part::{
 };
 use leafwise_core::registry::RealizationPart;
 use leafwise_core::{
-    Accuracy, BuildError, LagrangianBisection, MapProperties, PoissonSystem, RealizationData,
+    Accuracy, BuildError, MapProperties, OneForm, PoissonSystem, RealizationData,
     RealizationEvaluator, SourceSeries, StepMap,
 };
 
 use super::collocation::Collocation;
 use super::evaluator::CollocatedEvaluator;
 use super::field::{Field, NAME};
-use super::fused::{FusedStep, OneForm};
+use super::fused::FusedStep;
 use crate::series::KarasevSeries;
 
 static INFO: PartInfo = PartInfo {
@@ -110,15 +110,14 @@ impl RealizationData for CollocatedKarasev {
     fn fuse(
         self: Arc<Self>,
         system: &PoissonSystem,
-        bisection: Arc<dyn LagrangianBisection>,
+        form: &OneForm,
         properties: MapProperties,
-    ) -> Option<Result<Box<dyn StepMap>, BuildError>> {
-        // Only the graph of a one-form says p at x̂.
-        let form = OneForm::of(system, &bisection)?;
+    ) -> Option<Result<Arc<dyn StepMap>, BuildError>> {
         let describe = format!("{} + Hamilton-Jacobi, fused", self.describe());
         let collocation = self.collocation.clone();
+        let form = form.map(system.dimension(), system.parameters().len());
         let fused = form.map(|form| FusedStep::new(collocation, describe, form, properties));
-        Some(fused.map(|fused| Box::new(fused) as Box<dyn StepMap>))
+        Some(fused.map(|fused| Arc::new(fused) as Arc<dyn StepMap>))
     }
 }
 

@@ -3,16 +3,12 @@
 //! Unknown is the curve with its end Y(1) = x_k fixed, by its Legendre coefficients. With v_m those of Π(Y)p,
 //! p = dŜ(x̂), its mean is x̂ = x_k − (ε/2)(v_0 + v_1/3). Then x_{k+1} = x_k − ε v_0: no inner solve for α.
 
-use std::sync::Arc;
-
+use leafwise_core::runge_kutta::SmoothMap;
 use leafwise_core::solver::judge::{Verdict, all_finite, is_between};
 use leafwise_core::solver::{
     Branch, CorrectionMethod, CorrectionSize, Extrapolation, Lanes, StepReport, Trajectories,
 };
-use leafwise_core::{
-    BuildError, CodeOneForm, Ends, Evaluator, LagrangianBisection, MapProperties, PoissonSystem,
-    StepError, StepMap, Stepper,
-};
+use leafwise_core::{Ends, Evaluator, MapProperties, StepError, StepMap, Stepper};
 use leafwise_expression::Kernel;
 use nalgebra::DMatrix;
 
@@ -28,51 +24,21 @@ const MOST_ACCELERATED: usize = 100;
 /// Levels of differences that the start is extrapolated from.
 const EXTRAPOLATION: usize = 12;
 
-/// x̂ ↦ p where the bisection is the graph of a one-form.
-#[derive(Clone, Debug)]
-pub(super) enum OneForm {
-    Code(CodeOneForm),
-    Numbers(Arc<dyn LagrangianBisection>),
-}
-
-impl OneForm {
-    /// The one-form of a bisection over pairs (x, p), `None` where it has none.
-    pub(super) fn of(
-        system: &PoissonSystem,
-        bisection: &Arc<dyn LagrangianBisection>,
-    ) -> Option<Result<Self, BuildError>> {
-        let (d, parameters) = (system.dimension(), system.parameters().len());
-        if let Some(code) = bisection.one_form_code() {
-            return Some(CodeOneForm::compile(d, parameters, code).map(Self::Code));
-        }
-        bisection.one_form(&system.parameter_values(), 1.0, 1.0)?;
-        Some(Ok(Self::Numbers(Arc::clone(bisection))))
-    }
-
-    fn evaluator(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Evaluator> {
-        match self {
-            Self::Code(form) => form.evaluator(parameters, epsilon, h),
-            Self::Numbers(bisection) => bisection
-                .one_form(parameters, epsilon, h)
-                .expect("a one-form was offered when the method was composed"),
-        }
-    }
-}
-
 /// A K-HJ map over collocation.
 #[derive(Clone, Debug)]
 pub(super) struct FusedStep {
     collocation: Collocation,
     describe: String,
     properties: MapProperties,
-    form: OneForm,
+    /// x̂ ↦ p = θ(x̂), the one-form whose graph the bisection is.
+    form: SmoothMap,
 }
 
 impl FusedStep {
     pub(super) fn new(
         collocation: Collocation,
         describe: String,
-        form: OneForm,
+        form: SmoothMap,
         properties: MapProperties,
     ) -> Self {
         Self {
@@ -99,9 +65,7 @@ impl StepMap for FusedStep {
 
     fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
         let mut kernels = self.collocation.kernels();
-        if let OneForm::Code(form) = &self.form {
-            kernels.extend(form.kernels());
-        }
+        kernels.extend(self.form.kernels());
         kernels
     }
 
@@ -114,7 +78,7 @@ impl StepMap for FusedStep {
                 epsilon,
                 most_points: self.collocation.most_points(),
                 curve,
-                form: self.form.evaluator(parameters, epsilon, h),
+                form: Box::new(self.form.evaluator(parameters, epsilon, h)),
                 collocation: self.collocation.clone(),
                 parameters: parameters.to_vec(),
                 mean: vec![0.0; d],
