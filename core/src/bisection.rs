@@ -15,7 +15,7 @@ use crate::runge_kutta::SmoothMap;
 
 /// A parametrization y ↦ L(y) ∈ S of a Lagrangian bisection, as what it is: y ↦ (y, dŜ(y)) for Hamilton–Jacobi,
 /// y ↦ Σ_h(σ(y)) for a collective integrator. Of a one-form θ that is not closed, y ↦ (y, θ(y)) is none, and
-/// [`is_lagrangian`](crate::DynamicApproximation::is_lagrangian) says so.
+/// [`is_lagrangian`](crate::DynamicsProperties::is_lagrangian) says so.
 #[derive(Clone, Debug)]
 pub enum LagrangianBisection {
     /// y ↦ χ(y, θ(y)), the graph of a one-form in the realization's chart.
@@ -57,11 +57,11 @@ impl GraphBisection {
         parameters: usize,
         dynamics: &str,
     ) -> Result<LagrangianBisection, BuildError> {
-        let chart_has_code = realization.points_are_pairs() || realization.chart().is_some();
+        let chart_has_code = realization.abilities().space.has_code();
         let numbers = if chart_has_code && form.code().is_ok() {
             None
         } else {
-            let chart = ChartMaps::of(realization, parameters)?;
+            let chart = ChartMaps::of(realization.as_ref(), parameters)?;
             let chart = chart.ok_or_else(|| BuildError::Incompatible {
                 dynamics: dynamics.to_owned(),
                 realization: realization.describe(),
@@ -88,7 +88,7 @@ impl GraphBisection {
         parameters: usize,
         dynamics: &str,
     ) -> Result<LagrangianBisection, BuildError> {
-        if !realization.is_reversible() {
+        if !realization.abilities().is_reversible {
             return Err(BuildError::Incompatible {
                 dynamics: dynamics.to_owned(),
                 realization: realization.describe(),
@@ -113,7 +113,7 @@ impl GraphBisection {
         }
         Some(Box::new(move |graph, epsilon, h, y| {
             let p = form(graph, epsilon, h, y)?;
-            match self.realization.chart() {
+            match self.realization.abilities().space.chart_code() {
                 None => Ok(y.iter().cloned().chain(p).collect()),
                 Some(chart) => chart(graph, epsilon, y, &p),
             }

@@ -8,36 +8,21 @@ use crate::error::{BuildError, StepError};
 use crate::evaluator::{Evaluator, is_same, one_by_one};
 use crate::one_form::PointCode;
 use crate::point_kernel::PointKernel;
-use crate::realization::{Accuracy, MapCode, RealizationData, RealizationEvaluator};
+use crate::realization::{
+    Accuracy, EndMaps, EndNumbers, MapCode, RealizationData, RealizationEvaluator,
+};
 use crate::solver::judge::{at_most, inside_chart, larger, ratio_in_own_units};
 
 /// An evaluator of any realization's maps: one compiled from its code, or its own evaluator.
 ///
 /// # Errors
-/// [`BuildError::Incompatible`] when it offers neither, [`BuildError::Algebra`] where its code
-/// cannot be differentiated.
+/// Those of [`RealizationMaps::new`].
 pub fn realization_evaluator(
     realization: &dyn RealizationData,
     parameters: &[f64],
     epsilon: f64,
 ) -> Result<Box<dyn RealizationEvaluator>, BuildError> {
-    match compiled(realization, parameters.len())? {
-        Some(code) => Ok(code.evaluator(parameters, epsilon)),
-        None => realization
-            .evaluator(parameters, epsilon)
-            .ok_or_else(|| no_maps(realization)),
-    }
-}
-
-fn compiled(
-    realization: &dyn RealizationData,
-    parameters: usize,
-) -> Result<Option<CodeRealization>, BuildError> {
-    let (d, space) = (realization.dimension(), realization.space_dimension());
-    let code = realization.code();
-    let of_series = guards_series(realization);
-    code.map(|code| CodeRealization::compile(&code, [d, space], parameters, of_series))
-        .transpose()
+    Ok(RealizationMaps::new(realization, parameters.len())?.evaluator(parameters, epsilon))
 }
 
 /// Whether a realization's guard is of a series that is cut off, and not a radius.
@@ -45,63 +30,66 @@ pub(crate) fn guards_series(realization: &dyn RealizationData) -> bool {
     matches!(realization.accuracy(), Accuracy::Order(_))
 }
 
-fn no_maps(realization: &dyn RealizationData) -> BuildError {
-    BuildError::Incompatible {
-        dynamics: "an evaluation".to_owned(),
-        realization: realization.describe(),
-        reason: "it offers neither code nor numbers for its maps".to_owned(),
-    }
+/// The maps of any realization, compiled where they are code.
+#[derive(Clone)]
+pub struct RealizationMaps {
+    ends: CompiledEnds,
 }
 
-/// The maps of any realization, compiled where they are code.
-#[derive(Clone, Debug)]
-pub struct RealizationMaps {
-    realization: Arc<dyn RealizationData>,
-    code: Option<CodeRealization>,
+#[derive(Clone)]
+enum CompiledEnds {
+    Code(CodeRealization),
+    Numbers(EndNumbers),
+}
+
+impl std::fmt::Debug for RealizationMaps {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self.ends {
+            CompiledEnds::Code(_) => "kernels",
+            CompiledEnds::Numbers(_) => "numbers",
+        })
+    }
 }
 
 impl RealizationMaps {
-    /// The maps for a system with these parameters, whose values may change later.
+    /// The maps for a system with so many parameters.
     ///
     /// # Errors
-    /// Those of [`realization_evaluator`].
-    pub fn new(
-        realization: &Arc<dyn RealizationData>,
-        parameters: &[f64],
-    ) -> Result<Self, BuildError> {
-        Self::of(realization, parameters)?.ok_or_else(|| no_maps(realization.as_ref()))
-    }
-
-    /// The same, `None` where the realization offers neither code nor numbers.
-    pub(crate) fn of(
-        realization: &Arc<dyn RealizationData>,
-        parameters: &[f64],
-    ) -> Result<Option<Self>, BuildError> {
-        let code = compiled(realization.as_ref(), parameters.len())?;
-        let is_offered = code.is_some() || realization.evaluator(parameters, 1.0).is_some();
-        Ok(is_offered.then(|| Self {
-            realization: Arc::clone(realization),
-            code,
-        }))
+    /// [`BuildError::Incompatible`] when the realization offers neither code nor numbers, [`BuildError::Algebra`] where
+    /// its code cannot be differentiated.
+    pub fn new(realization: &dyn RealizationData, parameters: usize) -> Result<Self, BuildError> {
+        let ends = match realization.abilities().ends {
+            Some(EndMaps::Numbers(numbers)) => CompiledEnds::Numbers(numbers),
+            Some(EndMaps::Code(code)) => {
+                let shape = [realization.dimension(), realization.space_dimension()];
+                let of_series = guards_series(realization);
+                let code = CodeRealization::compile(&code, shape, parameters, of_series)?;
+                CompiledEnds::Code(code)
+            }
+            None => {
+                return Err(BuildError::Incompatible {
+                    dynamics: "an evaluation".to_owned(),
+                    realization: realization.describe(),
+                    reason: "it offers neither code nor numbers for its maps".to_owned(),
+                });
+            }
+        };
+        Ok(Self { ends })
     }
 
     /// The kernels of maps that are code.
     pub(crate) fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
-        let code = self.code.iter();
-        code.flat_map(CodeRealization::kernels).collect()
+        match &self.ends {
+            CompiledEnds::Code(code) => code.kernels().to_vec(),
+            CompiledEnds::Numbers(_) => Vec::new(),
+        }
     }
 
     /// An evaluator for fixed parameters and ε.
-    ///
-    /// # Panics
-    /// When a realization that offered numbers offers none for these parameters.
     pub fn evaluator(&self, parameters: &[f64], epsilon: f64) -> Box<dyn RealizationEvaluator> {
-        match &self.code {
-            Some(code) => code.evaluator(parameters, epsilon),
-            None => self
-                .realization
-                .evaluator(parameters, epsilon)
-                .expect("an evaluator was offered when the maps were made"),
+        match &self.ends {
+            CompiledEnds::Code(code) => code.evaluator(parameters, epsilon),
+            CompiledEnds::Numbers(numbers) => numbers(parameters, epsilon),
         }
     }
 }

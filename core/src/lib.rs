@@ -74,7 +74,7 @@ pub use chart::ChartMaps;
 pub use closed_form::{ChartPoint, ClosedForm, ClosedRealization};
 pub use code_evaluators::{RealizationMaps, realization_evaluator};
 pub use compensation::two_sum;
-pub use dynamics::{Correction, DynamicApproximation};
+pub use dynamics::{Correction, DynamicApproximation, DynamicsProperties};
 pub use error::{BuildError, StepError};
 pub use evaluator::Evaluator;
 pub use hint::Hint;
@@ -87,8 +87,8 @@ pub use one_form::{OneForm, PointCode};
 pub use origin::Origin;
 pub use part::{PartInfo, PartKind, PartParameters};
 pub use realization::{
-    Accuracy, ChartCode, Ends, MapCode, RealizationData, RealizationEvaluator, SourceRecursion,
-    SourceSeries, SourceTarget,
+    Abilities, Accuracy, ChartCode, EndMaps, Ends, MapCode, RealizationData, RealizationEvaluator,
+    SourceRecursion, SourceSeries, SourceTarget, Space, SpaceChart,
 };
 pub use registry::{Part, Registry, RegistryError};
 pub use shadow::Shadow;

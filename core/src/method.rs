@@ -13,7 +13,9 @@ use crate::generating_shadow::shadow_of;
 use crate::lift::LiftedMap;
 use crate::one_form::PointCode;
 use crate::part::PartParameters;
-use crate::realization::{Accuracy, MapCode, RealizationData, RealizationEvaluator, SourceTarget};
+use crate::realization::{
+    Abilities, Accuracy, MapCode, RealizationData, RealizationEvaluator, SourceTarget,
+};
 use crate::registry::Registry;
 use crate::shadow::Shadow;
 use crate::solution_series::start_of_solves;
@@ -110,22 +112,30 @@ impl Method {
     ) -> Result<Self, BuildError> {
         check_forces(system, dynamics.as_ref())?;
         check_lift(realization.as_ref(), dynamics.as_ref())?;
-        let solves = dynamics.correction() == Correction::Bisection;
-        let is_lifted = realization.lift().is_some();
+        let solves = dynamics.properties().correction == Correction::Bisection;
+        let is_lifted = realization.abilities().lift.is_some();
         if solves && !is_lifted && system.expressions().is_some() {
             check_variables(system.dimension())?;
         }
         let bisection = dynamics.bisection(system, &realization)?;
         let properties = properties_of(realization.as_ref(), dynamics.as_ref());
-        let fused: Option<Arc<dyn StepMap>> = match (&bisection, realization.lift()) {
-            (LagrangianBisection::Lifted { stages }, Some(lift)) => {
+        let fused: Option<Arc<dyn StepMap>> = match (&bisection, realization.abilities()) {
+            (
+                LagrangianBisection::Lifted { stages },
+                Abilities {
+                    lift: Some(lift), ..
+                },
+            ) => {
                 let name = realization.describe();
                 let map = LiftedMap::new(lift, &name, system, *stages, properties)?;
                 Some(Arc::new(map))
             }
-            (LagrangianBisection::Graph(graph), _) if solves => Arc::clone(&realization)
-                .fuse(system, graph.form(), properties)
-                .transpose()?,
+            (
+                LagrangianBisection::Graph(graph),
+                Abilities {
+                    fused: Some(fused), ..
+                },
+            ) if solves => Some(fused(system, graph.form(), properties)?),
             _ => None,
         };
         if let Some(fused) = fused {
@@ -170,8 +180,10 @@ impl Method {
             realization: realization.describe(),
             reason: reason.to_owned(),
         };
-        let path = match (realization.code(), bisection.code()) {
-            (Some(ends), Some(points)) if dynamics.correction() == Correction::Bisection => {
+        let path = match (realization.abilities().code(), bisection.code()) {
+            (Some(ends), Some(points))
+                if dynamics.properties().correction == Correction::Bisection =>
+            {
                 let (mut graph, ends) = code_along(d, &ends, &points)?;
                 let kernel = graph.unless_refused(()).map_err(BuildError::from);
                 let kernel =
@@ -197,8 +209,10 @@ impl Method {
             }
             _ => {
                 let probe = system.parameter_values();
-                let maps = RealizationMaps::of(&realization, &probe)?
-                    .ok_or_else(|| missing("it offers neither code nor numbers for its maps"))?;
+                if realization.abilities().ends.is_none() {
+                    return Err(missing("it offers neither code nor numbers for its maps"));
+                }
+                let maps = RealizationMaps::new(realization.as_ref(), parameters)?;
                 let space = realization.space_dimension();
                 let points = bisection
                     .points([d, space], parameters)?
@@ -278,7 +292,7 @@ impl Method {
             return None;
         }
         let compile = || -> Option<Arc<Kernel>> {
-            let (ends, points) = (self.realization.code()?, self.bisection.code()?);
+            let (ends, points) = (self.realization.abilities().code()?, self.bisection.code()?);
             let (mut graph, ends) = code_along(self.dimension(), &ends, &points).ok()?;
             by_parameters(&mut graph, &ends, parameters)
                 .ok()
@@ -318,7 +332,7 @@ pub(crate) fn check_forces(
     system: &PoissonSystem,
     dynamics: &dyn DynamicApproximation,
 ) -> Result<(), BuildError> {
-    match dynamics.takes_forces() {
+    match dynamics.properties().takes_forces {
         true => Ok(()),
         false => system.without_forces(&dynamics.describe()),
     }
@@ -329,8 +343,9 @@ fn check_lift(
     realization: &dyn RealizationData,
     dynamics: &dyn DynamicApproximation,
 ) -> Result<(), BuildError> {
-    let has_maps = realization.code().is_some() || realization.lift().is_none();
-    match has_maps || dynamics.serves_lifts() {
+    let abilities = realization.abilities();
+    let has_maps = abilities.lift.is_none() || abilities.code().is_some();
+    match has_maps || dynamics.properties().serves_lifts {
         true => Ok(()),
         false => Err(BuildError::LiftAlone {
             dynamics: dynamics.describe(),
@@ -354,8 +369,9 @@ pub(crate) fn properties_of(
     realization: &dyn RealizationData,
     dynamics: &dyn DynamicApproximation,
 ) -> MapProperties {
-    let m = dynamics.order();
-    let (order, structure) = match (realization.accuracy(), dynamics.correction()) {
+    let dynamics = dynamics.properties();
+    let m = dynamics.order;
+    let (order, structure) = match (realization.accuracy(), dynamics.correction) {
         (Accuracy::Exact, Correction::Bisection) => (m, Structure::Exact),
         (Accuracy::Exact, Correction::None) => (m, Structure::Order(m)),
         (Accuracy::Order(n), Correction::Bisection) => (n.min(m), Structure::Order(n)),
@@ -363,14 +379,14 @@ pub(crate) fn properties_of(
     };
     MapProperties {
         order,
-        structure: match (dynamics.is_lagrangian(), structure) {
+        structure: match (dynamics.is_lagrangian, structure) {
             (true, structure) => structure,
             (false, Structure::Exact) => Structure::Leaves,
             (false, _) => Structure::None,
         },
         self_adjoint: dynamics
-            .self_adjoint()
-            .filter(|is_so| !is_so || realization.is_reversible()),
+            .self_adjoint
+            .filter(|is_so| !is_so || realization.abilities().is_reversible),
     }
 }
 
@@ -417,7 +433,7 @@ impl StepMap for Method {
         products: u64,
     ) -> Result<Option<Shadow>, BuildError> {
         let generating = self.bisection.generating_function();
-        match (generating, self.realization.series()) {
+        match (generating, self.realization.abilities().series) {
             (Some(generating), Some(series)) => {
                 shadow_of(generating, series, self.dimension(), last, products)
             }
@@ -438,7 +454,7 @@ impl StepMap for Method {
                 together,
             } => {
                 let (d, space) = (self.dimension(), self.realization.space_dimension());
-                let correction = self.dynamics.correction();
+                let correction = self.dynamics.properties().correction;
                 let is_near = matches!(
                     self.bisection,
                     LagrangianBisection::Points {

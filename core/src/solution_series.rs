@@ -39,9 +39,10 @@ pub(crate) fn start_of_solves(
     parameters: usize,
     operations: u64,
 ) -> Result<Option<StartCode>, BuildError> {
-    let (Some(Generating::Polynomials(generating)), Some(series)) =
-        (bisection.generating_function(), realization.series())
-    else {
+    let (Some(Generating::Polynomials(generating)), Some(series)) = (
+        bisection.generating_function(),
+        realization.abilities().series,
+    ) else {
         return Ok(None);
     };
     let known = match realization.accuracy() {

@@ -87,14 +87,14 @@ impl RealizationInstrument {
         realization: &Arc<dyn RealizationData>,
         parameters: &[f64],
     ) -> Result<Self, BuildError> {
-        let chart = ChartMaps::of(realization, parameters.len())?;
+        let chart = ChartMaps::of(realization.as_ref(), parameters.len())?;
         let chart = chart.ok_or_else(|| BuildError::Incompatible {
             dynamics: "the realization error".to_owned(),
             realization: realization.describe(),
             reason: "it offers no maps on T*M and no chart to see its own through".to_owned(),
         })?;
         Ok(Self {
-            maps: RealizationMaps::new(realization, parameters)?,
+            maps: RealizationMaps::new(realization.as_ref(), parameters.len())?,
             chart,
             space: realization.space_dimension(),
             tensor: TensorMatrix::new(system, parameters)?,

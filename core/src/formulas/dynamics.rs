@@ -7,7 +7,9 @@ use leafwise_expression::{Expression, Polynomial, Ring};
 use crate::bisection::{GraphBisection, LagrangianBisection};
 use crate::diagnostics::same_motion::other_motion;
 use crate::dimensions::Dimensions;
-use crate::dynamics::{Correction, DynamicApproximation, Generating, GeneratingFunction};
+use crate::dynamics::{
+    Correction, DynamicApproximation, DynamicsProperties, Generating, GeneratingFunction,
+};
 use crate::error::BuildError;
 use crate::one_form::OneForm;
 use crate::realization::RealizationData;
@@ -84,16 +86,11 @@ impl FormulaDynamics {
 }
 
 impl DynamicApproximation for FormulaDynamics {
-    fn order(&self) -> usize {
-        self.order
-    }
-
-    fn self_adjoint(&self) -> Option<bool> {
-        self.self_adjoint
-    }
-
-    fn correction(&self) -> Correction {
-        self.correction
+    fn properties(&self) -> DynamicsProperties {
+        DynamicsProperties {
+            correction: self.correction,
+            ..DynamicsProperties::of_order(self.order, self.self_adjoint)
+        }
     }
 
     fn describe(&self) -> String {

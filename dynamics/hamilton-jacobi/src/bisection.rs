@@ -7,8 +7,8 @@ use leafwise_core::part::{
 };
 use leafwise_core::registry::DynamicsPart;
 use leafwise_core::{
-    BuildError, DynamicApproximation, GraphBisection, LagrangianBisection, OneForm, PoissonSystem,
-    RealizationData,
+    BuildError, DynamicApproximation, DynamicsProperties, GraphBisection, LagrangianBisection,
+    OneForm, PoissonSystem, RealizationData,
 };
 
 use crate::coefficients::NAME;
@@ -133,13 +133,9 @@ impl HamiltonJacobi {
 }
 
 impl DynamicApproximation for HamiltonJacobi {
-    fn order(&self) -> usize {
-        self.order
-    }
-
     /// S is odd in h (paper, Proposition 1), so the map is its own adjoint.
-    fn self_adjoint(&self) -> Option<bool> {
-        Some(true)
+    fn properties(&self) -> DynamicsProperties {
+        DynamicsProperties::of_order(self.order, Some(true))
     }
 
     fn describe(&self) -> String {
@@ -168,7 +164,7 @@ impl DynamicApproximation for HamiltonJacobi {
             }
             return graph(OneForm::Numbers(differential(system)?));
         }
-        let generating = match realization.series() {
+        let generating = match realization.abilities().series {
             Some(series) => shortest(system, series, self.order)?,
             None if self.order == 2 => first_order(system)?,
             None => {

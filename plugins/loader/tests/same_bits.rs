@@ -15,9 +15,9 @@ use leafwise_core::part_description::{ParameterDescription, PartDescription};
 use leafwise_core::runge_kutta::SmoothMap;
 use leafwise_core::system::SystemEvaluator;
 use leafwise_core::{
-    BuildError, DynamicApproximation, Evaluator, GraphBisection, LagrangianBisection, Method,
-    OneForm, Origin, PartKind, PartParameters, PoissonSystem, RealizationData, Registry, StepError,
-    StepMap, Walk,
+    BuildError, DynamicApproximation, DynamicsProperties, Evaluator, GraphBisection,
+    LagrangianBisection, Method, OneForm, Origin, PartKind, PartParameters, PoissonSystem,
+    RealizationData, Registry, StepError, StepMap, Walk,
 };
 use leafwise_plugin_abi::{
     LW_FLAG_NOT_SELF_ADJOINT, LW_FLAG_SELF_ADJOINT, LW_STRUCTURE_EXACT, LW_STRUCTURE_NONE,
@@ -36,11 +36,8 @@ struct Shear {
 }
 
 impl DynamicApproximation for Shear {
-    fn order(&self) -> usize {
-        2
-    }
-    fn self_adjoint(&self) -> Option<bool> {
-        Some(true)
+    fn properties(&self) -> DynamicsProperties {
+        DynamicsProperties::of_order(2, Some(true))
     }
     fn describe(&self) -> String {
         "shear".to_owned()

@@ -6,8 +6,9 @@ use leafwise_core::evaluator::one_by_one;
 use leafwise_core::part::ParameterSetting;
 use leafwise_core::runge_kutta::SmoothMap;
 use leafwise_core::{
-    BuildError, ChartMaps, Correction, DynamicApproximation, Evaluator, GraphBisection,
-    LagrangianBisection, OneForm, PartParameters, PoissonSystem, RealizationData, StepError,
+    BuildError, ChartMaps, Correction, DynamicApproximation, DynamicsProperties, Evaluator,
+    GraphBisection, LagrangianBisection, OneForm, PartParameters, PoissonSystem, RealizationData,
+    StepError,
 };
 use leafwise_plugin_abi::LwDynamics;
 
@@ -60,28 +61,20 @@ struct ForeignDynamics {
 }
 
 impl DynamicApproximation for ForeignDynamics {
-    fn order(&self) -> usize {
-        self.properties.order
-    }
-
-    fn self_adjoint(&self) -> Option<bool> {
-        self.properties.flags.self_adjoint()
-    }
-
-    fn is_lagrangian(&self) -> bool {
-        self.properties.flags.is_symplectic()
-    }
-
-    fn correction(&self) -> Correction {
-        if self.properties.flags.is_uncorrected() {
-            Correction::None
-        } else {
-            Correction::Bisection
+    fn properties(&self) -> DynamicsProperties {
+        let Properties { order, flags, .. } = self.properties;
+        DynamicsProperties {
+            is_lagrangian: flags.is_symplectic(),
+            correction: match flags.is_uncorrected() {
+                true => Correction::None,
+                false => Correction::Bisection,
+            },
+            ..DynamicsProperties::of_order(order, flags.self_adjoint())
         }
     }
 
     fn describe(&self) -> String {
-        format!("{} m = {}", self.part.name(), self.order())
+        format!("{} m = {}", self.part.name(), self.properties.order)
     }
 
     fn bisection(
@@ -95,7 +88,7 @@ impl DynamicApproximation for ForeignDynamics {
             dynamics: self.clone(),
             system: system.clone(),
             realization: Arc::clone(realization),
-            lend: RealizationToLend::new(realization, &values)?,
+            lend: RealizationToLend::new(realization, values.len())?,
             idle: Idle::default(),
         };
         // A trial, to tell now what cannot be combined.

@@ -25,19 +25,19 @@ pub(crate) struct RealizationToLend {
 }
 
 impl RealizationToLend {
-    /// Compiles the maps of a realization.
+    /// Compiles the maps of a realization for a system with so many parameters.
     ///
     /// # Errors
     /// [`BuildError::Incompatible`] where it offers neither code nor numbers,
     /// [`BuildError::Algebra`] where its code has no derivative.
     pub(crate) fn new(
         realization: &Arc<dyn RealizationData>,
-        parameters: &[f64],
+        parameters: usize,
     ) -> Result<Self, BuildError> {
         Ok(Self {
             realization: Arc::clone(realization),
-            maps: RealizationMaps::new(realization, parameters)?,
-            chart: ChartMaps::of(realization, parameters.len())?,
+            maps: RealizationMaps::new(realization.as_ref(), parameters)?,
+            chart: ChartMaps::of(realization.as_ref(), parameters)?,
         })
     }
 
@@ -100,7 +100,7 @@ impl HostRealization {
         }
         if realization.points_are_pairs() {
             raw.flags |= LW_FLAG_COTANGENT_CHART;
-            if realization.is_reversible() {
+            if realization.abilities().is_reversible {
                 raw.flags |= LW_FLAG_REVERSIBLE;
             }
         }

@@ -7,8 +7,7 @@ use leafwise_core::part::{
 };
 use leafwise_core::registry::RealizationPart;
 use leafwise_core::{
-    Accuracy, BuildError, MapProperties, OneForm, PoissonSystem, RealizationData,
-    RealizationEvaluator, SourceSeries, StepMap,
+    Abilities, Accuracy, BuildError, EndMaps, PoissonSystem, RealizationData, SourceSeries,
 };
 
 use super::collocation::Collocation;
@@ -94,30 +93,29 @@ impl RealizationData for CollocatedKarasev {
         }
     }
 
-    fn series(&self) -> Option<&dyn SourceSeries> {
-        self.series
-            .as_ref()
-            .map(|series| series as &dyn SourceSeries)
-    }
-
-    fn evaluator(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn RealizationEvaluator>> {
-        let curve = self.collocation.curve(parameters);
-        let (most, d) = (self.collocation.most_points(), self.dimension());
-        let evaluator = CollocatedEvaluator::new(curve, epsilon, most, d);
-        Some(Box::new(evaluator))
-    }
-
-    fn fuse(
-        self: Arc<Self>,
-        system: &PoissonSystem,
-        form: &OneForm,
-        properties: MapProperties,
-    ) -> Option<Result<Arc<dyn StepMap>, BuildError>> {
-        let describe = format!("{} + Hamilton-Jacobi, fused", self.describe());
+    fn abilities(&self) -> Abilities<'_> {
         let collocation = self.collocation.clone();
-        let form = form.map(system.dimension(), system.parameters().len());
-        let fused = form.map(|form| FusedStep::new(collocation, describe, form, properties));
-        Some(fused.map(|fused| Arc::new(fused) as Arc<dyn StepMap>))
+        let series = self.series.as_ref();
+        Abilities {
+            ends: Some(EndMaps::Numbers(Arc::new(move |parameters, epsilon| {
+                let curve = collocation.curve(parameters);
+                let (most, d) = (collocation.most_points(), collocation.dimension());
+                Box::new(CollocatedEvaluator::new(curve, epsilon, most, d))
+            }))),
+            fused: Some(Box::new(|system, form, properties| {
+                let describe = format!("{} + Hamilton-Jacobi, fused", self.describe());
+                let form = form.map(system.dimension(), system.parameters().len())?;
+                let collocation = self.collocation.clone();
+                Ok(Arc::new(FusedStep::new(
+                    collocation,
+                    describe,
+                    form,
+                    properties,
+                )))
+            })),
+            series: series.map(|series| series as &dyn SourceSeries),
+            ..Abilities::default()
+        }
     }
 }
 
