@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use leafwise::core::{
     Abilities, Accuracy, BuildError, ChartMaps, DynamicApproximation, DynamicsProperties, EndMaps,
-    Evaluator, LagrangianBisection, Method, PartParameters, PoissonSystem, RealizationData,
-    RealizationEvaluator, RealizationMaps, Registry, Space, SpaceChart, StepError, StepMap,
-    Structure,
+    EndNumbers, Evaluator, LagrangianBisection, Method, PartParameters, PoissonSystem,
+    RealizationData, RealizationEvaluator, RealizationMaps, Registry, Space, SpaceChart, StepError,
+    StepMap, Structure,
 };
 use leafwise_tests::library;
 use leafwise_tests::numbers::distance;
@@ -67,12 +67,16 @@ impl RealizationData for Numbers {
         Abilities {
             space,
             is_reversible: self.is_reversible,
-            ends: Some(EndMaps::Numbers(Arc::new(move |parameters, epsilon| {
-                Box::new(InnerEvaluator {
-                    inner: maps.evaluator(parameters, epsilon),
-                    has_tangents,
-                })
-            }))),
+            ends: Some(EndMaps::Numbers(EndNumbers::new(
+                has_tangents,
+                true,
+                move |parameters, epsilon| {
+                    Box::new(InnerEvaluator {
+                        inner: maps.evaluator(parameters, epsilon),
+                        has_tangents,
+                    })
+                },
+            ))),
             ..Abilities::default()
         }
     }
@@ -94,9 +98,6 @@ impl Evaluator for InnerEvaluator {
             return Err(StepError::NoTangent);
         }
         self.inner.jacobians(z, tangents)
-    }
-    fn has_jacobian(&self) -> bool {
-        self.has_tangents
     }
 }
 

@@ -179,6 +179,20 @@ pub(crate) enum PointMaps {
 }
 
 impl PointMaps {
+    pub(crate) fn has_jacobian(&self) -> bool {
+        match self {
+            Self::Code(_) => true,
+            Self::Numbers(map) => map.has_jacobian(),
+        }
+    }
+
+    pub(crate) fn is_pointwise(&self) -> bool {
+        match self {
+            Self::Code(_) => true,
+            Self::Numbers(map) => map.is_pointwise(),
+        }
+    }
+
     pub(crate) fn evaluator(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Evaluator> {
         match self {
             Self::Code(code) => code.evaluator(parameters, epsilon, h),

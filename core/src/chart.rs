@@ -85,10 +85,6 @@ impl Evaluator for Pairs {
         Ok(())
     }
 
-    fn has_jacobian(&self) -> bool {
-        true
-    }
-
     fn operations(&self) -> Option<u64> {
         Some(0)
     }

@@ -77,6 +77,22 @@ impl RealizationMaps {
         Ok(Self { ends })
     }
 
+    /// Whether their Jacobians are offered: those of code are.
+    pub fn has_jacobian(&self) -> bool {
+        match &self.ends {
+            CompiledEnds::Code(_) => true,
+            CompiledEnds::Numbers(numbers) => numbers.has_jacobian,
+        }
+    }
+
+    /// Whether trajectories may share an evaluator, as [`EndNumbers::is_pointwise`].
+    pub(crate) fn is_pointwise(&self) -> bool {
+        match &self.ends {
+            CompiledEnds::Code(_) => true,
+            CompiledEnds::Numbers(numbers) => numbers.is_pointwise,
+        }
+    }
+
     /// The kernels of maps that are code.
     pub(crate) fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
         match &self.ends {
@@ -89,7 +105,7 @@ impl RealizationMaps {
     pub fn evaluator(&self, parameters: &[f64], epsilon: f64) -> Box<dyn RealizationEvaluator> {
         match &self.ends {
             CompiledEnds::Code(code) => code.evaluator(parameters, epsilon),
-            CompiledEnds::Numbers(numbers) => numbers(parameters, epsilon),
+            CompiledEnds::Numbers(numbers) => numbers.evaluator(parameters, epsilon),
         }
     }
 }
@@ -221,10 +237,6 @@ impl Evaluator for CodeRealizationEvaluator {
         Ok(())
     }
 
-    fn has_jacobian(&self) -> bool {
-        true
-    }
-
     fn operations(&self) -> Option<u64> {
         Some(self.operations + self.tangents.operations())
     }
@@ -343,10 +355,6 @@ impl Evaluator for CodeBisectionEvaluator {
             self.read(self.code.space, tangent);
             Ok(())
         })
-    }
-
-    fn has_jacobian(&self) -> bool {
-        true
     }
 
     fn operations(&self) -> Option<u64> {

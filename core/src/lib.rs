@@ -87,8 +87,8 @@ pub use one_form::{OneForm, PointCode};
 pub use origin::Origin;
 pub use part::{PartInfo, PartKind, PartParameters};
 pub use realization::{
-    Abilities, Accuracy, ChartCode, EndMaps, Ends, MapCode, RealizationData, RealizationEvaluator,
-    SourceRecursion, SourceSeries, SourceTarget, Space, SpaceChart,
+    Abilities, Accuracy, ChartCode, EndMaps, EndNumbers, Ends, MapCode, RealizationData,
+    RealizationEvaluator, SourceRecursion, SourceSeries, SourceTarget, Space, SpaceChart,
 };
 pub use registry::{Part, Registry, RegistryError};
 pub use shadow::Shadow;

@@ -20,9 +20,9 @@ use crate::registry::Registry;
 use crate::shadow::Shadow;
 use crate::solution_series::start_of_solves;
 use crate::solver::{
-    ByTangents, Checked, Differential, Lanes, MakeCheck, MapProperties, NewtonKernel,
-    NewtonStepper, NumericSolver, Poles, Solved, StepMap, Stepper, Structure, Uncoupled,
-    by_parameters, check_variables, keeping_signs, kept_signs,
+    ByTangents, Checked, CorrectionMethod, Differential, Lanes, MakeCheck, MapProperties,
+    NewtonKernel, NewtonStepper, NumericSolver, Poles, Solved, StepMap, Stepper, Structure,
+    Uncoupled, by_parameters, check_variables, keeping_signs, kept_signs,
 };
 use crate::system::{PoissonSystem, SystemFormulas};
 
@@ -208,7 +208,6 @@ impl Method {
                 Path::Code(kernel.starting_from(start), uncoupled)
             }
             _ => {
-                let probe = system.parameter_values();
                 if realization.abilities().ends.is_none() {
                     return Err(missing("it offers neither code nor numbers for its maps"));
                 }
@@ -218,8 +217,7 @@ impl Method {
                     .points([d, space], parameters)?
                     .ok_or_else(|| missing(NO_POINTS))?;
                 Path::Evaluators {
-                    together: maps.evaluator(&probe, 1.0).is_pointwise()
-                        && points.evaluator(&probe, 1.0, 1.0).is_pointwise(),
+                    together: maps.is_pointwise() && points.is_pointwise(),
                     maps,
                     points,
                 }
@@ -462,11 +460,17 @@ impl StepMap for Method {
                         ..
                     }
                 );
+                let has_tangents = maps.has_jacobian() && points.has_jacobian();
+                let corrections = match (is_near, has_tangents) {
+                    (true, _) => CorrectionMethod::Residual,
+                    (false, true) => CorrectionMethod::Newton,
+                    (false, false) => CorrectionMethod::Acceleration,
+                };
                 let most = if *together { usize::MAX } else { 1 };
                 let solver = |parameters: &[f64], count| {
                     let maps = maps.evaluator(parameters, epsilon);
                     let points = points.evaluator(parameters, epsilon, h);
-                    NumericSolver::new((maps, points), (d, space), (correction, is_near), count)
+                    NumericSolver::new((maps, points), (d, space), (correction, corrections), count)
                 };
                 Box::new(Lanes::together(lanes, most, d, parameters, solver))
             }

@@ -156,10 +156,6 @@ impl Evaluator for GraphOfOneForm {
         self.tangents(tangents)
     }
 
-    fn has_jacobian(&self) -> bool {
-        self.form.has_jacobian() && self.chart.has_jacobian()
-    }
-
     fn operations(&self) -> Option<u64> {
         Some(self.form.operations()? + self.chart.operations()? + self.linear)
     }

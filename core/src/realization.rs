@@ -137,8 +137,36 @@ pub enum EndMaps<'a> {
     Numbers(EndNumbers),
 }
 
-/// The maps α̂ and β̂ as numbers: of parameters and ε, one thread's evaluator.
-pub type EndNumbers = Arc<dyn Fn(&[f64], f64) -> Box<dyn RealizationEvaluator> + Send + Sync>;
+/// The maps α̂ and β̂ as numbers.
+#[derive(Clone)]
+pub struct EndNumbers {
+    /// Whether their Jacobians are offered.
+    pub has_jacobian: bool,
+    /// Whether the result at a point depends on that point alone, bit for bit: trajectories with the same parameters may
+    /// then share an evaluator.
+    pub is_pointwise: bool,
+    make: Arc<dyn Fn(&[f64], f64) -> Box<dyn RealizationEvaluator> + Send + Sync>,
+}
+
+impl EndNumbers {
+    /// Maps whose evaluators `make` makes, one a thread, of parameters and ε.
+    pub fn new(
+        has_jacobian: bool,
+        is_pointwise: bool,
+        make: impl Fn(&[f64], f64) -> Box<dyn RealizationEvaluator> + Send + Sync + 'static,
+    ) -> Self {
+        Self {
+            has_jacobian,
+            is_pointwise,
+            make: Arc::new(make),
+        }
+    }
+
+    /// An evaluator for fixed parameters and ε.
+    pub fn evaluator(&self, parameters: &[f64], epsilon: f64) -> Box<dyn RealizationEvaluator> {
+        (self.make)(parameters, epsilon)
+    }
+}
 
 /// Steps that solve for a realization and a one-form at once: of a system, θ and the properties that its method promises.
 pub type FusedSteps<'a> = Box<

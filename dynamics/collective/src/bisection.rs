@@ -37,7 +37,8 @@ pub fn image_of_section(
         })
     };
     LagrangianBisection::Points {
-        map: SmoothMap::from_numbers(n / 2, space, has_jacobian, image),
+        // Stages start from those of the steps before.
+        map: SmoothMap::from_numbers(n / 2, space, has_jacobian, image).for_one_trajectory(),
         is_near_identity: correction == Correction::Bisection,
     }
 }
@@ -110,7 +111,7 @@ impl Evaluator for BisectionEvaluator {
     }
 
     fn jacobians(&mut self, y: &[f64], tangent: &mut [f64]) -> Result<(), StepError> {
-        if !self.has_jacobian() {
+        if !self.stages.has_tangent() {
             return Err(StepError::NoTangent);
         }
         let n = self.end.len();
@@ -127,15 +128,6 @@ impl Evaluator for BisectionEvaluator {
         let image = DMatrix::from_row_slice(self.of_chart.len() / n, n, &self.of_chart) * image;
         tangent.copy_from_slice(image.transpose().as_slice());
         Ok(())
-    }
-
-    fn has_jacobian(&self) -> bool {
-        self.stages.has_tangent() && self.chart.has_jacobian()
-    }
-
-    /// Stages start from those of the steps before.
-    fn is_pointwise(&self) -> bool {
-        false
     }
 
     fn operations(&self) -> Option<u64> {

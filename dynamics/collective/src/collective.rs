@@ -248,7 +248,7 @@ impl DynamicApproximation for Collective {
             _ => {
                 let maps = RealizationMaps::new(realization.as_ref(), parameters.len())?;
                 let evaluator = maps.evaluator(&parameters, 1.0);
-                if !evaluator.has_jacobian() || !chart.has_jacobian() {
+                if !maps.has_jacobian() || !chart.has_jacobian() {
                     return Err(missing(
                         "it offers no tangents of its source map, which the gradient of the \
                          collective Hamiltonian needs",

@@ -13,8 +13,8 @@ use crate::common::{
 use leafwise_collective::{Collective, SymplecticIntegrator};
 use leafwise_core::diagnostics::TensorDefect;
 use leafwise_core::{
-    Abilities, Accuracy, BuildError, Correction, EndMaps, Evaluator, Method, RealizationData,
-    RealizationEvaluator, RealizationMaps, StepError, StepMap,
+    Abilities, Accuracy, BuildError, Correction, EndMaps, EndNumbers, Evaluator, Method,
+    RealizationData, RealizationEvaluator, RealizationMaps, StepError, StepMap,
 };
 use leafwise_karasev::CollocatedKarasev;
 
@@ -27,7 +27,6 @@ struct Numbers<R> {
 
 struct ShortEvaluator {
     of: Box<dyn RealizationEvaluator>,
-    tangents: bool,
 }
 
 impl<R: RealizationData> RealizationData for Numbers<R> {
@@ -47,12 +46,15 @@ impl<R: RealizationData> RealizationData for Numbers<R> {
         let tangents = self.tangents;
         let maps = RealizationMaps::new(&self.of, 0).expect("maps");
         Abilities {
-            ends: Some(EndMaps::Numbers(Arc::new(move |parameters, epsilon| {
-                Box::new(ShortEvaluator {
-                    of: maps.evaluator(parameters, epsilon),
-                    tangents,
-                })
-            }))),
+            ends: Some(EndMaps::Numbers(EndNumbers::new(
+                tangents,
+                true,
+                move |parameters, epsilon| {
+                    Box::new(ShortEvaluator {
+                        of: maps.evaluator(parameters, epsilon),
+                    })
+                },
+            ))),
             ..self.of.abilities()
         }
     }
@@ -66,9 +68,6 @@ impl Evaluator for ShortEvaluator {
     }
     fn jacobians(&mut self, z: &[f64], tangents: &mut [f64]) -> Result<(), StepError> {
         self.of.jacobians(z, tangents)
-    }
-    fn has_jacobian(&self) -> bool {
-        self.tangents
     }
 }
 

@@ -42,10 +42,6 @@ impl Evaluator for EnergyForm {
         Ok(())
     }
 
-    fn has_jacobian(&self) -> bool {
-        self.gradient.has_jacobian()
-    }
-
     fn operations(&self) -> Option<u64> {
         self.gradient.operations()
     }

@@ -76,7 +76,7 @@ fn calls_allocate_nothing() {
     let Some(EndMaps::Numbers(numbers)) = realization.abilities().ends else {
         panic!("numbers");
     };
-    let mut evaluator = numbers(&values, 0.5);
+    let mut evaluator = numbers.evaluator(&values, 0.5);
     let (z, mut ends, mut tangents) = ([0.1; 6], [0.0; 9], [0.0; 36]);
     let of_realization = allocations(|| {
         evaluator.values(&z, &mut ends).expect("values");

@@ -61,7 +61,8 @@ impl DynamicApproximation for Shear {
         }
         let map = SmoothMap::from_numbers(d, 2 * d, true, move |parameters, _, h| {
             Box::new(ShearPoint(shear(parameters, h)))
-        });
+        })
+        .for_one_trajectory();
         Ok(LagrangianBisection::Points {
             map,
             is_near_identity: false,
@@ -103,9 +104,6 @@ impl Evaluator for ShearForm {
             self.hessian(y, 0, jacobian)
         })
     }
-    fn has_jacobian(&self) -> bool {
-        true
-    }
 }
 
 /// y ↦ (y, θ(y)), one point at a time.
@@ -122,12 +120,6 @@ impl Evaluator for ShearPoint {
         tangent.fill(0.0);
         (0..d).for_each(|i| tangent[i * d + i] = 1.0);
         self.0.hessian(y, d, tangent)
-    }
-    fn has_jacobian(&self) -> bool {
-        true
-    }
-    fn is_pointwise(&self) -> bool {
-        false
     }
 }
 

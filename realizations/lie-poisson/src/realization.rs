@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use leafwise_core::part::{Auto, PartInfo, PartKind, PartParameters};
-use leafwise_core::realization::{Abilities, Accuracy, EndMaps, RealizationData};
+use leafwise_core::realization::{Abilities, Accuracy, EndMaps, EndNumbers, RealizationData};
 use leafwise_core::registry::RealizationPart;
 use leafwise_core::{BuildError, PoissonSystem};
 use leafwise_karasev::series::KarasevSeries;
@@ -99,10 +99,16 @@ impl RealizationData for LiePoisson {
             })),
             Maps::Numbers(structure) => {
                 let structure = structure.clone();
-                EndMaps::Numbers(Arc::new(move |parameters, epsilon| {
-                    let algebra = structure.at(parameters);
-                    Box::new(LiePoissonEvaluator::new(algebra, epsilon))
-                }))
+                // Shared by several trajectories it would factor at each point twice, for values and for Jacobians.
+                let is_pointwise = false;
+                EndMaps::Numbers(EndNumbers::new(
+                    true,
+                    is_pointwise,
+                    move |parameters, epsilon| {
+                        let algebra = structure.at(parameters);
+                        Box::new(LiePoissonEvaluator::new(algebra, epsilon))
+                    },
+                ))
             }
         };
         Abilities {

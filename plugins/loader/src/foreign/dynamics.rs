@@ -6,9 +6,8 @@ use leafwise_core::evaluator::one_by_one;
 use leafwise_core::part::ParameterSetting;
 use leafwise_core::runge_kutta::SmoothMap;
 use leafwise_core::{
-    BuildError, ChartMaps, Correction, DynamicApproximation, DynamicsProperties, Evaluator,
-    GraphBisection, LagrangianBisection, OneForm, PartParameters, PoissonSystem, RealizationData,
-    StepError,
+    BuildError, Correction, DynamicApproximation, DynamicsProperties, Evaluator, GraphBisection,
+    LagrangianBisection, OneForm, PartParameters, PoissonSystem, RealizationData, StepError,
 };
 use leafwise_plugin_abi::LwDynamics;
 
@@ -213,9 +212,9 @@ impl ForeignPoints {
             );
         }
         let functions = [("flow", table.flow), ("flow_jacobian", table.flow_jacobian)];
-        let chart = self.lend.chart().cloned();
-        let chart_has_jacobian = chart.as_ref().is_some_and(ChartMaps::has_jacobian);
-        let has_jacobian = table.flow_jacobian.is_some() && chart_has_jacobian;
+        let chart = self.lend.chart().filter(|chart| chart.has_jacobian());
+        let chart = chart.cloned();
+        let has_jacobian = table.flow_jacobian.is_some() && chart.is_some();
         SmoothMap::from_numbers(d, space, has_jacobian, move |parameters, epsilon, h| {
             let chart = chart.as_ref();
             Box::new(Flow {
@@ -228,6 +227,8 @@ impl ForeignPoints {
                 of_section: vec![0.0; space * 2 * d],
             })
         })
+        // The integrator behind it may start from its last stages.
+        .for_one_trajectory()
     }
 }
 
@@ -247,7 +248,7 @@ fn lent(
 struct Flow {
     flow: ForeignFunction,
     realization: Arc<dyn RealizationData>,
-    /// χ, for Dσ = Dχ(·, 0) on vectors of M.
+    /// χ, for Dσ = Dχ(·, 0) on vectors of M, where Dχ is offered.
     chart: Option<Box<dyn Evaluator>>,
     /// (y, 0).
     pair: Vec<f64>,
@@ -259,7 +260,7 @@ struct Flow {
 
 impl Flow {
     fn tangent(&mut self, y: &[f64], tangent: &mut [f64]) -> Result<(), StepError> {
-        let Some(chart) = self.chart.as_mut().filter(|chart| chart.has_jacobian()) else {
+        let Some(chart) = &mut self.chart else {
             return Err(StepError::NoTangent);
         };
         let (d, space) = (y.len(), self.start.len());
@@ -289,18 +290,5 @@ impl Evaluator for Flow {
     fn jacobians(&mut self, y: &[f64], tangents: &mut [f64]) -> Result<(), StepError> {
         let d = self.pair.len() / 2;
         one_by_one(d, y, tangents, |y, tangent| self.tangent(y, tangent))
-    }
-
-    fn has_jacobian(&self) -> bool {
-        let chart = self
-            .chart
-            .as_ref()
-            .is_some_and(|chart| chart.has_jacobian());
-        chart && self.flow.has_jacobian()
-    }
-
-    /// The integrator behind it may start from its last stages.
-    fn is_pointwise(&self) -> bool {
-        false
     }
 }

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use leafwise_core::part::ParameterSetting;
 use leafwise_core::runge_kutta::SmoothMap;
 use leafwise_core::{
-    Abilities, Accuracy, BuildError, EndMaps, Evaluator, PartParameters, PoissonSystem,
+    Abilities, Accuracy, BuildError, EndMaps, EndNumbers, Evaluator, PartParameters, PoissonSystem,
     RealizationData, RealizationEvaluator, Space, SpaceChart, StepError,
 };
 use leafwise_plugin_abi::LwRealization;
@@ -196,8 +196,8 @@ impl RealizationData for ForeignRealization {
                 is_of_pairs: true,
             })
         };
-        let has_jacobian = table.chart_jacobian.is_some();
-        let chart = SmoothMap::from_numbers(2 * d, space, has_jacobian, chart);
+        let has_tangent = table.chart_jacobian.is_some();
+        let chart = SmoothMap::from_numbers(2 * d, space, has_tangent, chart);
         Abilities {
             space: match flags.has_cotangent_chart() {
                 true => Space::Pairs,
@@ -207,7 +207,11 @@ impl RealizationData for ForeignRealization {
                 },
             },
             is_reversible: flags.is_reversible(),
-            ends: Some(EndMaps::Numbers(Arc::new(ends))),
+            ends: Some(EndMaps::Numbers(EndNumbers::new(
+                has_jacobian(&table),
+                true,
+                ends,
+            ))),
             ..Abilities::default()
         }
     }
@@ -226,6 +230,12 @@ impl ForeignRealization {
             })
         }
     }
+}
+
+/// Whether the library has Dβ̂ and Dα̂, at once or apart.
+fn has_jacobian(table: &LwRealization) -> bool {
+    let is_apart = table.alpha_jacobian.is_some() && table.beta_with_jacobian.is_some();
+    table.ends_jacobian.is_some() || is_apart
 }
 
 struct ForeignEvaluator {
@@ -268,7 +278,7 @@ impl Evaluator for ForeignEvaluator {
     }
 
     fn jacobians(&mut self, z: &[f64], tangents: &mut [f64]) -> Result<(), StepError> {
-        if !self.has_jacobian() {
+        if !has_jacobian(&self.table) {
             return Err(StepError::NoTangent);
         }
         let (d, count) = (self.dimension, z.len() / self.space);
@@ -298,11 +308,5 @@ impl Evaluator for ForeignEvaluator {
             }
         }
         Ok(())
-    }
-
-    fn has_jacobian(&self) -> bool {
-        let separately =
-            self.table.alpha_jacobian.is_some() && self.table.beta_with_jacobian.is_some();
-        self.table.ends_jacobian.is_some() || separately
     }
 }

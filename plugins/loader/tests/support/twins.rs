@@ -7,8 +7,9 @@ use std::sync::Arc;
 use leafwise_core::system::numbers::vector;
 use leafwise_core::system::{Derivatives, OpaqueSystem, SystemEvaluator, SystemNumbers};
 use leafwise_core::{
-    Abilities, Accuracy, EndMaps, Evaluator, MapProperties, PoissonSystem, RealizationData,
-    RealizationEvaluator, SolverStatistics, StepError, StepMap, Stepper, Structure,
+    Abilities, Accuracy, EndMaps, EndNumbers, Evaluator, MapProperties, PoissonSystem,
+    RealizationData, RealizationEvaluator, SolverStatistics, StepError, StepMap, Stepper,
+    Structure,
 };
 use leafwise_example_plugin::Rodrigues;
 use leafwise_plugin_sdk::ChartRealization;
@@ -29,9 +30,11 @@ impl RealizationData for RodriguesTwin {
     }
     fn abilities(&self) -> Abilities<'_> {
         Abilities {
-            ends: Some(EndMaps::Numbers(Arc::new(|_, epsilon| {
-                Box::new(RodriguesEvaluator { epsilon })
-            }))),
+            ends: Some(EndMaps::Numbers(EndNumbers::new(
+                true,
+                true,
+                |_, epsilon| Box::new(RodriguesEvaluator { epsilon }),
+            ))),
             ..Abilities::default()
         }
     }
@@ -84,10 +87,6 @@ impl Evaluator for RodriguesEvaluator {
             self.jacobian(z, target, increment);
         }
         Ok(())
-    }
-
-    fn has_jacobian(&self) -> bool {
-        true
     }
 }
 

@@ -7,7 +7,8 @@ use leafwise_core::part::{
 };
 use leafwise_core::registry::RealizationPart;
 use leafwise_core::{
-    Abilities, Accuracy, BuildError, EndMaps, PoissonSystem, RealizationData, SourceSeries,
+    Abilities, Accuracy, BuildError, EndMaps, EndNumbers, PoissonSystem, RealizationData,
+    SourceSeries,
 };
 
 use super::collocation::Collocation;
@@ -97,11 +98,16 @@ impl RealizationData for CollocatedKarasev {
         let collocation = self.collocation.clone();
         let series = self.series.as_ref();
         Abilities {
-            ends: Some(EndMaps::Numbers(Arc::new(move |parameters, epsilon| {
-                let curve = collocation.curve(parameters);
-                let (most, d) = (collocation.most_points(), collocation.dimension());
-                Box::new(CollocatedEvaluator::new(curve, epsilon, most, d))
-            }))),
+            // Curves start from those before.
+            ends: Some(EndMaps::Numbers(EndNumbers::new(
+                collocation.field.has_slopes(),
+                false,
+                move |parameters, epsilon| {
+                    let curve = collocation.curve(parameters);
+                    let (most, d) = (collocation.most_points(), collocation.dimension());
+                    Box::new(CollocatedEvaluator::new(curve, epsilon, most, d))
+                },
+            ))),
             fused: Some(Box::new(|system, form, properties| {
                 let describe = format!("{} + Hamilton-Jacobi, fused", self.describe());
                 let form = form.map(system.dimension(), system.parameters().len())?;

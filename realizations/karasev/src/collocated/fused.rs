@@ -3,7 +3,7 @@
 //! Unknown is the curve with its end Y(1) = x_k fixed, by its Legendre coefficients. With v_m those of Π(Y)p,
 //! p = dŜ(x̂), its mean is x̂ = x_k − (ε/2)(v_0 + v_1/3). Then x_{k+1} = x_k − ε v_0: no inner solve for α.
 
-use leafwise_core::runge_kutta::SmoothMap;
+use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
 use leafwise_core::solver::judge::{Verdict, all_finite, is_between};
 use leafwise_core::solver::{
     Branch, CorrectionMethod, CorrectionSize, Extrapolation, Lanes, StepReport, Trajectories,
@@ -78,7 +78,7 @@ impl StepMap for FusedStep {
                 epsilon,
                 most_points: self.collocation.most_points(),
                 curve,
-                form: Box::new(self.form.evaluator(parameters, epsilon, h)),
+                form: self.form.evaluator(parameters, epsilon, h),
                 collocation: self.collocation.clone(),
                 parameters: parameters.to_vec(),
                 mean: vec![0.0; d],
@@ -99,7 +99,7 @@ struct FusedTrajectory {
     epsilon: f64,
     most_points: Option<usize>,
     curve: Curve,
-    form: Box<dyn Evaluator>,
+    form: SmoothMapEvaluator,
     collocation: Collocation,
     parameters: Vec<f64>,
     /// Of the curve's shape, and room for that.
@@ -226,7 +226,7 @@ impl FusedTrajectory {
 
     /// One solve at the present number of nodes: by Newton's method where it converges, else accelerated.
     fn solve(&mut self, x: &[f64], low: &[f64], evaluations: &mut u64) -> Result<(), StepError> {
-        if self.curve.method() == CorrectionMethod::Newton && self.form.has_jacobian() {
+        if self.curve.method() == CorrectionMethod::Newton && self.form.map().has_jacobian() {
             let newton = (CorrectionMethod::Newton, MOST_NEWTON);
             if self.iterate(x, low, evaluations, newton).is_ok() {
                 return Ok(());
@@ -255,7 +255,7 @@ impl FusedTrajectory {
         });
         path.evaluator.restore(&[self.curve.rule.points() as f64]);
         let solved = solved.map(|()| &self.centre[..]);
-        let settled = path.settle(self.form.as_mut(), (x, low), solved, evaluations);
+        let settled = path.settle(&mut self.form, (x, low), solved, evaluations);
         let outcome = settled.and_then(|is_found| {
             if is_found {
                 return Ok(());
@@ -344,7 +344,7 @@ impl FusedTrajectory {
         let watch = self.curve.iteration.watch();
         watch.take_start(miss.component(), miss.way());
         if solved.is_err() || watch.wanders() {
-            if self.curve.has_slopes() && self.form.has_jacobian() {
+            if self.curve.has_slopes() && self.form.map().has_jacobian() {
                 solved = self.settle(solved, (x, low), increment, evaluations);
             } else if solved.is_err() && !self.extrapolation.is_cold(0) {
                 // The extrapolated start may have led astray.
