@@ -6,7 +6,7 @@ use leafwise_expression::{Graph, Kernel, Term};
 use nalgebra::DMatrix;
 
 use super::slowing::slower;
-use super::{End, Lift};
+use super::{End, Lift, LiftShape};
 use crate::error::{BuildError, StepError};
 use crate::evaluator::Evaluator;
 use crate::runge_kutta::smooth_map::MapAt;
@@ -71,7 +71,11 @@ impl LiftedMap {
 impl Code {
     fn of(lift: &dyn Lift, system: &PoissonSystem) -> Result<Self, BuildError> {
         let system = system.formulas("a lift")?;
-        let (n, m) = (lift.dimension(), lift.base_dimension());
+        let LiftShape {
+            coordinates: n,
+            base: m,
+            ..
+        } = lift.shape();
         let mut graph = Graph::compilable();
         let inputs: Vec<Term> = (0..n + m).map(|i| graph.input(i)).collect();
         let (z, base) = inputs.split_at(n);
@@ -159,7 +163,7 @@ struct LiftedSteps {
 
 impl LiftedSteps {
     fn new(map: &LiftedMap, parameters: &[f64], time_step: f64, count: usize) -> Self {
-        let (n, all) = (map.lift.dimension(), map.code.field.inputs());
+        let (n, all) = (map.lift.shape().coordinates, map.code.field.inputs());
         let field = MapAt {
             map: &map.code.field,
             parameters,
@@ -306,7 +310,7 @@ impl Trajectories for LiftedSteps {
 
     fn memory(&self, at: usize) -> Vec<f64> {
         let stages = self.stages.memory(at);
-        if !self.lift.follows() {
+        if !self.lift.shape().follows {
             return stages;
         }
         let all = self.end.len();
@@ -315,7 +319,7 @@ impl Trajectories for LiftedSteps {
     }
 
     fn restore(&mut self, at: usize, memory: &[f64]) {
-        if !self.lift.follows() {
+        if !self.lift.shape().follows {
             return self.stages.restore(at, memory);
         }
         let all = self.end.len();
