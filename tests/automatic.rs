@@ -80,7 +80,7 @@ fn over_exact(
         let realization = realization.build(system, &PartParameters::new()).ok()?;
         let is_exact = realization.accuracy() == Accuracy::Exact;
         let is_tried = closed_forms.iter().any(|(info, _)| info.name == name);
-        let is_wanted = is_exact && (is_tried || realization.lift().is_some());
+        let is_wanted = is_exact && (is_tried || realization.abilities().lift.is_some());
         let method = Method::compose(system, realization, Arc::clone(dynamics)).ok();
         method.filter(|_| is_wanted)
     };
@@ -134,7 +134,7 @@ fn auto_takes_a_lift_under_dynamics_that_step_there() {
             assert_cheapest(id, &problem, &dynamics);
             let taken = Registry::with_builtin();
             let taken = taken.exact_realization_under(&dynamics, &problem.system, false);
-            assert!(taken.is_some_and(|exact| exact.realization.lift().is_some()));
+            assert!(taken.is_some_and(|exact| exact.realization.abilities().lift.is_some()));
         }
     }
     // Their coordinates are no positions and momenta.
@@ -146,7 +146,7 @@ fn auto_takes_a_lift_under_dynamics_that_step_there() {
         .build(&verlet);
     let system = library("rigid-body").system;
     let taken = registry.exact_realization_under(&verlet.expect("an integrator"), &system, false);
-    assert!(taken.is_some_and(|exact| exact.realization.lift().is_none()));
+    assert!(taken.is_some_and(|exact| exact.realization.abilities().lift.is_none()));
 }
 
 /// In the chart of the tensor's exponential all are one map: the choice is one of cost alone.

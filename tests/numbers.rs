@@ -4,9 +4,10 @@
 use std::sync::Arc;
 
 use leafwise::core::{
-    Accuracy, BuildError, ChartMaps, DynamicApproximation, Evaluator, LagrangianBisection, Method,
-    PartParameters, PoissonSystem, RealizationData, RealizationEvaluator, RealizationMaps,
-    Registry, StepError, StepMap, Structure,
+    Abilities, Accuracy, BuildError, ChartMaps, DynamicApproximation, DynamicsProperties, EndMaps,
+    EndNumbers, Evaluator, LagrangianBisection, Method, PartParameters, PoissonSystem,
+    RealizationData, RealizationEvaluator, RealizationMaps, Registry, Space, SpaceChart, StepError,
+    StepMap, Structure,
 };
 use leafwise_tests::library;
 use leafwise_tests::numbers::distance;
@@ -29,8 +30,8 @@ impl Numbers {
         let inner = part.build(system, &PartParameters::new()).expect("it fits");
         let values = system.parameter_values();
         Self {
-            maps: RealizationMaps::new(&inner, &values).expect("it has maps"),
-            chart: ChartMaps::of(&inner, values.len()).expect("it has code"),
+            maps: RealizationMaps::new(inner.as_ref(), values.len()).expect("it has maps"),
+            chart: ChartMaps::of(inner.as_ref(), values.len()).expect("it has code"),
             inner,
             has_tangents: true,
             is_reversible: true,
@@ -42,9 +43,6 @@ impl RealizationData for Numbers {
     fn dimension(&self) -> usize {
         self.inner.dimension()
     }
-    fn space_dimension(&self) -> usize {
-        self.inner.space_dimension()
-    }
     fn accuracy(&self) -> Accuracy {
         self.inner.accuracy()
     }
@@ -54,17 +52,33 @@ impl RealizationData for Numbers {
     fn section(&self, x: &[f64], z: &mut [f64]) {
         self.inner.section(x, z);
     }
-    fn evaluator(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn RealizationEvaluator>> {
-        Some(Box::new(InnerEvaluator {
-            inner: self.maps.evaluator(parameters, epsilon),
-            has_tangents: self.has_tangents,
-        }))
-    }
-    fn chart_evaluator(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn Evaluator>> {
-        Some(self.chart.as_ref()?.evaluator(parameters, epsilon))
-    }
-    fn is_reversible(&self) -> bool {
-        self.is_reversible
+    fn abilities(&self) -> Abilities<'_> {
+        let (maps, has_tangents) = (self.maps.clone(), self.has_tangents);
+        let space = match (&self.chart, self.inner.abilities().space) {
+            (_, Space::Pairs) => Space::Pairs,
+            (chart, Space::Points { coordinates, .. }) => Space::Points {
+                coordinates,
+                chart: match chart {
+                    Some(ChartMaps::Map(map)) => Some(SpaceChart::Numbers(map.clone())),
+                    _ => None,
+                },
+            },
+        };
+        Abilities {
+            space,
+            is_reversible: self.is_reversible,
+            ends: Some(EndMaps::Numbers(EndNumbers::new(
+                has_tangents,
+                true,
+                move |parameters, epsilon| {
+                    Box::new(InnerEvaluator {
+                        inner: maps.evaluator(parameters, epsilon),
+                        has_tangents,
+                    })
+                },
+            ))),
+            ..Abilities::default()
+        }
     }
 }
 
@@ -84,9 +98,6 @@ impl Evaluator for InnerEvaluator {
             return Err(StepError::NoTangent);
         }
         self.inner.jacobians(z, tangents)
-    }
-    fn has_jacobian(&self) -> bool {
-        self.has_tangents
     }
 }
 
@@ -179,14 +190,11 @@ struct Careless {
 }
 
 impl DynamicApproximation for Careless {
-    fn order(&self) -> usize {
-        self.inner.order()
-    }
-    fn self_adjoint(&self) -> Option<bool> {
-        self.inner.self_adjoint()
-    }
-    fn is_lagrangian(&self) -> bool {
-        false
+    fn properties(&self) -> DynamicsProperties {
+        DynamicsProperties {
+            is_lagrangian: false,
+            ..self.inner.properties()
+        }
     }
     fn describe(&self) -> String {
         "careless".to_owned()
@@ -195,7 +203,7 @@ impl DynamicApproximation for Careless {
         &self,
         system: &PoissonSystem,
         _: &Arc<dyn RealizationData>,
-    ) -> Result<Arc<dyn LagrangianBisection>, BuildError> {
+    ) -> Result<LagrangianBisection, BuildError> {
         self.inner.bisection(system, &self.over)
     }
 }

@@ -125,7 +125,10 @@ fn hamilton_jacobi_coefficients_agree_to_twelve_digits() {
             .max()
             .expect("some S_l");
         let part = realization(&system, 1);
-        let series = part.series().expect("Karasev's chart has a series");
+        let series = part
+            .abilities()
+            .series
+            .expect("Karasev's chart has a series");
         let expanded = generating_function(&system, series, last + 1).expect("the exact algebra");
         let code = generating_code(&system, series, last + 1).expect("code");
         let forms = [

@@ -202,7 +202,7 @@ impl Ends {
             .map(|i| graph.input(i))
             .collect();
         let epsilon = graph.step_size(StepSize::Epsilon);
-        let code = part.code().expect("code");
+        let code = part.abilities().code().expect("code");
         let ends = code(&mut graph, &epsilon, &z).expect("code");
         let outputs = [ends.base, ends.offset, ends.increment].concat();
         let parameters = system.parameter_values();
@@ -248,7 +248,7 @@ fn even_coefficients_vanish_identically() {
     ] {
         let system = library(id).system;
         let part = realization(&system, 1);
-        let series = part.series().expect("a series");
+        let series = part.abilities().series.expect("a series");
         let (_, all) = all_coefficients(&system, series, last).expect("the exact algebra");
         let terms: Vec<usize> = all.iter().map(|s| s.terms().len()).collect();
         println!("{id}: terms of S_1 ... S_{last}: {terms:?}");
@@ -271,7 +271,7 @@ fn the_third_coefficient_is_the_hessian_of_h_along_its_field() {
     ] {
         let system = library(id).system;
         let part = realization(&system, 1);
-        let series = part.series().expect("a series");
+        let series = part.abilities().series.expect("a series");
         let generating = generating_function(&system, series, 4).expect("the exact algebra");
         let mut ring: Ring = generating.ring;
         let x: Vec<_> = (0..system.dimension()).map(|i| ring.variable(i)).collect();
@@ -310,7 +310,7 @@ fn the_seventh_coefficient_of_the_rigid_body_has_its_value() {
         &[],
     );
     let part = realization(&system, 1);
-    let series = part.series().expect("a series");
+    let series = part.abilities().series.expect("a series");
     let generating = generating_function(&system, series, 8).expect("the exact algebra");
     let point = [1, 3, 3].map(Rational::from_integer);
     let mut value = Rational::zero();

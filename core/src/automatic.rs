@@ -68,7 +68,7 @@ impl Registry {
     ) -> Option<Exact> {
         let serves = |exact: &Exact| dynamics.bisection(system, &exact.realization).is_ok();
         let mut lifts = Vec::new();
-        if dynamics.serves_lifts() && !is_long {
+        if dynamics.properties().serves_lifts && !is_long {
             lifts = self.lifts(system);
             lifts.retain(serves);
         }
@@ -88,7 +88,7 @@ impl Registry {
         let fitting = exact.filter_map(|(info, reason)| {
             let part = self.realization(info.name).ok()?;
             let realization = part.build(system, &PartParameters::new()).ok()?;
-            (!is_long || realization.stages().is_some()).then(|| Exact {
+            (!is_long || realization.abilities().stages.is_some()).then(|| Exact {
                 realization,
                 info,
                 reason: reason.to_owned(),
@@ -96,7 +96,7 @@ impl Registry {
         });
         let mut others = Vec::new();
         for exact in fitting {
-            if exact.realization.code().is_some() {
+            if exact.realization.abilities().code().is_some() {
                 return Some(exact);
             }
             others.push(exact);
@@ -147,7 +147,7 @@ impl Registry {
         Some(exact)
     }
 
-    /// Exact realizations by coordinates in which the system's tensor is constant ([`RealizationData::lift`]).
+    /// Exact realizations by coordinates in which the system's tensor is constant ([`Abilities::lift`](crate::Abilities::lift)).
     fn lifts(&self, system: &PoissonSystem) -> Vec<Exact> {
         let parts = self.parts().into_iter();
         let lifts = parts.filter(|info| info.is_lift);
@@ -155,7 +155,7 @@ impl Registry {
             let part = self.realization(info.name).ok()?;
             let realization = part.build(system, &PartParameters::new()).ok()?;
             let is_exact = realization.accuracy() == Accuracy::Exact;
-            (is_exact && realization.lift().is_some()).then(|| Exact {
+            (is_exact && realization.abilities().lift.is_some()).then(|| Exact {
                 realization,
                 info,
                 reason: "the tensor is constant in its coordinates, and these dynamics step there"

@@ -1,26 +1,19 @@
 //! Charts χ of a realization's space about its section, as numbers.
 
-use std::sync::Arc;
-
 use leafwise_expression::{Graph, StepSize, Term};
 
 use crate::error::{BuildError, StepError};
 use crate::evaluator::Evaluator;
-use crate::realization::RealizationData;
+use crate::realization::{RealizationData, Space, SpaceChart};
 use crate::runge_kutta::SmoothMap;
 
 /// The chart of a realization, compiled where it is code.
 #[derive(Clone, Debug)]
-pub struct ChartMaps {
-    kind: Kind,
-}
-
-#[derive(Clone, Debug)]
-enum Kind {
-    /// z = (x, p) itself, each of so many coordinates.
+pub enum ChartMaps {
+    /// z = (x, p) itself, each of so many coordinates: χ is the identity.
     Pairs(usize),
-    Code(SmoothMap),
-    Numbers(Arc<dyn RealizationData>),
+    /// Any other.
+    Map(SmoothMap),
 }
 
 impl ChartMaps {
@@ -30,47 +23,46 @@ impl ChartMaps {
     /// # Errors
     /// [`BuildError::Algebra`] where the chart's code has no derivative.
     pub fn of(
-        realization: &Arc<dyn RealizationData>,
+        realization: &dyn RealizationData,
         parameters: usize,
     ) -> Result<Option<Self>, BuildError> {
-        if realization.points_are_pairs() {
-            let kind = Kind::Pairs(realization.dimension());
-            return Ok(Some(Self { kind }));
-        }
         let d = realization.dimension();
-        if let Some(chart) = realization.chart() {
-            let mut graph = Graph::new();
-            let xp: Vec<Term> = (0..2 * d).map(|i| graph.input(i)).collect();
-            let epsilon = graph.step_size(StepSize::Epsilon);
-            let z = chart(&mut graph, &epsilon, &xp[..d], &xp[d..])?;
-            let map = SmoothMap::compile(graph, &z, parameters, 2 * d)?;
-            let kind = Kind::Code(map);
-            return Ok(Some(Self { kind }));
-        }
-        let is_offered = realization
-            .chart_evaluator(&vec![1.0; parameters], 1.0)
-            .is_some();
-        Ok(is_offered.then(|| Self {
-            kind: Kind::Numbers(Arc::clone(realization)),
-        }))
+        let chart = match realization.abilities().space {
+            Space::Pairs => return Ok(Some(Self::Pairs(d))),
+            Space::Points { chart, .. } => chart,
+        };
+        Ok(match chart {
+            None => None,
+            Some(SpaceChart::Numbers(map)) => Some(Self::Map(map)),
+            Some(SpaceChart::Code(chart)) => {
+                let mut graph = Graph::new();
+                let xp: Vec<Term> = (0..2 * d).map(|i| graph.input(i)).collect();
+                let epsilon = graph.step_size(StepSize::Epsilon);
+                let z = chart(&mut graph, &epsilon, &xp[..d], &xp[d..])?;
+                let map = SmoothMap::compile(graph, &z, parameters, 2 * d)?;
+                Some(Self::Map(map))
+            }
+        })
     }
 
-    /// Whether points of S are pairs (x, p) themselves: χ is the identity.
+    /// Whether points of S are pairs (x, p) themselves.
     pub fn has_pairs(&self) -> bool {
-        matches!(self.kind, Kind::Pairs(_))
+        matches!(self, Self::Pairs(_))
+    }
+
+    /// Whether Dχ is offered.
+    pub fn has_jacobian(&self) -> bool {
+        match self {
+            Self::Pairs(_) => true,
+            Self::Map(map) => map.has_jacobian(),
+        }
     }
 
     /// An evaluator of (x, p) ↦ χ(x, p) for fixed parameters and ε.
-    ///
-    /// # Panics
-    /// When a realization that offered a chart as numbers offers none for these parameters.
     pub fn evaluator(&self, parameters: &[f64], epsilon: f64) -> Box<dyn Evaluator> {
-        match &self.kind {
-            Kind::Pairs(dimension) => Box::new(Pairs(*dimension)),
-            Kind::Code(map) => Box::new(map.evaluator(parameters, epsilon, 1.0)),
-            Kind::Numbers(realization) => realization
-                .chart_evaluator(parameters, epsilon)
-                .expect("a chart was offered when the method was composed"),
+        match self {
+            Self::Pairs(dimension) => Box::new(Pairs(*dimension)),
+            Self::Map(map) => Box::new(map.evaluator(parameters, epsilon, 1.0)),
         }
     }
 }
@@ -91,10 +83,6 @@ impl Evaluator for Pairs {
             unit.iter_mut().step_by(n + 1).for_each(|one| *one = 1.0);
         }
         Ok(())
-    }
-
-    fn has_jacobian(&self) -> bool {
-        true
     }
 
     fn operations(&self) -> Option<u64> {

@@ -13,7 +13,8 @@ use leafwise_expression::{
 use crate::error::BuildError;
 use crate::lattice::{StageBuilder, StageCode, StageEnds};
 use crate::realization::{
-    Accuracy, MapCode, RealizationData, SourceRecursion, SourceSeries, SourceTarget,
+    Abilities, Accuracy, EndMaps, MapCode, RealizationData, SourceRecursion, SourceSeries,
+    SourceTarget,
 };
 
 /// A point of the chart, in the algebra of its elements.
@@ -162,8 +163,9 @@ impl<F: ClosedForm> RealizationData for ClosedRealization<F> {
         }
     }
 
-    fn code(&self) -> Option<MapCode<'_>> {
-        Some(Box::new(|graph, epsilon, z| {
+    /// One stage on a lattice: α reads x and p at neighbouring sites.
+    fn abilities(&self) -> Abilities<'_> {
+        let ends: MapCode<'_> = Box::new(|graph, epsilon, z| {
             let (x, p) = z.split_at(self.form.dimension());
             let at = ChartPoint {
                 functions: &self.functions(graph, x)?,
@@ -178,12 +180,8 @@ impl<F: ClosedForm> RealizationData for ClosedRealization<F> {
                 increment,
                 guard: self.form.guard(graph, &at)?,
             })
-        }))
-    }
-
-    /// One stage: α reads x and p at neighbouring sites.
-    fn stages(&self) -> Option<StageCode<'_>> {
-        Some(Box::new(|builder: &mut StageBuilder, epsilon, y, p| {
+        });
+        let stages: StageCode<'_> = Box::new(|builder: &mut StageBuilder, epsilon, y, p| {
             let graph = &mut builder.graph;
             let at = ChartPoint {
                 functions: &self.functions(graph, y)?,
@@ -192,16 +190,16 @@ impl<F: ClosedForm> RealizationData for ClosedRealization<F> {
                 p,
             };
             Ok(self.form.ends(graph, &at)?)
-        }))
-    }
-
-    fn is_reversible(&self) -> bool {
-        self.form.is_reversible()
-    }
-
-    fn series(&self) -> Option<&dyn SourceSeries> {
-        let has_series = self.form.is_reversible() && self.form.has_series();
-        has_series.then_some(self)
+        });
+        let is_reversible = self.form.is_reversible();
+        let has_series = is_reversible && self.form.has_series();
+        Abilities {
+            is_reversible,
+            ends: Some(EndMaps::Code(ends)),
+            stages: Some(stages),
+            series: has_series.then_some(self),
+            ..Abilities::default()
+        }
     }
 }
 

@@ -4,40 +4,25 @@ use std::sync::Arc;
 
 use leafwise_expression::{Arithmetic, Graph, Kernel, StepSize, Term, Workspace};
 
-use crate::bisection::PointCode;
 use crate::error::{BuildError, StepError};
 use crate::evaluator::{Evaluator, is_same, one_by_one};
+use crate::one_form::PointCode;
 use crate::point_kernel::PointKernel;
-use crate::realization::{Accuracy, MapCode, RealizationData, RealizationEvaluator};
+use crate::realization::{
+    Accuracy, EndMaps, EndNumbers, MapCode, RealizationData, RealizationEvaluator,
+};
 use crate::solver::judge::{at_most, inside_chart, larger, ratio_in_own_units};
 
 /// An evaluator of any realization's maps: one compiled from its code, or its own evaluator.
 ///
 /// # Errors
-/// [`BuildError::Incompatible`] when it offers neither, [`BuildError::Algebra`] where its code
-/// cannot be differentiated.
+/// Those of [`RealizationMaps::new`].
 pub fn realization_evaluator(
     realization: &dyn RealizationData,
     parameters: &[f64],
     epsilon: f64,
 ) -> Result<Box<dyn RealizationEvaluator>, BuildError> {
-    match compiled(realization, parameters.len())? {
-        Some(code) => Ok(code.evaluator(parameters, epsilon)),
-        None => realization
-            .evaluator(parameters, epsilon)
-            .ok_or_else(|| no_maps(realization)),
-    }
-}
-
-fn compiled(
-    realization: &dyn RealizationData,
-    parameters: usize,
-) -> Result<Option<CodeRealization>, BuildError> {
-    let (d, space) = (realization.dimension(), realization.space_dimension());
-    let code = realization.code();
-    let of_series = guards_series(realization);
-    code.map(|code| CodeRealization::compile(&code, [d, space], parameters, of_series))
-        .transpose()
+    Ok(RealizationMaps::new(realization, parameters.len())?.evaluator(parameters, epsilon))
 }
 
 /// Whether a realization's guard is of a series that is cut off, and not a radius.
@@ -45,51 +30,82 @@ pub(crate) fn guards_series(realization: &dyn RealizationData) -> bool {
     matches!(realization.accuracy(), Accuracy::Order(_))
 }
 
-fn no_maps(realization: &dyn RealizationData) -> BuildError {
-    BuildError::Incompatible {
-        dynamics: "an evaluation".to_owned(),
-        realization: realization.describe(),
-        reason: "it offers neither code nor numbers for its maps".to_owned(),
-    }
+/// The maps of any realization, compiled where they are code.
+#[derive(Clone)]
+pub struct RealizationMaps {
+    ends: CompiledEnds,
 }
 
-/// The maps of any realization, compiled where they are code.
-#[derive(Clone, Debug)]
-pub struct RealizationMaps {
-    realization: Arc<dyn RealizationData>,
-    code: Option<CodeRealization>,
+#[derive(Clone)]
+enum CompiledEnds {
+    Code(CodeRealization),
+    Numbers(EndNumbers),
+}
+
+impl std::fmt::Debug for RealizationMaps {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self.ends {
+            CompiledEnds::Code(_) => "kernels",
+            CompiledEnds::Numbers(_) => "numbers",
+        })
+    }
 }
 
 impl RealizationMaps {
-    /// The maps for a system with these parameters, whose values may change later.
+    /// The maps for a system with so many parameters.
     ///
     /// # Errors
-    /// Those of [`realization_evaluator`].
-    pub fn new(
-        realization: &Arc<dyn RealizationData>,
-        parameters: &[f64],
-    ) -> Result<Self, BuildError> {
-        let code = compiled(realization.as_ref(), parameters.len())?;
-        if code.is_none() && realization.evaluator(parameters, 1.0).is_none() {
-            return Err(no_maps(realization.as_ref()));
+    /// [`BuildError::Incompatible`] when the realization offers neither code nor numbers, [`BuildError::Algebra`] where
+    /// its code cannot be differentiated.
+    pub fn new(realization: &dyn RealizationData, parameters: usize) -> Result<Self, BuildError> {
+        let ends = match realization.abilities().ends {
+            Some(EndMaps::Numbers(numbers)) => CompiledEnds::Numbers(numbers),
+            Some(EndMaps::Code(code)) => {
+                let shape = [realization.dimension(), realization.space_dimension()];
+                let of_series = guards_series(realization);
+                let code = CodeRealization::compile(&code, shape, parameters, of_series)?;
+                CompiledEnds::Code(code)
+            }
+            None => {
+                return Err(BuildError::Incompatible {
+                    dynamics: "an evaluation".to_owned(),
+                    realization: realization.describe(),
+                    reason: "it offers neither code nor numbers for its maps".to_owned(),
+                });
+            }
+        };
+        Ok(Self { ends })
+    }
+
+    /// Whether their Jacobians are offered: those of code are.
+    pub fn has_jacobian(&self) -> bool {
+        match &self.ends {
+            CompiledEnds::Code(_) => true,
+            CompiledEnds::Numbers(numbers) => numbers.has_jacobian,
         }
-        Ok(Self {
-            realization: Arc::clone(realization),
-            code,
-        })
+    }
+
+    /// Whether trajectories may share an evaluator, as [`EndNumbers::is_pointwise`].
+    pub(crate) fn is_pointwise(&self) -> bool {
+        match &self.ends {
+            CompiledEnds::Code(_) => true,
+            CompiledEnds::Numbers(numbers) => numbers.is_pointwise,
+        }
+    }
+
+    /// The kernels of maps that are code.
+    pub(crate) fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
+        match &self.ends {
+            CompiledEnds::Code(code) => code.kernels().to_vec(),
+            CompiledEnds::Numbers(_) => Vec::new(),
+        }
     }
 
     /// An evaluator for fixed parameters and ε.
-    ///
-    /// # Panics
-    /// When a realization that offered numbers offers none for these parameters.
     pub fn evaluator(&self, parameters: &[f64], epsilon: f64) -> Box<dyn RealizationEvaluator> {
-        match &self.code {
-            Some(code) => code.evaluator(parameters, epsilon),
-            None => self
-                .realization
-                .evaluator(parameters, epsilon)
-                .expect("an evaluator was offered when the maps were made"),
+        match &self.ends {
+            CompiledEnds::Code(code) => code.evaluator(parameters, epsilon),
+            CompiledEnds::Numbers(numbers) => numbers.evaluator(parameters, epsilon),
         }
     }
 }
@@ -221,10 +237,6 @@ impl Evaluator for CodeRealizationEvaluator {
         Ok(())
     }
 
-    fn has_jacobian(&self) -> bool {
-        true
-    }
-
     fn operations(&self) -> Option<u64> {
         Some(self.operations + self.tangents.operations())
     }
@@ -343,10 +355,6 @@ impl Evaluator for CodeBisectionEvaluator {
             self.read(self.code.space, tangent);
             Ok(())
         })
-    }
-
-    fn has_jacobian(&self) -> bool {
-        true
     }
 
     fn operations(&self) -> Option<u64> {

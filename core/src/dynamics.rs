@@ -11,27 +11,8 @@ use crate::system::PoissonSystem;
 /// Provides a Lagrangian bisection L̂_{ε,h} ↪ (S, ω) that approximates
 /// L_{ε,h} = φ_h^{α_ε^*H}(σ(M)) to order m in h (paper, section 4.1).
 pub trait DynamicApproximation: Send + Sync + std::fmt::Debug {
-    /// m.
-    fn order(&self) -> usize;
-    /// Whether the induced map is self-adjoint over a realization with β̂(x, p) = α̂(x, −p).
-    fn self_adjoint(&self) -> Option<bool>;
-    /// Whether L is Lagrangian to round-off: only then is the induced map declared Poisson. Of another L it maps along leaves.
-    fn is_lagrangian(&self) -> bool {
-        true
-    }
-    /// Whether it approximates the motion ẋ = −Π(dH + η) of a system with forces η: where it is not said, methods refuse
-    /// such a system.
-    fn takes_forces(&self) -> bool {
-        false
-    }
-    /// Whether it steps in the coordinates of a [`Lift`](crate::Lift): others need α̂ and β̂.
-    fn serves_lifts(&self) -> bool {
-        false
-    }
-    /// Whether y ↦ L(y) is solved for β̂(L(y)) = x, or taken at y = x.
-    fn correction(&self) -> Correction {
-        Correction::Bisection
-    }
+    /// Order and structure of its map, and the systems and realizations that it takes.
+    fn properties(&self) -> DynamicsProperties;
     /// One line for reports: name and order.
     fn describe(&self) -> String;
     /// The bisection for this system and realization.
@@ -42,7 +23,39 @@ pub trait DynamicApproximation: Send + Sync + std::fmt::Debug {
         &self,
         system: &PoissonSystem,
         realization: &Arc<dyn RealizationData>,
-    ) -> Result<Arc<dyn LagrangianBisection>, BuildError>;
+    ) -> Result<LagrangianBisection, BuildError>;
+}
+
+/// Properties of a [`DynamicApproximation`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DynamicsProperties {
+    /// m.
+    pub order: usize,
+    /// Whether the induced map is self-adjoint over a realization with β̂(x, p) = α̂(x, −p); `None` where that is not
+    /// known.
+    pub self_adjoint: Option<bool>,
+    /// Whether L is Lagrangian to round-off: only then is the induced map declared Poisson. Of another L it maps along leaves.
+    pub is_lagrangian: bool,
+    /// Whether it approximates the motion ẋ = −Π(dH + η) of a system with forces η: methods refuse such a system to others.
+    pub takes_forces: bool,
+    /// Whether it steps in the coordinates of a [`Lift`](crate::Lift): others need α̂ and β̂.
+    pub serves_lifts: bool,
+    /// Whether y ↦ L(y) is solved for β̂(L(y)) = x, or taken at y = x.
+    pub correction: Correction,
+}
+
+impl DynamicsProperties {
+    /// Those of a Lagrangian bisection of order m that is solved for, of systems without forces over maps α̂ and β̂.
+    pub fn of_order(order: usize, self_adjoint: Option<bool>) -> Self {
+        Self {
+            order,
+            self_adjoint,
+            is_lagrangian: true,
+            takes_forces: false,
+            serves_lifts: false,
+            correction: Correction::Bisection,
+        }
+    }
 }
 
 /// Treatment of the equation β̂(L(y)) = x_k by a method.

@@ -26,21 +26,8 @@ pub trait Evaluator: Send {
     /// DF(x), row-major m × n.
     ///
     /// # Errors
-    /// As [`values`](Self::values); [`StepError::NoTangent`] for a map without one.
-    fn jacobians(&mut self, x: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        let _ = (x, out);
-        Err(StepError::NoTangent)
-    }
-    /// Whether [`jacobians`](Self::jacobians) are offered: Newton's method and exact tangents of steps need
-    /// them.
-    fn has_jacobian(&self) -> bool {
-        false
-    }
-    /// Whether the result at a point depends on that point alone, bit for bit: trajectories with the same
-    /// parameters may then share the evaluator.
-    fn is_pointwise(&self) -> bool {
-        true
-    }
+    /// As [`values`](Self::values); [`StepError::NoTangent`] for a map without one, of which the map knows.
+    fn jacobians(&mut self, x: &[f64], out: &mut [f64]) -> Result<(), StepError>;
     /// Operations so far, as [`SolverStatistics::operations`] counts them; `None` for a map that does
     /// not count.
     ///

@@ -11,8 +11,7 @@
 //! - [`chart`]: charts about the section, as numbers.
 //! - [`dynamics`]: [`DynamicApproximation`], the dynamic one.
 //! - [`bisection`]: [`LagrangianBisection`], which it provides.
-//! - [`one_form`]: bisections that are graphs of one-forms, as numbers.
-//! - [`graph_bisection`]: graphs of dS and of other one-forms, by code.
+//! - [`one_form`]: dS and other one-forms, as code and as numbers.
 //! - [`method`](mod@method): [`Method`], the two combined into a step map.
 //! - [`noise`]: steps with parameters that are drawn anew before each.
 //! - [`random`]: random numbers by seed, member and purpose.
@@ -45,7 +44,6 @@ pub mod formulas;
 mod generating_function;
 mod generating_shadow;
 pub mod gradient;
-pub mod graph_bisection;
 mod hint;
 mod instead;
 pub mod lattice;
@@ -71,33 +69,32 @@ pub mod solver;
 pub mod system;
 pub mod walk;
 
-pub use bisection::{LagrangianBisection, PointCode};
+pub use bisection::{GraphBisection, LagrangianBisection};
 pub use chart::ChartMaps;
 pub use closed_form::{ChartPoint, ClosedForm, ClosedRealization};
 pub use code_evaluators::{RealizationMaps, realization_evaluator};
 pub use compensation::two_sum;
-pub use dynamics::{Correction, DynamicApproximation};
+pub use dynamics::{Correction, DynamicApproximation, DynamicsProperties};
 pub use error::{BuildError, StepError};
 pub use evaluator::Evaluator;
-pub use graph_bisection::{GraphBisection, OneForm};
 pub use hint::Hint;
 pub use lattice::LatticeMethod;
 pub use lift::Lift;
 pub use lifted_realization::LiftedRealization;
 pub use method::{Method, MethodEvaluators};
 pub use observe::Observe;
-pub use one_form::{CodeOneForm, GraphOfOneForm};
+pub use one_form::{OneForm, PointCode};
 pub use origin::Origin;
 pub use part::{PartInfo, PartKind, PartParameters};
 pub use realization::{
-    Accuracy, ChartCode, Ends, MapCode, RealizationData, RealizationEvaluator, SourceRecursion,
-    SourceSeries, SourceTarget,
+    Abilities, Accuracy, ChartCode, EndMaps, EndNumbers, Ends, MapCode, RealizationData,
+    RealizationEvaluator, SourceRecursion, SourceSeries, SourceTarget, Space, SpaceChart,
 };
 pub use registry::{Part, Registry, RegistryError};
 pub use shadow::Shadow;
 pub use solver::{
-    ByTangents, Differential, Inverse, MapProperties, Pieces, SolverStatistics, StepMap, Stepper,
-    Structure, WithoutPoles,
+    ByTangents, Differential, Factored, Inverse, MapProperties, Pieces, SolverStatistics, StepMap,
+    Stepper, Structure, WithoutPoles,
 };
 pub use system::{Convention, PoissonSystem, SystemBuilder, SystemFormulas, SystemNumbers};
 pub use walk::Walk;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::lift::Lift;
-use crate::realization::{Accuracy, RealizationData};
+use crate::realization::{Abilities, Accuracy, RealizationData};
 
 /// The realization data (ℝⁿ, Ω, J) of a [`Lift`]: J stands in the place of α.
 #[derive(Clone, Debug)]
@@ -41,7 +41,10 @@ impl RealizationData for LiftedRealization {
         self.description.clone()
     }
 
-    fn lift(&self) -> Option<Arc<dyn Lift>> {
-        Some(Arc::clone(&self.lift))
+    fn abilities(&self) -> Abilities<'_> {
+        Abilities {
+            lift: Some(Arc::clone(&self.lift)),
+            ..Abilities::default()
+        }
     }
 }

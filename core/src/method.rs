@@ -4,23 +4,25 @@ use std::sync::{Arc, OnceLock};
 
 use leafwise_expression::{AlgebraError, Graph, Kernel, StepSize, Term};
 
-use crate::bisection::{LagrangianBisection, PointCode};
-use crate::code_evaluators::{
-    CodeBisection, CodeRealization, guards_series, realization_evaluator,
-};
+use crate::bisection::{LagrangianBisection, PointMaps};
+use crate::code_evaluators::{RealizationMaps, guards_series, realization_evaluator};
 use crate::dynamics::{Correction, DynamicApproximation};
 use crate::error::BuildError;
 use crate::evaluator::Evaluator;
 use crate::generating_shadow::shadow_of;
+use crate::lift::LiftedMap;
+use crate::one_form::PointCode;
 use crate::part::PartParameters;
-use crate::realization::{Accuracy, MapCode, RealizationData, RealizationEvaluator, SourceTarget};
+use crate::realization::{
+    Abilities, Accuracy, MapCode, RealizationData, RealizationEvaluator, SourceTarget,
+};
 use crate::registry::Registry;
 use crate::shadow::Shadow;
 use crate::solution_series::start_of_solves;
 use crate::solver::{
-    ByTangents, Checked, Differential, Lanes, MakeCheck, MapProperties, NewtonKernel,
-    NewtonStepper, NumericSolver, Poles, Solved, StepMap, Stepper, Structure, Uncoupled,
-    by_parameters, check_variables, keeping_signs, kept_signs,
+    ByTangents, Checked, CorrectionMethod, Differential, Lanes, MakeCheck, MapProperties,
+    NewtonKernel, NewtonStepper, NumericSolver, Poles, Solved, StepMap, Stepper, Structure,
+    Uncoupled, by_parameters, check_variables, keeping_signs, kept_signs,
 };
 use crate::system::{PoissonSystem, SystemFormulas};
 
@@ -30,7 +32,7 @@ use crate::system::{PoissonSystem, SystemFormulas};
 pub struct Method {
     realization: Arc<dyn RealizationData>,
     dynamics: Arc<dyn DynamicApproximation>,
-    bisection: Arc<dyn LagrangianBisection>,
+    bisection: LagrangianBisection,
     path: Path,
     /// Coordinates whose sign every step keeps.
     kept_signs: Vec<usize>,
@@ -48,6 +50,9 @@ pub struct MethodEvaluators {
     pub points: Box<dyn Evaluator>,
 }
 
+/// The reason where y ↦ L(y) cannot be evaluated.
+const NO_POINTS: &str = "the bisection offers neither code nor numbers";
+
 /// How a step is computed.
 #[derive(Clone)]
 enum Path {
@@ -57,8 +62,8 @@ enum Path {
     Fused(Arc<dyn StepMap>),
     /// At least one part computes numbers.
     Evaluators {
-        code: Option<CodeRealization>,
-        points: Option<CodeBisection>,
+        maps: RealizationMaps,
+        points: PointMaps,
         /// Whether several trajectories share both evaluators.
         together: bool,
     },
@@ -107,18 +112,34 @@ impl Method {
     ) -> Result<Self, BuildError> {
         check_forces(system, dynamics.as_ref())?;
         check_lift(realization.as_ref(), dynamics.as_ref())?;
-        let solves = dynamics.correction() == Correction::Bisection;
-        let is_lifted = realization.lift().is_some();
+        let solves = dynamics.properties().correction == Correction::Bisection;
+        let is_lifted = realization.abilities().lift.is_some();
         if solves && !is_lifted && system.expressions().is_some() {
             check_variables(system.dimension())?;
         }
         let bisection = dynamics.bisection(system, &realization)?;
         let properties = properties_of(realization.as_ref(), dynamics.as_ref());
-        let fused = (solves || is_lifted)
-            .then(|| Arc::clone(&realization).fuse(system, Arc::clone(&bisection), properties))
-            .flatten();
+        let fused: Option<Arc<dyn StepMap>> = match (&bisection, realization.abilities()) {
+            (
+                LagrangianBisection::Lifted { stages },
+                Abilities {
+                    lift: Some(lift), ..
+                },
+            ) => {
+                let name = realization.describe();
+                let map = LiftedMap::new(lift, &name, system, *stages, properties)?;
+                Some(Arc::new(map))
+            }
+            (
+                LagrangianBisection::Graph(graph),
+                Abilities {
+                    fused: Some(fused), ..
+                },
+            ) if solves => Some(fused(system, graph.form(), properties)?),
+            _ => None,
+        };
         if let Some(fused) = fused {
-            let path = Path::Fused(Arc::from(fused?));
+            let path = Path::Fused(fused);
             return Ok(Self {
                 kept_signs: kept_by(system, properties),
                 poles: Poles::of(system)?.map(Arc::new),
@@ -151,7 +172,7 @@ impl Method {
         system: &PoissonSystem,
         realization: Arc<dyn RealizationData>,
         dynamics: Arc<dyn DynamicApproximation>,
-        bisection: Arc<dyn LagrangianBisection>,
+        bisection: LagrangianBisection,
     ) -> Result<Self, BuildError> {
         let (d, parameters) = (system.dimension(), system.parameters().len());
         let missing = |reason: &str| BuildError::Incompatible {
@@ -159,8 +180,10 @@ impl Method {
             realization: realization.describe(),
             reason: reason.to_owned(),
         };
-        let path = match (realization.code(), bisection.code()) {
-            (Some(ends), Some(points)) if dynamics.correction() == Correction::Bisection => {
+        let path = match (realization.abilities().code(), bisection.code()) {
+            (Some(ends), Some(points))
+                if dynamics.properties().correction == Correction::Bisection =>
+            {
                 let (mut graph, ends) = code_along(d, &ends, &points)?;
                 let kernel = graph.unless_refused(()).map_err(BuildError::from);
                 let kernel =
@@ -173,7 +196,7 @@ impl Method {
                 })?;
                 let start = start_of_solves(
                     realization.as_ref(),
-                    bisection.as_ref(),
+                    &bisection,
                     parameters,
                     kernel.worth_of_start(),
                 )?;
@@ -184,40 +207,19 @@ impl Method {
                 let start = start.map(|start| start.kernel(parameters));
                 Path::Code(kernel.starting_from(start), uncoupled)
             }
-            (code, points) => {
-                let probe = system.parameter_values();
-                if code.is_none() && realization.evaluator(&probe, 1.0).is_none() {
+            _ => {
+                if realization.abilities().ends.is_none() {
                     return Err(missing("it offers neither code nor numbers for its maps"));
                 }
-                if points.is_none() && bisection.evaluator(&probe, 1.0, 1.0).is_none() {
-                    return Err(missing("the bisection offers neither code nor numbers"));
-                }
+                let maps = RealizationMaps::new(realization.as_ref(), parameters)?;
                 let space = realization.space_dimension();
-                let maps = realization.evaluator(&probe, 1.0);
-                let code = match code.filter(|_| maps.is_none()) {
-                    None => None,
-                    Some(code) => {
-                        let of_series = guards_series(realization.as_ref());
-                        Some(CodeRealization::compile(
-                            &code,
-                            [d, space],
-                            parameters,
-                            of_series,
-                        )?)
-                    }
-                };
-                let embedding = bisection.evaluator(&probe, 1.0, 1.0);
-                let points = match points.filter(|_| embedding.is_none()) {
-                    None => None,
-                    Some(points) => Some(CodeBisection::compile(&points, d, space, parameters)?),
-                };
-                // Code serves any number.
-                let together = maps.is_none_or(|maps| maps.is_pointwise())
-                    && embedding.is_none_or(|points| points.is_pointwise());
+                let points = bisection
+                    .points([d, space], parameters)?
+                    .ok_or_else(|| missing(NO_POINTS))?;
                 Path::Evaluators {
-                    code,
+                    together: maps.is_pointwise() && points.is_pointwise(),
+                    maps,
                     points,
-                    together,
                 }
             }
         };
@@ -244,8 +246,8 @@ impl Method {
     }
 
     /// The Lagrangian bisection of this system.
-    pub fn bisection(&self) -> &dyn LagrangianBisection {
-        self.bisection.as_ref()
+    pub fn bisection(&self) -> &LagrangianBisection {
+        &self.bisection
     }
 
     /// The compiled Newton iteration, where both parts are code.
@@ -266,30 +268,20 @@ impl Method {
         epsilon: f64,
         h: f64,
     ) -> Result<MethodEvaluators, BuildError> {
-        let (d, space) = (
+        let shape = [
             self.realization.dimension(),
             self.realization.space_dimension(),
-        );
-        let points = match (
-            self.bisection.evaluator(parameters, epsilon, h),
-            self.bisection.code(),
-        ) {
-            (Some(evaluator), _) => evaluator,
-            (None, Some(code)) => CodeBisection::compile(&code, d, space, parameters.len())?
-                .evaluator(parameters, epsilon, h),
-            (None, None) => {
-                return Err(BuildError::Incompatible {
-                    dynamics: self.dynamics.describe(),
-                    realization: self.realization.describe(),
-                    reason: "the bisection offers neither code nor numbers".to_owned(),
-                });
-            }
-        };
-        let maps = match self.realization.evaluator(parameters, epsilon) {
-            Some(evaluator) => evaluator,
-            None => realization_evaluator(self.realization.as_ref(), parameters, epsilon)?,
-        };
-        Ok(MethodEvaluators { maps, points })
+        ];
+        let points = self.bisection.points(shape, parameters.len())?;
+        let points = points.ok_or_else(|| BuildError::Incompatible {
+            dynamics: self.dynamics.describe(),
+            realization: self.realization.describe(),
+            reason: NO_POINTS.to_owned(),
+        })?;
+        Ok(MethodEvaluators {
+            maps: realization_evaluator(self.realization.as_ref(), parameters, epsilon)?,
+            points: points.evaluator(parameters, epsilon, h),
+        })
     }
 
     /// The gradient by parameters of both ends; `None` where there are none, and where a formula has no derivative.
@@ -298,7 +290,7 @@ impl Method {
             return None;
         }
         let compile = || -> Option<Arc<Kernel>> {
-            let (ends, points) = (self.realization.code()?, self.bisection.code()?);
+            let (ends, points) = (self.realization.abilities().code()?, self.bisection.code()?);
             let (mut graph, ends) = code_along(self.dimension(), &ends, &points).ok()?;
             by_parameters(&mut graph, &ends, parameters)
                 .ok()
@@ -338,7 +330,7 @@ pub(crate) fn check_forces(
     system: &PoissonSystem,
     dynamics: &dyn DynamicApproximation,
 ) -> Result<(), BuildError> {
-    match dynamics.takes_forces() {
+    match dynamics.properties().takes_forces {
         true => Ok(()),
         false => system.without_forces(&dynamics.describe()),
     }
@@ -349,8 +341,9 @@ fn check_lift(
     realization: &dyn RealizationData,
     dynamics: &dyn DynamicApproximation,
 ) -> Result<(), BuildError> {
-    let has_maps = realization.code().is_some() || realization.lift().is_none();
-    match has_maps || dynamics.serves_lifts() {
+    let abilities = realization.abilities();
+    let has_maps = abilities.lift.is_none() || abilities.code().is_some();
+    match has_maps || dynamics.properties().serves_lifts {
         true => Ok(()),
         false => Err(BuildError::LiftAlone {
             dynamics: dynamics.describe(),
@@ -374,8 +367,9 @@ pub(crate) fn properties_of(
     realization: &dyn RealizationData,
     dynamics: &dyn DynamicApproximation,
 ) -> MapProperties {
-    let m = dynamics.order();
-    let (order, structure) = match (realization.accuracy(), dynamics.correction()) {
+    let dynamics = dynamics.properties();
+    let m = dynamics.order;
+    let (order, structure) = match (realization.accuracy(), dynamics.correction) {
         (Accuracy::Exact, Correction::Bisection) => (m, Structure::Exact),
         (Accuracy::Exact, Correction::None) => (m, Structure::Order(m)),
         (Accuracy::Order(n), Correction::Bisection) => (n.min(m), Structure::Order(n)),
@@ -383,14 +377,14 @@ pub(crate) fn properties_of(
     };
     MapProperties {
         order,
-        structure: match (dynamics.is_lagrangian(), structure) {
+        structure: match (dynamics.is_lagrangian, structure) {
             (true, structure) => structure,
             (false, Structure::Exact) => Structure::Leaves,
             (false, _) => Structure::None,
         },
         self_adjoint: dynamics
-            .self_adjoint()
-            .filter(|is_so| !is_so || realization.is_reversible()),
+            .self_adjoint
+            .filter(|is_so| !is_so || realization.abilities().is_reversible),
     }
 }
 
@@ -424,10 +418,8 @@ impl StepMap for Method {
                 parts.into_iter().flat_map(NewtonKernel::kernels).collect()
             }
             Path::Fused(map) => map.kernels(),
-            Path::Evaluators { code, points, .. } => {
-                let maps = code.iter().flat_map(CodeRealization::kernels);
-                maps.chain(points.iter().map(CodeBisection::kernel))
-                    .collect()
+            Path::Evaluators { maps, points, .. } => {
+                maps.kernels().into_iter().chain(points.kernel()).collect()
             }
         }
     }
@@ -439,7 +431,7 @@ impl StepMap for Method {
         products: u64,
     ) -> Result<Option<Shadow>, BuildError> {
         let generating = self.bisection.generating_function();
-        match (generating, self.realization.series()) {
+        match (generating, self.realization.abilities().series) {
             (Some(generating), Some(series)) => {
                 shadow_of(generating, series, self.dimension(), last, products)
             }
@@ -455,38 +447,32 @@ impl StepMap for Method {
             }
             Path::Fused(map) => map.stepper(lanes, parameters, epsilon, h),
             Path::Evaluators {
-                code,
+                maps,
                 points,
                 together,
             } => {
                 let (d, space) = (self.dimension(), self.realization.space_dimension());
-                let correction = self.dynamics.correction();
-                let is_near = self.bisection.is_near_identity();
-                let offered = "an evaluator was offered when the method was composed";
+                let correction = self.dynamics.properties().correction;
+                let is_near = matches!(
+                    self.bisection,
+                    LagrangianBisection::Points {
+                        is_near_identity: true,
+                        ..
+                    }
+                );
+                let has_tangents = maps.has_jacobian() && points.has_jacobian();
+                let corrections = match (is_near, has_tangents) {
+                    (true, _) => CorrectionMethod::Residual,
+                    (false, true) => CorrectionMethod::Newton,
+                    (false, false) => CorrectionMethod::Acceleration,
+                };
                 let most = if *together { usize::MAX } else { 1 };
-                Box::new(Lanes::together(
-                    lanes,
-                    most,
-                    d,
-                    parameters,
-                    |parameters, count| {
-                        let maps = match code {
-                            Some(code) => code.evaluator(parameters, epsilon),
-                            None => {
-                                let evaluator = self.realization.evaluator(parameters, epsilon);
-                                evaluator.expect(offered)
-                            }
-                        };
-                        let points = match points {
-                            Some(points) => points.evaluator(parameters, epsilon, h),
-                            None => {
-                                let evaluator = self.bisection.evaluator(parameters, epsilon, h);
-                                evaluator.expect(offered)
-                            }
-                        };
-                        NumericSolver::new((maps, points), (d, space), (correction, is_near), count)
-                    },
-                ))
+                let solver = |parameters: &[f64], count| {
+                    let maps = maps.evaluator(parameters, epsilon);
+                    let points = points.evaluator(parameters, epsilon, h);
+                    NumericSolver::new((maps, points), (d, space), (correction, corrections), count)
+                };
+                Box::new(Lanes::together(lanes, most, d, parameters, solver))
             }
         };
         let stepper = keeping_signs(stepper, &self.kept_signs);

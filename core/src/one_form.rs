@@ -1,10 +1,65 @@
-//! Bisections that are graphs of one-forms, as numbers.
+//! One-forms on M, and their graphs as numbers.
 
-use leafwise_expression::{Graph, Kernel, StepSize, Term};
+use leafwise_expression::{Graph, StepSize, Term};
 
 use crate::error::{BuildError, StepError};
 use crate::evaluator::{Evaluator, is_same};
+use crate::generating_function::Generating;
 use crate::runge_kutta::SmoothMap;
+
+/// θ_{ε,h} on M.
+#[derive(Clone, Debug)]
+pub enum OneForm {
+    /// dŜ_{ε,h}: closed, and its graph Lagrangian.
+    Differential(Generating),
+    /// Any other, whose graph maps along leaves.
+    Code {
+        /// The code; its inputs are the coordinates of M, and it may use ε and h.
+        graph: Graph,
+        /// d components.
+        components: Vec<Term>,
+    },
+    /// θ as numbers.
+    Numbers(SmoothMap),
+}
+
+impl OneForm {
+    /// θ_{ε,h}(y) as code, or else the numbers.
+    pub(crate) fn code(&self) -> Result<PointCode<'_>, &SmoothMap> {
+        match self {
+            Self::Differential(generating) => Ok(Box::new(|graph, epsilon, h, y| {
+                generating.differential(graph, epsilon, h, y)
+            })),
+            Self::Code { graph, components } => Ok(Box::new(move |code, _, _, y| {
+                Ok(code.import(graph, components, y)?)
+            })),
+            Self::Numbers(map) => Err(map),
+        }
+    }
+
+    /// y ↦ θ_{ε,h}(y) and its Jacobian on M of `dimension` d, compiled where they are code.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where a derivative has no code.
+    pub fn map(&self, dimension: usize, parameters: usize) -> Result<SmoothMap, BuildError> {
+        let code = match self.code() {
+            Ok(code) => code,
+            Err(numbers) => return Ok(numbers.clone()),
+        };
+        let mut graph = Graph::new();
+        let y: Vec<Term> = (0..dimension).map(|i| graph.input(i)).collect();
+        let epsilon = graph.step_size(StepSize::Epsilon);
+        let h = graph.step_size(StepSize::H);
+        let p = code(&mut graph, &epsilon, &h, &y)?;
+        SmoothMap::compile(graph, &p, parameters, dimension)
+    }
+}
+
+/// A bisection or a one-form as straight-line code: of a graph, ε, h and y, the d_S coordinates of L_{ε,h}(y).
+///
+/// It fails with [`BuildError::Algebra`] where the Hamiltonian has no code.
+pub type PointCode<'a> =
+    Box<dyn Fn(&mut Graph, &Term, &Term, &[Term]) -> Result<Vec<Term>, BuildError> + 'a>;
 
 /// y ↦ χ(y, θ(y)): the graph of a one-form, through a chart.
 pub struct GraphOfOneForm {
@@ -101,48 +156,7 @@ impl Evaluator for GraphOfOneForm {
         self.tangents(tangents)
     }
 
-    fn has_jacobian(&self) -> bool {
-        self.form.has_jacobian() && self.chart.has_jacobian()
-    }
-
     fn operations(&self) -> Option<u64> {
         Some(self.form.operations()? + self.chart.operations()? + self.linear)
-    }
-}
-
-/// A one-form given by code.
-#[derive(Clone, Debug)]
-pub struct CodeOneForm {
-    map: SmoothMap,
-}
-
-impl CodeOneForm {
-    /// Kernels that are evaluated, each with its name, for reports.
-    pub fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
-        self.map.kernels()
-    }
-
-    /// Compiles y ↦ θ(y) and its Jacobian; `write` gets ε, h and y.
-    ///
-    /// # Errors
-    /// Those of `write`, and [`BuildError::Algebra`] where a derivative has no code.
-    pub fn compile(
-        dimension: usize,
-        parameters: usize,
-        write: impl FnOnce(&mut Graph, &Term, &Term, &[Term]) -> Result<Vec<Term>, BuildError>,
-    ) -> Result<Self, BuildError> {
-        let mut graph = Graph::new();
-        let y: Vec<Term> = (0..dimension).map(|i| graph.input(i)).collect();
-        let epsilon = graph.step_size(StepSize::Epsilon);
-        let h = graph.step_size(StepSize::H);
-        let p = write(&mut graph, &epsilon, &h, &y)?;
-        Ok(Self {
-            map: SmoothMap::compile(graph, &p, parameters, dimension)?,
-        })
-    }
-
-    /// An evaluator for fixed parameters, ε and h.
-    pub fn evaluator(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Evaluator> {
-        Box::new(self.map.evaluator(parameters, epsilon, h))
     }
 }

@@ -170,7 +170,7 @@ pub struct Compared {
     pub rank: u32,
     /// The settings it is tried with.
     pub settings: &'static [Settings],
-    /// Of a dynamic approximation, the settings it is tried with over realizations with a [lift](crate::RealizationData::lift).
+    /// Of a dynamic approximation, the settings it is tried with over realizations with a [lift](crate::Abilities::lift).
     pub over_lifts: &'static [Settings],
 }
 

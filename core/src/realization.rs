@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use leafwise_expression::{DifferentialAlgebra, Graph, Ring, Term};
 
-use crate::bisection::LagrangianBisection;
 use crate::error::{BuildError, StepError};
 use crate::evaluator::Evaluator;
 use crate::lattice::StageCode;
-use crate::lift::{Lift, LiftedMap};
+use crate::lift::Lift;
+use crate::one_form::OneForm;
+use crate::runge_kutta::SmoothMap;
 use crate::solver::{MapProperties, StepMap};
 use crate::system::PoissonSystem;
 
@@ -24,16 +25,11 @@ pub enum Accuracy {
 /// R̂_ε = (S, ω, α̂_ε, β̂_ε, σ), (approximate) realization data of (M, επ)
 /// (paper, Definitions 2.3 and 3.2).
 ///
-/// Points z of S are flat vectors of [`space_dimension`](Self::space_dimension) coordinates; they
-/// need not be pairs (x, p). Abilities beyond the section are optional: a part that asks for one
-/// that is missing is refused when a method is composed.
+/// Points z of S are flat vectors of [`space_dimension`](#method.space_dimension) coordinates; they need not be pairs
+/// (x, p). A part that asks for an ability that is missing is refused when a method is composed.
 pub trait RealizationData: Send + Sync + std::fmt::Debug {
     /// d, the dimension of M.
     fn dimension(&self) -> usize;
-    /// The number of coordinates of a point of S: 2d where points are pairs (x, p).
-    fn space_dimension(&self) -> usize {
-        2 * self.dimension()
-    }
     /// Exact, or the order n.
     fn accuracy(&self) -> Accuracy;
     /// One line for reports: name and order.
@@ -44,64 +40,151 @@ pub trait RealizationData: Send + Sync + std::fmt::Debug {
         base.copy_from_slice(x);
         covector.fill(0.0);
     }
-    /// α̂ and β̂ as straight-line code.
-    fn code(&self) -> Option<MapCode<'_>> {
-        None
-    }
-    /// α̂ and β̂ as numbers, for a realization that offers no code.
-    fn evaluator(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn RealizationEvaluator>> {
-        let _ = (parameters, epsilon);
-        None
-    }
-    /// Symplectic chart χ: T*M ⊃ U → S about σ, where points of S are not pairs (x, p). It has χ(x, 0) = σ(x) and
-    /// inv(x, p) = (x, −p).
-    fn chart(&self) -> Option<ChartCode<'_>> {
-        None
-    }
-    /// (x, p) ↦ χ(x, p) as numbers, for a realization that offers no code.
-    fn chart_evaluator(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn Evaluator>> {
-        let _ = (parameters, epsilon);
-        None
-    }
-    /// Whether points of S are pairs (x, p) with ω canonical and σ(x) = (x, 0).
-    fn points_are_pairs(&self) -> bool {
-        self.chart().is_none() && self.space_dimension() == 2 * self.dimension()
-    }
+    /// α̂ and β̂, and whatever else it offers: `Abilities { ends: …, ..Abilities::default() }`.
+    fn abilities(&self) -> Abilities<'_>;
+}
+
+/// Abilities of realization data beside its section. By default points are pairs (x, p) with β̂(x, p) = α̂(x, −p), and
+/// nothing is offered.
+pub struct Abilities<'a> {
+    /// Points of S.
+    pub space: Space<'a>,
     /// Whether β̂(χ(x, p)) = α̂(χ(x, −p)).
-    fn is_reversible(&self) -> bool {
-        true
-    }
+    pub is_reversible: bool,
+    /// The maps α̂ and β̂, which only coordinates of a [`lift`](Self::lift) do without.
+    pub ends: Option<EndMaps<'a>>,
     /// Coordinates with a constant tensor, in which collective integrators step.
-    fn lift(&self) -> Option<Arc<dyn Lift>> {
-        None
-    }
-    /// Self-contained step map that solves for the realization and the bisection in one go. By default it is that of
-    /// its [`lift`](Self::lift), where it has one.
-    ///
-    /// # Errors
-    /// [`BuildError`] when the bisection cannot be fused.
-    fn fuse(
-        self: Arc<Self>,
-        system: &PoissonSystem,
-        bisection: Arc<dyn LagrangianBisection>,
-        properties: MapProperties,
-    ) -> Option<Result<Box<dyn StepMap>, BuildError>> {
-        let lifted = LiftedMap::of(
-            self.lift()?,
-            &self.describe(),
-            system,
-            &bisection,
-            properties,
-        );
-        lifted.map(|map| map.map(|map| Box::new(map) as Box<dyn StepMap>))
-    }
-    /// α̂ and β̂ as sweeps over a lattice.
-    fn stages(&self) -> Option<StageCode<'_>> {
-        None
-    }
+    pub lift: Option<Arc<dyn Lift>>,
+    /// Self-contained step map that solves for the realization and the graph of a one-form in one go.
+    pub fused: Option<FusedSteps<'a>>,
+    /// The maps α̂ and β̂ as sweeps over a lattice.
+    pub stages: Option<StageCode<'a>>,
     /// The exact series of α along p(h), from which Hamilton–Jacobi coefficients are computed.
-    fn series(&self) -> Option<&dyn SourceSeries> {
-        None
+    pub series: Option<&'a dyn SourceSeries>,
+}
+
+impl Default for Abilities<'_> {
+    fn default() -> Self {
+        Self {
+            space: Space::Pairs,
+            is_reversible: true,
+            ends: None,
+            lift: None,
+            fused: None,
+            stages: None,
+            series: None,
+        }
+    }
+}
+
+impl<'a> Abilities<'a> {
+    /// The maps α̂ and β̂ as code, where they are.
+    pub fn code(self) -> Option<MapCode<'a>> {
+        match self.ends {
+            Some(EndMaps::Code(code)) => Some(code),
+            _ => None,
+        }
+    }
+}
+
+/// Points of S.
+pub enum Space<'a> {
+    /// Pairs (x, p) with ω canonical and σ(x) = (x, 0).
+    Pairs,
+    /// Others.
+    Points {
+        /// d_S, the number of their coordinates.
+        coordinates: usize,
+        /// Symplectic chart χ: T*M ⊃ U → S about σ. It has χ(x, 0) = σ(x) and inv(x, p) = (x, −p).
+        chart: Option<SpaceChart<'a>>,
+    },
+}
+
+impl<'a> Space<'a> {
+    /// Whether its chart has code: that of pairs is the identity.
+    pub fn has_code(&self) -> bool {
+        match self {
+            Self::Pairs => true,
+            Self::Points { chart, .. } => matches!(chart, Some(SpaceChart::Code(_))),
+        }
+    }
+
+    /// The chart χ as code, where points are not pairs.
+    pub fn chart_code(self) -> Option<ChartCode<'a>> {
+        match self {
+            Self::Points {
+                chart: Some(SpaceChart::Code(chart)),
+                ..
+            } => Some(chart),
+            _ => None,
+        }
+    }
+}
+
+/// A chart χ of [`Space`].
+pub enum SpaceChart<'a> {
+    /// As straight-line code.
+    Code(ChartCode<'a>),
+    /// (x, p) ↦ χ(x, p) as numbers.
+    Numbers(SmoothMap),
+}
+
+/// The maps α̂ and β̂.
+pub enum EndMaps<'a> {
+    /// As straight-line code.
+    Code(MapCode<'a>),
+    /// As numbers.
+    Numbers(EndNumbers),
+}
+
+/// The maps α̂ and β̂ as numbers.
+#[derive(Clone)]
+pub struct EndNumbers {
+    /// Whether their Jacobians are offered.
+    pub has_jacobian: bool,
+    /// Whether the result at a point depends on that point alone, bit for bit: trajectories with the same parameters may
+    /// then share an evaluator.
+    pub is_pointwise: bool,
+    make: Arc<dyn Fn(&[f64], f64) -> Box<dyn RealizationEvaluator> + Send + Sync>,
+}
+
+impl EndNumbers {
+    /// Maps whose evaluators `make` makes, one a thread, of parameters and ε.
+    pub fn new(
+        has_jacobian: bool,
+        is_pointwise: bool,
+        make: impl Fn(&[f64], f64) -> Box<dyn RealizationEvaluator> + Send + Sync + 'static,
+    ) -> Self {
+        Self {
+            has_jacobian,
+            is_pointwise,
+            make: Arc::new(make),
+        }
+    }
+
+    /// An evaluator for fixed parameters and ε.
+    pub fn evaluator(&self, parameters: &[f64], epsilon: f64) -> Box<dyn RealizationEvaluator> {
+        (self.make)(parameters, epsilon)
+    }
+}
+
+/// Steps that solve for a realization and a one-form at once: of a system, θ and the properties that its method promises.
+pub type FusedSteps<'a> = Box<
+    dyn Fn(&PoissonSystem, &OneForm, MapProperties) -> Result<Arc<dyn StepMap>, BuildError> + 'a,
+>;
+
+impl dyn RealizationData + '_ {
+    /// d_S, the number of coordinates of a point of S: 2d where points are pairs (x, p).
+    pub fn space_dimension(&self) -> usize {
+        match self.abilities().space {
+            Space::Pairs => 2 * self.dimension(),
+            Space::Points { coordinates, .. } => coordinates,
+        }
+    }
+
+    /// Whether points of S are pairs (x, p) with ω canonical and σ(x) = (x, 0).
+    pub fn points_are_pairs(&self) -> bool {
+        matches!(self.abilities().space, Space::Pairs)
     }
 }
 

@@ -35,13 +35,14 @@ const MOST: usize = 4;
 /// [`BuildError::Algebra`] where an adjoined function has no code.
 pub(crate) fn start_of_solves(
     realization: &dyn RealizationData,
-    bisection: &dyn LagrangianBisection,
+    bisection: &LagrangianBisection,
     parameters: usize,
     operations: u64,
 ) -> Result<Option<StartCode>, BuildError> {
-    let (Some(Generating::Polynomials(generating)), Some(series)) =
-        (bisection.generating_function(), realization.series())
-    else {
+    let (Some(Generating::Polynomials(generating)), Some(series)) = (
+        bisection.generating_function(),
+        realization.abilities().series,
+    ) else {
         return Ok(None);
     };
     let known = match realization.accuracy() {

@@ -71,6 +71,7 @@ struct Tangents {
 struct Charted {
     realization: Box<dyn RealizationEvaluator>,
     chart: Box<dyn Evaluator>,
+    has_tangents: bool,
     z: Vec<f64>,
     /// Base, offset and increment.
     values: Vec<f64>,
@@ -87,14 +88,14 @@ impl RealizationInstrument {
         realization: &Arc<dyn RealizationData>,
         parameters: &[f64],
     ) -> Result<Self, BuildError> {
-        let chart = ChartMaps::of(realization, parameters.len())?;
+        let chart = ChartMaps::of(realization.as_ref(), parameters.len())?;
         let chart = chart.ok_or_else(|| BuildError::Incompatible {
             dynamics: "the realization error".to_owned(),
             realization: realization.describe(),
             reason: "it offers no maps on T*M and no chart to see its own through".to_owned(),
         })?;
         Ok(Self {
-            maps: RealizationMaps::new(realization, parameters)?,
+            maps: RealizationMaps::new(realization.as_ref(), parameters.len())?,
             chart,
             space: realization.space_dimension(),
             tensor: TensorMatrix::new(system, parameters)?,
@@ -114,6 +115,7 @@ impl RealizationInstrument {
     ) -> Result<RealizationError, StepError> {
         let d = x.len();
         let mut charted = Charted {
+            has_tangents: self.maps.has_jacobian() && self.chart.has_jacobian(),
             realization: self.maps.evaluator(&self.parameters, epsilon),
             chart: self.chart.evaluator(&self.parameters, epsilon),
             z: vec![0.0; self.space],
@@ -229,7 +231,7 @@ impl Charted {
     /// Both tangents at χ(x, p), where the maps were evaluated last.
     fn tangents(&mut self, x: &[f64], p: &[f64]) -> Result<Tangents, StepError> {
         let (d, space) = (x.len(), self.z.len());
-        if !(self.realization.has_jacobian() && self.chart.has_jacobian()) {
+        if !self.has_tangents {
             return self.differences(x, p);
         }
         let mut chart = vec![0.0; space * 2 * d];

@@ -53,7 +53,7 @@ impl StepEquation {
         Ok(Self {
             maps,
             points,
-            correction: method.dynamics().correction(),
+            correction: method.dynamics().properties().correction,
             dimension: method.realization().dimension(),
             space: method.realization().space_dimension(),
         })

@@ -4,12 +4,14 @@ use std::sync::Arc;
 
 use leafwise_expression::{Expression, Polynomial, Ring};
 
-use crate::bisection::LagrangianBisection;
+use crate::bisection::{GraphBisection, LagrangianBisection};
 use crate::diagnostics::same_motion::other_motion;
 use crate::dimensions::Dimensions;
-use crate::dynamics::{Correction, DynamicApproximation, Generating, GeneratingFunction};
+use crate::dynamics::{
+    Correction, DynamicApproximation, DynamicsProperties, Generating, GeneratingFunction,
+};
 use crate::error::BuildError;
-use crate::graph_bisection::{GraphBisection, OneForm};
+use crate::one_form::OneForm;
 use crate::realization::RealizationData;
 use crate::system::PoissonSystem;
 
@@ -84,16 +86,11 @@ impl FormulaDynamics {
 }
 
 impl DynamicApproximation for FormulaDynamics {
-    fn order(&self) -> usize {
-        self.order
-    }
-
-    fn self_adjoint(&self) -> Option<bool> {
-        self.self_adjoint
-    }
-
-    fn correction(&self) -> Correction {
-        self.correction
+    fn properties(&self) -> DynamicsProperties {
+        DynamicsProperties {
+            correction: self.correction,
+            ..DynamicsProperties::of_order(self.order, self.self_adjoint)
+        }
     }
 
     fn describe(&self) -> String {
@@ -104,12 +101,11 @@ impl DynamicApproximation for FormulaDynamics {
         &self,
         system: &PoissonSystem,
         realization: &Arc<dyn RealizationData>,
-    ) -> Result<Arc<dyn LagrangianBisection>, BuildError> {
+    ) -> Result<LagrangianBisection, BuildError> {
         self.dimensions.check(self.name, system.dimension())?;
         self.check_first(system)?;
         let form = OneForm::Differential(self.generating(system.dimension())?);
         let parameters = system.parameters().len();
-        let graph = GraphBisection::new(form, realization, parameters, &self.describe())?;
-        Ok(Arc::new(graph))
+        GraphBisection::odd(form, realization, parameters, &self.describe())
     }
 }

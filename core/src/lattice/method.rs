@@ -40,28 +40,31 @@ impl LatticeMethod {
         dynamics: Arc<dyn DynamicApproximation>,
     ) -> Result<Self, BuildError> {
         let mut built = None;
-        let sweeps = ImplicitSweeps::compose(source, dynamics.order(), |builder, code| {
-            let (system, [epsilon, h], y) = (code.system, &code.sizes, &code.y);
-            crate::method::check_forces(system, dynamics.as_ref())?;
-            let realization = realize(system)?;
-            let bisection = dynamics.bisection(system, &realization)?;
-            let missing = |reason: &str| BuildError::Incompatible {
-                dynamics: dynamics.describe(),
-                realization: realization.describe(),
-                reason: reason.to_owned(),
-            };
-            let no_stages = || missing("its maps cannot be written as sweeps over a lattice");
-            let no_points = || missing("the bisection offers no code");
-            let points = bisection.code().ok_or_else(no_points)?;
-            let z = points(&mut builder.graph, epsilon, h, y)?;
-            let p = builder.store(z[system.dimension()..].to_vec());
-            builder.finish_stage();
-            let ends = realization.stages().ok_or_else(no_stages)?(builder, epsilon, y, &p)?;
-            let properties = crate::method::properties_of(realization.as_ref(), dynamics.as_ref());
-            let described = format!("{} + {}", realization.describe(), dynamics.describe());
-            built = Some(realization);
-            Ok((ends, properties, described))
-        })?;
+        let sweeps =
+            ImplicitSweeps::compose(source, dynamics.properties().order, |builder, code| {
+                let (system, [epsilon, h], y) = (code.system, &code.sizes, &code.y);
+                crate::method::check_forces(system, dynamics.as_ref())?;
+                let realization = realize(system)?;
+                let bisection = dynamics.bisection(system, &realization)?;
+                let missing = |reason: &str| BuildError::Incompatible {
+                    dynamics: dynamics.describe(),
+                    realization: realization.describe(),
+                    reason: reason.to_owned(),
+                };
+                let no_stages = || missing("its maps cannot be written as sweeps over a lattice");
+                let no_points = || missing("the bisection offers no code");
+                let points = bisection.code().ok_or_else(no_points)?;
+                let z = points(&mut builder.graph, epsilon, h, y)?;
+                let p = builder.store(z[system.dimension()..].to_vec());
+                builder.finish_stage();
+                let ends =
+                    realization.abilities().stages.ok_or_else(no_stages)?(builder, epsilon, y, &p)?;
+                let properties =
+                    crate::method::properties_of(realization.as_ref(), dynamics.as_ref());
+                let described = format!("{} + {}", realization.describe(), dynamics.describe());
+                built = Some(realization);
+                Ok((ends, properties, described))
+            })?;
         Ok(Self {
             sweeps,
             realization: built.expect("the code was written with it"),

@@ -3,7 +3,7 @@
 use leafwise_expression::graph::lift;
 use leafwise_expression::{Arithmetic, Graph, Polynomial, Rational, Ring, Term};
 
-use super::{End, Lift};
+use super::{End, Lift, LiftShape};
 use crate::error::{BuildError, StepError};
 use crate::system::SystemFormulas;
 
@@ -40,12 +40,12 @@ impl ConstantLift {
 }
 
 impl Lift for ConstantLift {
-    fn dimension(&self) -> usize {
-        self.dimension
-    }
-
-    fn base_dimension(&self) -> usize {
-        self.dimension
+    fn shape(&self) -> LiftShape {
+        LiftShape {
+            coordinates: self.dimension,
+            base: self.dimension,
+            follows: false,
+        }
     }
 
     fn place(

@@ -6,8 +6,7 @@ use leafwise_expression::{Graph, Kernel, Term};
 use nalgebra::DMatrix;
 
 use super::slowing::slower;
-use super::{End, Lift};
-use crate::bisection::LagrangianBisection;
+use super::{End, Lift, LiftShape};
 use crate::error::{BuildError, StepError};
 use crate::evaluator::Evaluator;
 use crate::runge_kutta::smooth_map::MapAt;
@@ -35,27 +34,28 @@ struct Code {
 }
 
 impl LiftedMap {
-    /// The map of a bisection that a Gauss method gives; `None` for another.
-    pub(crate) fn of(
+    /// The map of a Gauss method of so many stages.
+    ///
+    /// # Errors
+    /// [`BuildError::Incompatible`] for a number of stages without coefficients; those of the lift's code.
+    pub(crate) fn new(
         lift: Arc<dyn Lift>,
         realization: &str,
         system: &PoissonSystem,
-        bisection: &Arc<dyn LagrangianBisection>,
+        stages: usize,
         properties: MapProperties,
-    ) -> Option<Result<Self, BuildError>> {
-        let stages = bisection.lifted_by()?;
-        let description = format!("{realization} + collective gauss s = {stages}");
+    ) -> Result<Self, BuildError> {
         if !(1..=Tableau::MOST_STAGES).contains(&stages) {
-            return Some(Err(BuildError::Incompatible {
+            return Err(BuildError::Incompatible {
                 dynamics: format!("a Gauss method of {stages} stages"),
                 realization: realization.to_owned(),
                 reason: format!("the number of stages lies in 1 to {}", Tableau::MOST_STAGES),
-            }));
+            });
         }
-        let tableau = Tableau::gauss(stages);
-        let built = Code::of(lift.as_ref(), system).map(|code| Self {
+        Ok(Self {
+            code: Arc::new(Code::of(lift.as_ref(), system)?),
             lift,
-            code: Arc::new(code),
+            tableau: Tableau::gauss(stages),
             dimension: system.dimension(),
             // Gauss methods are symmetric, and begin at x itself whether a bisection is solved for or not.
             properties: MapProperties {
@@ -63,17 +63,19 @@ impl LiftedMap {
                 self_adjoint: Some(true),
                 ..properties
             },
-            tableau,
-            description,
-        });
-        Some(built)
+            description: format!("{realization} + collective gauss s = {stages}"),
+        })
     }
 }
 
 impl Code {
     fn of(lift: &dyn Lift, system: &PoissonSystem) -> Result<Self, BuildError> {
         let system = system.formulas("a lift")?;
-        let (n, m) = (lift.dimension(), lift.base_dimension());
+        let LiftShape {
+            coordinates: n,
+            base: m,
+            ..
+        } = lift.shape();
         let mut graph = Graph::compilable();
         let inputs: Vec<Term> = (0..n + m).map(|i| graph.input(i)).collect();
         let (z, base) = inputs.split_at(n);
@@ -161,7 +163,7 @@ struct LiftedSteps {
 
 impl LiftedSteps {
     fn new(map: &LiftedMap, parameters: &[f64], time_step: f64, count: usize) -> Self {
-        let (n, all) = (map.lift.dimension(), map.code.field.inputs());
+        let (n, all) = (map.lift.shape().coordinates, map.code.field.inputs());
         let field = MapAt {
             map: &map.code.field,
             parameters,
@@ -308,7 +310,7 @@ impl Trajectories for LiftedSteps {
 
     fn memory(&self, at: usize) -> Vec<f64> {
         let stages = self.stages.memory(at);
-        if !self.lift.follows() {
+        if !self.lift.shape().follows {
             return stages;
         }
         let all = self.end.len();
@@ -317,7 +319,7 @@ impl Trajectories for LiftedSteps {
     }
 
     fn restore(&mut self, at: usize, memory: &[f64]) {
-        if !self.lift.follows() {
+        if !self.lift.shape().follows {
             return self.stages.restore(at, memory);
         }
         let all = self.end.len();

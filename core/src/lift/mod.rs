@@ -36,12 +36,21 @@ pub struct End<'a> {
     pub base: &'a [f64],
 }
 
+/// Numbers of coordinates of a [`Lift`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LiftShape {
+    /// n, the number of coordinates z.
+    pub coordinates: usize,
+    /// How many numbers the base point has.
+    pub base: usize,
+    /// Whether base points depend on where the step before has ended.
+    pub follows: bool,
+}
+
 /// Coordinates z of a realization with a constant tensor, about a base point of each step: z is 0 where a step begins.
 pub trait Lift: Send + Sync + std::fmt::Debug {
-    /// n, the number of coordinates z.
-    fn dimension(&self) -> usize;
-    /// How many numbers the base point has.
-    fn base_dimension(&self) -> usize;
+    /// The numbers of coordinates.
+    fn shape(&self) -> LiftShape;
     /// Writes the base point of a step from x + low. The end of the step before, if there was one, is `before`.
     ///
     /// # Errors
@@ -53,10 +62,6 @@ pub trait Lift: Send + Sync + std::fmt::Debug {
         before: Option<End<'_>>,
         base: &mut [f64],
     ) -> Result<(), StepError>;
-    /// Whether base points depend on where the step before has ended.
-    fn follows(&self) -> bool {
-        false
-    }
     /// Writes what is known of each z relative to: the size of a change that changes x by its own size.
     fn sizes(&self, base: &[f64], sizes: &mut [f64]);
     /// Casimir C, a function of the coordinates `places` of the system, to be taken off H. The function H − C moves x

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use leafwise_expression::{Arithmetic, Graph, Polynomial, Term};
 
-use super::{End, Lift, Slowing};
+use super::{End, Lift, LiftShape, Slowing};
 use crate::error::{BuildError, StepError};
 
 /// The lift of a summand.
@@ -39,8 +39,8 @@ impl LiftSum {
         mut base: &'a [T],
     ) -> impl Iterator<Item = (&'a Summand, &'a [T], &'a [T])> {
         self.summands.iter().map(move |summand| {
-            let (own, rest) = z.split_at(summand.lift.dimension());
-            let (own_base, base_rest) = base.split_at(summand.lift.base_dimension());
+            let (own, rest) = z.split_at(summand.lift.shape().coordinates);
+            let (own_base, base_rest) = base.split_at(summand.lift.shape().base);
             (z, base) = (rest, base_rest);
             (summand, own, own_base)
         })
@@ -51,7 +51,7 @@ impl LiftSum {
         let mut at = 0;
         self.summands.iter().map(move |summand| {
             let from = at;
-            at += summand.lift.base_dimension();
+            at += summand.lift.shape().base;
             (summand, from..at)
         })
     }
@@ -114,16 +114,13 @@ impl Room {
 }
 
 impl Lift for LiftSum {
-    fn dimension(&self) -> usize {
-        self.summands.iter().map(|s| s.lift.dimension()).sum()
-    }
-
-    fn base_dimension(&self) -> usize {
-        self.summands.iter().map(|s| s.lift.base_dimension()).sum()
-    }
-
-    fn follows(&self) -> bool {
-        self.summands.iter().any(|summand| summand.lift.follows())
+    fn shape(&self) -> LiftShape {
+        let shapes = self.summands.iter().map(|summand| summand.lift.shape());
+        shapes.fold(LiftShape::default(), |sum, own| LiftShape {
+            coordinates: sum.coordinates + own.coordinates,
+            base: sum.base + own.base,
+            follows: sum.follows || own.follows,
+        })
     }
 
     fn place(
@@ -136,7 +133,7 @@ impl Lift for LiftSum {
         let mut of_z = 0;
         for (summand, at) in self.bases() {
             let from = of_z;
-            of_z += summand.lift.dimension();
+            of_z += summand.lift.shape().coordinates;
             let before = before.map(|end| End {
                 z: &end.z[from..of_z],
                 base: &end.base[at.clone()],
@@ -151,7 +148,7 @@ impl Lift for LiftSum {
     fn sizes(&self, base: &[f64], sizes: &mut [f64]) {
         let mut rest = sizes;
         for (summand, at) in self.bases() {
-            let (own, after) = rest.split_at_mut(summand.lift.dimension());
+            let (own, after) = rest.split_at_mut(summand.lift.shape().coordinates);
             summand.lift.sizes(&base[at], own);
             rest = after;
         }

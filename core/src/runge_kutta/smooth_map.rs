@@ -27,6 +27,7 @@ enum Source {
     Numbers {
         make: Arc<MakeMap>,
         has_jacobian: bool,
+        is_pointwise: bool,
     },
 }
 
@@ -132,9 +133,28 @@ impl SmoothMap {
             source: Source::Numbers {
                 make: Arc::new(make),
                 has_jacobian,
+                is_pointwise: true,
             },
             inputs,
             outputs,
+        }
+    }
+
+    /// The same where an evaluator's result depends on its earlier ones: no two trajectories share it.
+    #[must_use]
+    pub fn for_one_trajectory(mut self) -> Self {
+        if let Source::Numbers { is_pointwise, .. } = &mut self.source {
+            *is_pointwise = false;
+        }
+        self
+    }
+
+    /// Whether the result at a point depends on that point alone, bit for bit: trajectories with the same parameters may
+    /// then share an evaluator.
+    pub fn is_pointwise(&self) -> bool {
+        match &self.source {
+            Source::Kernels { .. } => true,
+            Source::Numbers { is_pointwise, .. } => *is_pointwise,
         }
     }
 
@@ -259,10 +279,6 @@ impl Evaluator for KernelEvaluator {
         Ok(())
     }
 
-    fn has_jacobian(&self) -> bool {
-        self.jacobian.is_some()
-    }
-
     fn operations(&self) -> Option<u64> {
         let slopes = self.slopes.as_ref().map_or(0, PointKernel::operations);
         Some(self.value.operations() + slopes)
@@ -366,12 +382,8 @@ impl Evaluator for SmoothMapEvaluator {
         self.evaluator.get_mut().jacobians(z, out)
     }
 
-    fn has_jacobian(&self) -> bool {
-        self.map.has_jacobian()
-    }
-
-    fn is_pointwise(&self) -> bool {
-        self.evaluator.get().is_pointwise()
+    fn approach(&mut self, begins: bool, z: &[f64], out: &mut [f64]) -> Result<bool, StepError> {
+        self.evaluator.get_mut().approach(begins, z, out)
     }
 
     fn operations(&self) -> Option<u64> {

@@ -102,31 +102,32 @@ pub trait StepMap: Send + Sync {
         let _ = (system, last, products);
         Ok(None)
     }
-    /// χ and χ* where Φ_h = χ*_{h/2} ∘ χ_{h/2}: a map of order 1 and its adjoint, χ*_h = χ_{−h}⁻¹.
-    fn factors(&self) -> Option<[Arc<dyn StepMap>; 2]> {
+    /// The map as a product of two factors, where it is one.
+    fn factored(&self) -> Option<Factored<'_>> {
         None
     }
-    /// How many pieces the [`factors`](Self::factors) are products of, where the parameter `pieces` of the part names their
-    /// order; 0 elsewhere.
-    fn pieces(&self) -> usize {
-        0
-    }
-    /// The same map of other [`factors`](Self::factors): its pieces as a composition asks for them.
-    ///
-    /// # Errors
-    /// [`BuildError::Pieces`] where they are not of that kind, or it cannot be proved.
-    fn arranged(&self, asked: Pieces) -> Result<Arc<dyn StepMap>, BuildError> {
-        Err(BuildError::Pieces {
-            map: self.describe(),
-            asked,
-            reason: "its pieces are not known as formulas".to_owned(),
-        })
-    }
-    /// … ∘ χ*_{α_4 h} ∘ χ_{α_3 h} ∘ χ*_{α_2 h} ∘ χ_{α_1 h} over the [`factors`](Self::factors), where that takes less
-    /// than one factor after the other. The composition Φ_{γ_s h} ∘ … ∘ Φ_{γ_1 h} has α_{2i−1} = α_{2i} = γ_i/2. Two
-    /// factors count as an evaluation.
-    fn product(&self, parts: &[f64]) -> Option<Arc<dyn StepMap>> {
-        let _ = parts;
-        None
+}
+
+/// Φ_h = χ*_{h/2} ∘ χ_{h/2} of a map χ of order 1 and its adjoint, χ*_h = χ_{−h}⁻¹.
+pub struct Factored<'a> {
+    /// χ and χ*.
+    pub factors: [Arc<dyn StepMap>; 2],
+    /// How many pieces the factors are products of, where the parameter `pieces` of the part names their order.
+    pub pieces: usize,
+    /// The same map of other factors, where the pieces are known as formulas.
+    pub arranged: Option<Arranged<'a>>,
+    /// The product … ∘ χ*_{α_4 h} ∘ χ_{α_3 h} ∘ χ*_{α_2 h} ∘ χ_{α_1 h}, where that takes less than one factor after the
+    /// other. The composition Φ_{γ_s h} ∘ … ∘ Φ_{γ_1 h} has α_{2i−1} = α_{2i} = γ_i/2. Two factors count as an evaluation.
+    pub product: Box<dyn Fn(&[f64]) -> Option<Arc<dyn StepMap>> + 'a>,
+}
+
+/// A map's pieces as a composition asks for them. It fails with [`BuildError::Pieces`] where they are not of that kind, or it
+/// cannot be proved.
+pub type Arranged<'a> = Box<dyn Fn(Pieces) -> Result<Arc<dyn StepMap>, BuildError> + 'a>;
+
+impl dyn StepMap + '_ {
+    /// How many pieces its [factors](StepMap::factored) are products of; 0 where it is no product.
+    pub fn pieces(&self) -> usize {
+        self.factored().map_or(0, |own| own.pieces)
     }
 }

@@ -12,7 +12,7 @@ use super::Differential;
 use super::checked::{Checked, MakeCheck};
 use super::crossing::{Crossing, looks};
 use super::stepper::StepCheck;
-use super::{MapProperties, StepMap, Stepper};
+use super::{Factored, MapProperties, StepMap, Stepper};
 use crate::error::{BuildError, StepError};
 use crate::shadow::Shadow;
 use crate::system::{PoissonSystem, SystemFormulas};
@@ -217,8 +217,15 @@ impl StepMap for WithoutPoles {
         self.map.kernels()
     }
 
-    fn pieces(&self) -> usize {
-        self.map.pieces()
+    fn factored(&self) -> Option<Factored<'_>> {
+        let own = self.map.factored()?;
+        let checked = |map| Self::checked(map, Arc::clone(&self.poles));
+        Some(Factored {
+            factors: own.factors.map(checked),
+            pieces: own.pieces,
+            arranged: None,
+            product: Box::new(move |parts| (own.product)(parts).map(checked)),
+        })
     }
 
     fn shadow(

@@ -193,7 +193,6 @@ fn map_of(system: &OpaqueSystem, value: Value) -> SmoothMap {
         Box::new(FieldEvaluator {
             numbers: numbers.evaluator(parameters),
             value,
-            has_jacobian,
             dimension: d,
             gradients: vec![0.0; d],
             units: Vec::new(),
@@ -207,7 +206,6 @@ fn map_of(system: &OpaqueSystem, value: Value) -> SmoothMap {
 struct FieldEvaluator {
     numbers: Box<dyn SystemEvaluator>,
     value: Value,
-    has_jacobian: bool,
     dimension: usize,
     /// ∇H of each point, contiguous.
     gradients: Vec<f64>,
@@ -336,10 +334,6 @@ impl Evaluator for FieldEvaluator {
             }
         }
         Ok(())
-    }
-
-    fn has_jacobian(&self) -> bool {
-        self.has_jacobian
     }
 
     fn operations(&self) -> Option<u64> {

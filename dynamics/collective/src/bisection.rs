@@ -8,58 +8,38 @@ use nalgebra::DMatrix;
 /// Levels of differences that the stages' start is extrapolated from.
 const EXTRAPOLATION: usize = 12;
 
-/// y ↦ χ(Σ_h(y, 0)), Σ_h the integrator of K = H∘α̂∘χ in the chart χ.
-#[derive(Clone, Debug)]
-pub struct ImageOfSection {
+/// y ↦ χ(Σ_h(y, 0)) in a space of so many coordinates.
+///
+/// The integrator Σ_h has these coefficients, and `field` is the vector field of K = H∘α̂∘χ in the chart χ. Over exact
+/// realization data β̂ is constant along the flow of H∘α, so D(β̂∘L) − 1 = O(h^{m+1}).
+pub fn image_of_section(
     field: SmoothMap,
     chart: ChartMaps,
     tableau: PartitionedTableau,
     correction: Correction,
-    /// The number of coordinates of a point of S.
     space: usize,
-}
-
-impl ImageOfSection {
-    /// The bisection of an integrator with these coefficients of the `field` of K, in a space of so
-    /// many coordinates.
-    pub fn new(
-        field: SmoothMap,
-        chart: ChartMaps,
-        tableau: PartitionedTableau,
-        correction: Correction,
-        space: usize,
-    ) -> Self {
-        Self {
-            field,
-            chart,
-            tableau,
-            correction,
-            space,
-        }
-    }
-}
-
-impl LagrangianBisection for ImageOfSection {
-    fn evaluator(&self, parameters: &[f64], epsilon: f64, h: f64) -> Option<Box<dyn Evaluator>> {
-        let field = self.field.evaluator(parameters, epsilon, h);
-        let n = field.map().inputs();
-        let size = self.tableau.stages() * n;
-        Some(Box::new(BisectionEvaluator {
+) -> LagrangianBisection {
+    let n = field.inputs();
+    let size = tableau.stages() * n;
+    let has_jacobian = field.has_jacobian() && chart.has_jacobian();
+    let image = move |parameters: &[f64], epsilon: f64, h: f64| -> Box<dyn Evaluator> {
+        let field = field.evaluator(parameters, epsilon, h);
+        Box::new(BisectionEvaluator {
             extrapolation: Extrapolation::new(size, EXTRAPOLATION),
             recorded: vec![0.0; size],
             has_stages: false,
-            stages: StageSolver::new(field, self.tableau.clone(), h, 1),
-            chart: self.chart.evaluator(parameters, epsilon),
+            stages: StageSolver::new(field, tableau.clone(), h, 1),
+            chart: chart.evaluator(parameters, epsilon),
             y: Vec::with_capacity(n / 2),
             end: vec![0.0; n],
             change: vec![0.0; n],
-            of_chart: vec![0.0; self.space * n],
-        }))
-    }
-
-    /// β̂ is constant along the flow of H∘α over exact realization data, so D(β̂∘L) − 1 = O(h^{m+1}).
-    fn is_near_identity(&self) -> bool {
-        self.correction == Correction::Bisection
+            of_chart: vec![0.0; space * n],
+        })
+    };
+    LagrangianBisection::Points {
+        // Stages start from those of the steps before.
+        map: SmoothMap::from_numbers(n / 2, space, has_jacobian, image).for_one_trajectory(),
+        is_near_identity: correction == Correction::Bisection,
     }
 }
 
@@ -131,7 +111,7 @@ impl Evaluator for BisectionEvaluator {
     }
 
     fn jacobians(&mut self, y: &[f64], tangent: &mut [f64]) -> Result<(), StepError> {
-        if !self.has_jacobian() {
+        if !self.stages.has_tangent() {
             return Err(StepError::NoTangent);
         }
         let n = self.end.len();
@@ -148,15 +128,6 @@ impl Evaluator for BisectionEvaluator {
         let image = DMatrix::from_row_slice(self.of_chart.len() / n, n, &self.of_chart) * image;
         tangent.copy_from_slice(image.transpose().as_slice());
         Ok(())
-    }
-
-    fn has_jacobian(&self) -> bool {
-        self.stages.has_tangent() && self.chart.has_jacobian()
-    }
-
-    /// Stages start from those of the steps before.
-    fn is_pointwise(&self) -> bool {
-        false
     }
 
     fn operations(&self) -> Option<u64> {

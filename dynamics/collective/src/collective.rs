@@ -9,15 +9,14 @@ use leafwise_core::registry::DynamicsPart;
 use leafwise_core::runge_kutta::{PartitionedTableau, Tableau};
 use leafwise_core::solver::check_equations;
 use leafwise_core::{
-    BuildError, ChartMaps, Correction, DynamicApproximation, LagrangianBisection, PoissonSystem,
-    RealizationData, RealizationMaps,
+    BuildError, ChartMaps, Correction, DynamicApproximation, DynamicsProperties, EndMaps,
+    LagrangianBisection, PoissonSystem, RealizationData, RealizationMaps,
 };
 
-use crate::bisection::ImageOfSection;
+use crate::bisection::image_of_section;
 use crate::gauss::gauss;
 use crate::hamiltonian::collective_field;
 use crate::implicit_midpoint::implicit_midpoint;
-use crate::lifted::LiftedFlow;
 use crate::numbers::collective_numbers;
 use crate::stormer_verlet::stormer_verlet;
 
@@ -186,33 +185,24 @@ impl Collective {
 }
 
 impl DynamicApproximation for Collective {
-    fn order(&self) -> usize {
-        self.integrator.order()
-    }
-
     /// The adjoint is the image of σ(M) under the integrator of H∘β̂, in general another bisection.
     /// The corrected implicit midpoint rule is self-adjoint over realizations with p·α̂(x, p) = p·x: Karasev's and its
     /// truncations. There it is the Hamilton–Jacobi method of order 2. Over other realizations it is not known whether
     /// the rule is self-adjoint.
-    fn self_adjoint(&self) -> Option<bool> {
+    ///
+    /// A lift is served with the whole step by a Gauss method: a step that begins at x itself is the same there.
+    fn properties(&self) -> DynamicsProperties {
         let midpoint = matches!(
             self.integrator,
             SymplecticIntegrator::ImplicitMidpoint | SymplecticIntegrator::Gauss(1)
         );
-        if midpoint && self.correction == Correction::Bisection {
-            None
-        } else {
-            Some(false)
+        let is_unknown = midpoint && self.correction == Correction::Bisection;
+        let self_adjoint = (!is_unknown).then_some(false);
+        DynamicsProperties {
+            serves_lifts: true,
+            correction: self.correction,
+            ..DynamicsProperties::of_order(self.integrator.order(), self_adjoint)
         }
-    }
-
-    fn correction(&self) -> Correction {
-        self.correction
-    }
-
-    /// With the whole step by a Gauss method: a step that begins at x itself is the same there.
-    fn serves_lifts(&self) -> bool {
-        true
     }
 
     fn describe(&self) -> String {
@@ -227,39 +217,38 @@ impl DynamicApproximation for Collective {
         &self,
         system: &PoissonSystem,
         realization: &Arc<dyn RealizationData>,
-    ) -> Result<Arc<dyn LagrangianBisection>, BuildError> {
+    ) -> Result<LagrangianBisection, BuildError> {
         let missing = |reason: &str| BuildError::Incompatible {
             dynamics: self.describe(),
             realization: realization.describe(),
             reason: reason.to_owned(),
         };
-        if realization.lift().is_some() {
+        let abilities = realization.abilities();
+        if abilities.lift.is_some() {
             let stages = self.integrator.of_lift();
             let stages = stages.ok_or_else(|| {
                 missing(
                     "its coordinates are no positions and momenta; take gauss or implicit-midpoint",
                 )
             })?;
-            return Ok(Arc::new(LiftedFlow(stages)));
+            return Ok(LagrangianBisection::Lifted { stages });
         }
         let (d, parameters) = (system.dimension(), system.parameter_values());
-        let chart = ChartMaps::of(realization, parameters.len())?.ok_or_else(|| {
+        let chart = ChartMaps::of(realization.as_ref(), parameters.len())?.ok_or_else(|| {
             missing(
                 "its points are not pairs (x, p) and it offers no symplectic chart about its \
                  section",
             )
         })?;
         let space = realization.space_dimension();
-        let chart_has_code = chart.has_pairs() || realization.chart().is_some();
-        let code = realization.code().filter(|_| chart_has_code);
-        let field = match (system.expressions(), code) {
-            (Some(formulas), Some(code)) => {
-                collective_field(formulas, &code, realization.chart().as_ref())?
+        let field = match (system.expressions(), abilities.ends) {
+            (Some(formulas), Some(EndMaps::Code(code))) if abilities.space.has_code() => {
+                collective_field(formulas, &code, abilities.space.chart_code().as_ref())?
             }
             _ => {
-                let maps = RealizationMaps::new(realization, &parameters)?;
+                let maps = RealizationMaps::new(realization.as_ref(), parameters.len())?;
                 let evaluator = maps.evaluator(&parameters, 1.0);
-                if !evaluator.has_jacobian() || !chart.evaluator(&parameters, 1.0).has_jacobian() {
+                if !maps.has_jacobian() || !chart.has_jacobian() {
                     return Err(missing(
                         "it offers no tangents of its source map, which the gradient of the \
                          collective Hamiltonian needs",
@@ -275,13 +264,8 @@ impl DynamicApproximation for Collective {
         if field.has_jacobian() {
             check_equations(tableau.stages() * field.inputs())?;
         }
-        Ok(Arc::new(ImageOfSection::new(
-            field,
-            chart,
-            tableau,
-            self.correction,
-            space,
-        )))
+        let correction = self.correction;
+        Ok(image_of_section(field, chart, tableau, correction, space))
     }
 }
 

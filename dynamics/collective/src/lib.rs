@@ -8,7 +8,6 @@
 //! - [`hamiltonian`]: the vector field of K in a symplectic chart, compiled.
 //! - [`numbers`]: the same over a realization that computes numbers.
 //! - [`stormer_verlet`], [`implicit_midpoint`], [`gauss`]: the integrators Σ_h, one a file.
-//! - `lifted`: Gauss methods in coordinates with a constant tensor.
 //! - [`bisection`]: y ↦ Σ_h(σ(y)) as a Lagrangian bisection.
 //! - [`collective`]: [`Collective`], the dynamic approximation.
 
@@ -17,7 +16,6 @@ pub mod collective;
 pub mod gauss;
 pub mod hamiltonian;
 pub mod implicit_midpoint;
-mod lifted;
 pub mod numbers;
 pub mod stormer_verlet;
 

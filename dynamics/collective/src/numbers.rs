@@ -36,6 +36,8 @@ pub fn collective_numbers(
             linear: 0,
         })
     })
+    // Curves start from those before.
+    .for_one_trajectory()
 }
 
 struct NumericField {
@@ -147,15 +149,6 @@ impl Evaluator for NumericField {
 
     fn jacobians(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
         one_by_one(2 * self.alpha.len(), z, out, |z, out| self.jacobian(z, out))
-    }
-
-    fn has_jacobian(&self) -> bool {
-        !self.of_source.is_empty()
-    }
-
-    /// Curves start from those before.
-    fn is_pointwise(&self) -> bool {
-        false
     }
 
     fn restart(&mut self) {

@@ -13,8 +13,8 @@ use crate::common::{
 use leafwise_collective::{Collective, SymplecticIntegrator};
 use leafwise_core::diagnostics::TensorDefect;
 use leafwise_core::{
-    Accuracy, BuildError, ChartCode, Correction, Evaluator, Method, RealizationData,
-    RealizationEvaluator, StepError, StepMap, realization_evaluator,
+    Abilities, Accuracy, BuildError, Correction, EndMaps, EndNumbers, Evaluator, Method,
+    RealizationData, RealizationEvaluator, RealizationMaps, StepError, StepMap,
 };
 use leafwise_karasev::CollocatedKarasev;
 
@@ -27,15 +27,11 @@ struct Numbers<R> {
 
 struct ShortEvaluator {
     of: Box<dyn RealizationEvaluator>,
-    tangents: bool,
 }
 
 impl<R: RealizationData> RealizationData for Numbers<R> {
     fn dimension(&self) -> usize {
         self.of.dimension()
-    }
-    fn space_dimension(&self) -> usize {
-        self.of.space_dimension()
     }
     fn accuracy(&self) -> Accuracy {
         self.of.accuracy()
@@ -46,14 +42,21 @@ impl<R: RealizationData> RealizationData for Numbers<R> {
     fn section(&self, x: &[f64], z: &mut [f64]) {
         self.of.section(x, z);
     }
-    fn chart(&self) -> Option<ChartCode<'_>> {
-        self.of.chart()
-    }
-    fn evaluator(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn RealizationEvaluator>> {
-        Some(Box::new(ShortEvaluator {
-            of: realization_evaluator(&self.of, parameters, epsilon).expect("maps"),
-            tangents: self.tangents,
-        }))
+    fn abilities(&self) -> Abilities<'_> {
+        let tangents = self.tangents;
+        let maps = RealizationMaps::new(&self.of, 0).expect("maps");
+        Abilities {
+            ends: Some(EndMaps::Numbers(EndNumbers::new(
+                tangents,
+                true,
+                move |parameters, epsilon| {
+                    Box::new(ShortEvaluator {
+                        of: maps.evaluator(parameters, epsilon),
+                    })
+                },
+            ))),
+            ..self.of.abilities()
+        }
     }
 }
 
@@ -65,9 +68,6 @@ impl Evaluator for ShortEvaluator {
     }
     fn jacobians(&mut self, z: &[f64], tangents: &mut [f64]) -> Result<(), StepError> {
         self.of.jacobians(z, tangents)
-    }
-    fn has_jacobian(&self) -> bool {
-        self.tangents
     }
 }
 

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use crate::common::{Cayley, advance, karasev, lotka_volterra, method, rigid_body};
 use leafwise_collective::{Collective, SymplecticIntegrator};
 use leafwise_core::{
-    Accuracy, BuildError, Correction, DynamicApproximation, MapCode, Method, PartParameters,
-    RealizationData, Registry, SourceTarget, StepError, StepMap, Walk,
+    Abilities, Accuracy, BuildError, Correction, DynamicApproximation, EndMaps, Method,
+    PartParameters, RealizationData, Registry, SourceTarget, Space, StepError, StepMap, Walk,
 };
 use leafwise_expression::{Graph, Term};
 
@@ -23,7 +23,7 @@ fn parameters_choose_the_integrator() {
     let named = |name: &str| none.clone().with("integrator", name);
     let described = |parameters: &PartParameters| {
         let dynamics = build(parameters).expect("parameters in range");
-        (dynamics.describe(), dynamics.order())
+        (dynamics.describe(), dynamics.properties().order)
     };
     let expected = |text: &str, order| (text.to_owned(), order);
     assert_eq!(described(&none), expected("collective gauss s = 2", 4));
@@ -69,9 +69,6 @@ impl RealizationData for Foreign {
     fn dimension(&self) -> usize {
         3
     }
-    fn space_dimension(&self) -> usize {
-        5
-    }
     fn accuracy(&self) -> Accuracy {
         Accuracy::Exact
     }
@@ -81,10 +78,17 @@ impl RealizationData for Foreign {
     fn section(&self, x: &[f64], z: &mut [f64]) {
         z[..3].copy_from_slice(x);
     }
-    fn code(&self) -> Option<MapCode<'_>> {
-        Some(Box::new(|graph, epsilon, z| {
-            self.source_and_target(graph, epsilon, z)
-        }))
+    fn abilities(&self) -> Abilities<'_> {
+        Abilities {
+            space: Space::Points {
+                coordinates: 5,
+                chart: None,
+            },
+            ends: Some(EndMaps::Code(Box::new(|graph, epsilon, z| {
+                self.source_and_target(graph, epsilon, z)
+            }))),
+            ..Abilities::default()
+        }
     }
 }
 

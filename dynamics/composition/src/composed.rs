@@ -25,7 +25,7 @@ impl Composed {
     /// [`BuildError::Pieces`] when the pieces of `base` are not those that the scheme was solved for.
     pub fn new(base: Arc<dyn StepMap>, scheme: Scheme) -> Result<Self, BuildError> {
         let is_self_adjoint = base.properties().self_adjoint == Some(true);
-        if scheme.takes_factors() && base.factors().is_none() {
+        if scheme.takes_factors() && base.factored().is_none() {
             return Err(BuildError::NoFactors {
                 composition: scheme.info.name,
                 map: base.describe(),
@@ -40,7 +40,15 @@ impl Composed {
         }
         let base = match scheme.pieces {
             Pieces::Any => base,
-            asked => base.arranged(asked)?,
+            asked => {
+                let arranged = base.factored().and_then(|own| own.arranged);
+                let arranged = arranged.ok_or_else(|| BuildError::Pieces {
+                    map: base.describe(),
+                    asked,
+                    reason: "its pieces are not known as formulas".to_owned(),
+                })?;
+                arranged(asked)?
+            }
         };
         Ok(Self { base, scheme })
     }
@@ -55,10 +63,22 @@ impl Composed {
         self.scheme
     }
 
+    /// The factors χ and χ* that its stages are.
+    fn factors(&self) -> Option<[Arc<dyn StepMap>; 2]> {
+        let factored = self.base.factored();
+        let factored = factored.filter(|_| self.scheme.takes_factors());
+        factored.map(|own| own.factors)
+    }
+
+    /// All stages as one map, where that takes less.
+    fn product(&self) -> Option<Arc<dyn StepMap>> {
+        (self.base.factored()?.product)(&self.scheme.parts())
+    }
+
     /// Stages of a step in order: maps, each with its part of the step. They are Φ with the γ_i, or χ and χ* in turn
     /// with the α_i.
     fn stages(&self) -> Vec<(Arc<dyn StepMap>, f64)> {
-        let factors = self.base.factors().filter(|_| self.scheme.takes_factors());
+        let factors = self.factors();
         let coefficients = self.scheme.coefficients().into_iter().enumerate();
         let stage = |(at, part)| match &factors {
             None => (Arc::clone(&self.base), part),
@@ -98,7 +118,7 @@ impl StepMap for Composed {
         last: usize,
         products: u64,
     ) -> Result<Option<Shadow>, BuildError> {
-        let factors = self.base.factors().filter(|_| self.scheme.takes_factors());
+        let factors = self.factors();
         let maps = factors.map_or_else(|| vec![Arc::clone(&self.base)], Vec::from);
         let mut shadows = Vec::with_capacity(maps.len());
         for map in &maps {
@@ -118,7 +138,7 @@ impl StepMap for Composed {
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
-        if let Some(product) = self.base.product(&self.scheme.parts()) {
+        if let Some(product) = self.product() {
             return product.stepper(lanes, parameters, epsilon, h);
         }
         Box::new(ProductStepper::new(
@@ -131,7 +151,7 @@ impl StepMap for Composed {
     }
 
     fn differential(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Differential> {
-        if let Some(product) = self.base.product(&self.scheme.parts()) {
+        if let Some(product) = self.product() {
             return product.differential(parameters, epsilon, h);
         }
         let size = self.dimension();

@@ -12,8 +12,8 @@ use leafwise_core::part::{
 };
 use leafwise_core::registry::DynamicsPart;
 use leafwise_core::{
-    BuildError, Correction, DynamicApproximation, LagrangianBisection, PoissonSystem,
-    RealizationData,
+    BuildError, Correction, DynamicApproximation, DynamicsProperties, LagrangianBisection,
+    PoissonSystem, RealizationData,
 };
 use leafwise_expression::Expression;
 
@@ -82,12 +82,8 @@ impl Written {
 }
 
 impl DynamicApproximation for Written {
-    fn order(&self) -> usize {
-        self.order
-    }
-
-    fn self_adjoint(&self) -> Option<bool> {
-        Some(true)
+    fn properties(&self) -> DynamicsProperties {
+        DynamicsProperties::of_order(self.order, Some(true))
     }
 
     fn describe(&self) -> String {
@@ -98,7 +94,7 @@ impl DynamicApproximation for Written {
         &self,
         system: &PoissonSystem,
         realization: &Arc<dyn RealizationData>,
-    ) -> Result<Arc<dyn LagrangianBisection>, BuildError> {
+    ) -> Result<LagrangianBisection, BuildError> {
         let formulas = system.formulas(INFO.name)?;
         let mut scope = scope(INFO.name, system, &[])?;
         if !scope.has(HAMILTONIAN) {

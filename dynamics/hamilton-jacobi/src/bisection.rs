@@ -7,14 +7,14 @@ use leafwise_core::part::{
 };
 use leafwise_core::registry::DynamicsPart;
 use leafwise_core::{
-    BuildError, DynamicApproximation, GraphBisection, LagrangianBisection, OneForm, PoissonSystem,
-    RealizationData,
+    BuildError, DynamicApproximation, DynamicsProperties, GraphBisection, LagrangianBisection,
+    OneForm, PoissonSystem, RealizationData,
 };
 
 use crate::coefficients::NAME;
 use crate::coefficients::first_order;
 use crate::form::shortest;
-use crate::numbers::GraphOfEnergy;
+use crate::numbers::differential;
 
 static INFO: PartInfo = PartInfo {
     name: NAME,
@@ -133,13 +133,9 @@ impl HamiltonJacobi {
 }
 
 impl DynamicApproximation for HamiltonJacobi {
-    fn order(&self) -> usize {
-        self.order
-    }
-
     /// S is odd in h (paper, Proposition 1), so the map is its own adjoint.
-    fn self_adjoint(&self) -> Option<bool> {
-        Some(true)
+    fn properties(&self) -> DynamicsProperties {
+        DynamicsProperties::of_order(self.order, Some(true))
     }
 
     fn describe(&self) -> String {
@@ -154,18 +150,21 @@ impl DynamicApproximation for HamiltonJacobi {
         &self,
         system: &PoissonSystem,
         realization: &Arc<dyn RealizationData>,
-    ) -> Result<Arc<dyn LagrangianBisection>, BuildError> {
+    ) -> Result<LagrangianBisection, BuildError> {
         let less = self.less_casimirs(system)?;
         let system = less.as_ref().unwrap_or(system);
+        let graph = |form| {
+            let parameters = system.parameters().len();
+            GraphBisection::odd(form, realization, parameters, &self.describe())
+        };
         if let Some(opaque) = system.opaque() {
             if self.order > 2 {
                 let missing = "formulas of the system for an order above 2";
                 return Err(opaque.not_offered(INFO.name, missing));
             }
-            let graph = GraphOfEnergy::new(system, realization, &self.describe())?;
-            return Ok(Arc::new(graph));
+            return graph(OneForm::Numbers(differential(system)?));
         }
-        let generating = match realization.series() {
+        let generating = match realization.abilities().series {
             Some(series) => shortest(system, series, self.order)?,
             None if self.order == 2 => first_order(system)?,
             None => {
@@ -178,14 +177,7 @@ impl DynamicApproximation for HamiltonJacobi {
                 });
             }
         };
-        let parameters = system.parameters().len();
-        let graph = GraphBisection::new(
-            OneForm::Differential(generating),
-            realization,
-            parameters,
-            &self.describe(),
-        )?;
-        Ok(Arc::new(graph))
+        graph(OneForm::Differential(generating))
     }
 }
 

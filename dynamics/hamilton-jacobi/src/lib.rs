@@ -6,7 +6,7 @@
 //!
 //! - [`coefficients`]: the recursion for S_l, in exact algebra or as code.
 //! - `form`: which of the two.
-//! - [`numbers`]: graph(h dH) for systems of numbers.
+//! - [`numbers`]: h dH for systems of numbers.
 //! - [`bisection`]: graph(dŜ) as a Lagrangian bisection.
 
 pub mod bisection;

@@ -10,8 +10,8 @@ use std::sync::Arc;
 use leafwise_core::part::{Auto, PartInfo, PartKind, PartParameters};
 use leafwise_core::registry::DynamicsPart;
 use leafwise_core::{
-    BuildError, DynamicApproximation, GraphBisection, LagrangianBisection, OneForm, PoissonSystem,
-    RealizationData,
+    BuildError, DynamicApproximation, DynamicsProperties, GraphBisection, LagrangianBisection,
+    OneForm, PoissonSystem, RealizationData,
 };
 use leafwise_expression::{Arithmetic, Graph, StepSize, Term};
 
@@ -33,21 +33,13 @@ static INFO: PartInfo = PartInfo {
 pub struct ForcedGraph;
 
 impl DynamicApproximation for ForcedGraph {
-    fn order(&self) -> usize {
-        2
-    }
-
-    /// The form is odd in h.
-    fn self_adjoint(&self) -> Option<bool> {
-        Some(true)
-    }
-
-    fn is_lagrangian(&self) -> bool {
-        false
-    }
-
-    fn takes_forces(&self) -> bool {
-        true
+    /// The form is odd in h, so the map is its own adjoint.
+    fn properties(&self) -> DynamicsProperties {
+        DynamicsProperties {
+            is_lagrangian: false,
+            takes_forces: true,
+            ..DynamicsProperties::of_order(2, Some(true))
+        }
     }
 
     fn describe(&self) -> String {
@@ -58,7 +50,7 @@ impl DynamicApproximation for ForcedGraph {
         &self,
         system: &PoissonSystem,
         realization: &Arc<dyn RealizationData>,
-    ) -> Result<Arc<dyn LagrangianBisection>, BuildError> {
+    ) -> Result<LagrangianBisection, BuildError> {
         let formulas = system.formulas(INFO.name)?;
         if formulas.forces().is_empty() {
             return Err(BuildError::DoesNotFit {
@@ -74,8 +66,7 @@ impl DynamicApproximation for ForcedGraph {
         graph.unless_refused(())?;
         let form = OneForm::Code { graph, components };
         let parameters = system.parameters().len();
-        let graph = GraphBisection::new(form, realization, parameters, INFO.name)?;
-        Ok(Arc::new(graph))
+        GraphBisection::odd(form, realization, parameters, INFO.name)
     }
 }
 

@@ -8,7 +8,7 @@ use leafwise_core::part::{
     PartParameters,
 };
 use leafwise_core::registry::StepperPart;
-use leafwise_core::solver::{ExplicitMap, MapProperties, Pieces, StepMap, Stepper, Structure};
+use leafwise_core::solver::{ExplicitMap, Factored, MapProperties, StepMap, Stepper, Structure};
 use leafwise_core::{BuildError, Differential, Inverse, PoissonSystem, Shadow, SystemFormulas};
 use leafwise_expression::{Arithmetic, Graph, Kernel, OperationCount, Ring, StepSize, Term};
 
@@ -333,35 +333,33 @@ impl StepMap for Splitting {
         self.passes_shadow(&STRANG, system, last, products)
     }
 
-    fn factors(&self) -> Option<[Arc<dyn StepMap>; 2]> {
-        Some(Product::factors(self))
-    }
-
-    fn pieces(&self) -> usize {
-        self.shared.pieces.len()
-    }
-
-    fn arranged(&self, asked: Pieces) -> Result<Arc<dyn StepMap>, BuildError> {
-        let Shared {
-            system,
-            ring,
-            pieces,
-            ..
-        } = self.shared.as_ref();
-        let order = asked_order(system, ring, pieces, asked, &self.describe())?;
-        Ok(Arc::new(Self::of_pieces(system, ring, pieces, &order)?))
-    }
-
     fn differential(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Differential> {
         self.differential_of(&self.shared.step, &STRANG, parameters, (epsilon, h))
     }
 
-    /// The product as one kernel. The state between flows is plain doubles; the flows' increments add
-    /// up apart from it, so that the step's increment rounds in proportion to itself.
-    fn product(&self, parts: &[f64]) -> Option<Arc<dyn StepMap>> {
-        let operations = self.shared.step.operations().total() as u64 * evaluations(parts);
-        (operations <= LARGEST_PRODUCT)
-            .then(|| -> Arc<dyn StepMap> { Arc::new(Product::new(self, parts)) })
+    fn factored(&self) -> Option<Factored<'_>> {
+        let Shared {
+            system,
+            ring,
+            pieces,
+            step,
+            ..
+        } = self.shared.as_ref();
+        Some(Factored {
+            factors: Product::factors(self),
+            pieces: pieces.len(),
+            arranged: Some(Box::new(|asked| {
+                let order = asked_order(system, ring, pieces, asked, &self.describe())?;
+                Ok(Arc::new(Self::of_pieces(system, ring, pieces, &order)?))
+            })),
+            // As one kernel. The state between flows is plain doubles; the flows' increments add up apart from it, so
+            // that the step's increment rounds in proportion to itself.
+            product: Box::new(|parts| {
+                let operations = step.operations().total() as u64 * evaluations(parts);
+                (operations <= LARGEST_PRODUCT)
+                    .then(|| -> Arc<dyn StepMap> { Arc::new(Product::new(self, parts)) })
+            }),
+        })
     }
 }
 

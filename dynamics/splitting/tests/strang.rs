@@ -125,7 +125,10 @@ fn a_composition_is_the_product_of_its_factors() {
         let system = problem.system();
         let parameters = system.parameter_values();
         let base = strang(&system);
-        let factors = base.factors().expect("a product of flows and its adjoint");
+        let factors = base
+            .factored()
+            .expect("a product of flows and its adjoint")
+            .factors;
         for (name, stages) in [("kahan-li-8", 17.0), ("blanes-moan-6", 10.0)] {
             let scheme = Scheme::find(name).expect("a scheme");
             let whole = composed(Arc::clone(&base), name);

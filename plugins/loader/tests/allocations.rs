@@ -7,7 +7,7 @@ mod support;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-use leafwise_core::{PartParameters, Registry};
+use leafwise_core::{EndMaps, PartParameters, Registry};
 use support::build::{Workshop, rust_example};
 use support::load;
 
@@ -73,7 +73,10 @@ fn calls_allocate_nothing() {
         .expect("a realization");
     let numbers = PartParameters::new().with("path", "numbers");
     let realization = part.build(&system, &numbers).expect("it fits");
-    let mut evaluator = realization.evaluator(&values, 0.5).expect("numbers");
+    let Some(EndMaps::Numbers(numbers)) = realization.abilities().ends else {
+        panic!("numbers");
+    };
+    let mut evaluator = numbers.evaluator(&values, 0.5);
     let (z, mut ends, mut tangents) = ([0.1; 6], [0.0; 9], [0.0; 36]);
     let of_realization = allocations(|| {
         evaluator.values(&z, &mut ends).expect("values");

@@ -26,7 +26,7 @@ fn a_realization_of_numbers_steps_to_the_same_bits_loaded_or_compiled_in() {
     let numbers = PartParameters::new().with("path", "numbers");
     let loaded = realization(&registry, "example/so3-rodrigues", &system, numbers);
     let loaded = loaded.expect("it fits");
-    assert!(loaded.code().is_none());
+    assert!(loaded.abilities().code().is_none());
     let dynamics = ("hamilton-jacobi", Some(2));
     let here = method(&registry, &system, Arc::new(RodriguesTwin), dynamics).expect("a method");
     let there = method(&registry, &system, loaded, dynamics).expect("a method");

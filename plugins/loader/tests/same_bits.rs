@@ -12,10 +12,12 @@ use std::sync::Arc;
 use leafwise_core::evaluator::one_by_one;
 use leafwise_core::part::ParameterSetting;
 use leafwise_core::part_description::{ParameterDescription, PartDescription};
+use leafwise_core::runge_kutta::SmoothMap;
 use leafwise_core::system::SystemEvaluator;
 use leafwise_core::{
-    BuildError, DynamicApproximation, Evaluator, LagrangianBisection, Method, Origin, PartKind,
-    PartParameters, PoissonSystem, RealizationData, Registry, StepError, StepMap, Walk,
+    BuildError, DynamicApproximation, DynamicsProperties, Evaluator, GraphBisection,
+    LagrangianBisection, Method, OneForm, Origin, PartKind, PartParameters, PoissonSystem,
+    RealizationData, Registry, StepError, StepMap, Walk,
 };
 use leafwise_plugin_abi::{
     LW_FLAG_NOT_SELF_ADJOINT, LW_FLAG_SELF_ADJOINT, LW_STRUCTURE_EXACT, LW_STRUCTURE_NONE,
@@ -33,18 +35,9 @@ struct Shear {
     is_one_form: bool,
 }
 
-#[derive(Debug)]
-struct ShearBisection {
-    system: PoissonSystem,
-    is_one_form: bool,
-}
-
 impl DynamicApproximation for Shear {
-    fn order(&self) -> usize {
-        2
-    }
-    fn self_adjoint(&self) -> Option<bool> {
-        Some(true)
+    fn properties(&self) -> DynamicsProperties {
+        DynamicsProperties::of_order(2, Some(true))
     }
     fn describe(&self) -> String {
         "shear".to_owned()
@@ -52,36 +45,28 @@ impl DynamicApproximation for Shear {
     fn bisection(
         &self,
         system: &PoissonSystem,
-        _: &Arc<dyn RealizationData>,
-    ) -> Result<Arc<dyn LagrangianBisection>, BuildError> {
-        Ok(Arc::new(ShearBisection {
-            system: system.clone(),
-            is_one_form: self.is_one_form,
-        }))
-    }
-}
-
-impl ShearBisection {
-    fn shear(&self, parameters: &[f64], h: f64) -> ShearForm {
-        ShearForm {
-            numbers: self
-                .system
-                .numbers()
-                .expect("formulas")
-                .evaluator(parameters),
-            dimension: self.system.dimension(),
+        realization: &Arc<dyn RealizationData>,
+    ) -> Result<LagrangianBisection, BuildError> {
+        let (numbers, d) = (system.numbers().expect("formulas"), system.dimension());
+        let shear = move |parameters: &[f64], h| ShearForm {
+            numbers: numbers.evaluator(parameters),
+            dimension: d,
             h,
+        };
+        if self.is_one_form {
+            let form = SmoothMap::from_numbers(d, d, true, move |parameters, _, h| {
+                Box::new(shear(parameters, h))
+            });
+            return GraphBisection::new(OneForm::Numbers(form), realization, 0, "shear");
         }
-    }
-}
-
-impl LagrangianBisection for ShearBisection {
-    fn evaluator(&self, parameters: &[f64], _: f64, h: f64) -> Option<Box<dyn Evaluator>> {
-        Some(Box::new(ShearPoint(self.shear(parameters, h))))
-    }
-    fn one_form(&self, parameters: &[f64], _: f64, h: f64) -> Option<Box<dyn Evaluator>> {
-        let form: Box<dyn Evaluator> = Box::new(self.shear(parameters, h));
-        self.is_one_form.then_some(form)
+        let map = SmoothMap::from_numbers(d, 2 * d, true, move |parameters, _, h| {
+            Box::new(ShearPoint(shear(parameters, h)))
+        })
+        .for_one_trajectory();
+        Ok(LagrangianBisection::Points {
+            map,
+            is_near_identity: false,
+        })
     }
 }
 
@@ -119,9 +104,6 @@ impl Evaluator for ShearForm {
             self.hessian(y, 0, jacobian)
         })
     }
-    fn has_jacobian(&self) -> bool {
-        true
-    }
 }
 
 /// y ↦ (y, θ(y)), one point at a time.
@@ -138,12 +120,6 @@ impl Evaluator for ShearPoint {
         tangent.fill(0.0);
         (0..d).for_each(|i| tangent[i * d + i] = 1.0);
         self.0.hessian(y, d, tangent)
-    }
-    fn has_jacobian(&self) -> bool {
-        true
-    }
-    fn is_pointwise(&self) -> bool {
-        false
     }
 }
 

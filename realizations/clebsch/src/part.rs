@@ -126,7 +126,7 @@ fn lift_of(
         return Ok(("constants".to_owned(), Arc::new(lift)));
     }
     let other = registry.lift(summand, NAME);
-    let lift = other.and_then(|other| Some((other.describe(), other.lift()?)));
+    let lift = other.and_then(|other| Some((other.describe(), other.abilities().lift?)));
     lift.ok_or_else(|| {
         let names = formulas.variables().join(", ");
         unfit(format!(

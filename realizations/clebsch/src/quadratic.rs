@@ -1,6 +1,6 @@
 //! Lifts by quadratic maps of coordinates with a constant tensor.
 
-use leafwise_core::lift::{End, Lift, Slowing};
+use leafwise_core::lift::{End, Lift, LiftShape, Slowing};
 use leafwise_core::{BuildError, StepError};
 use leafwise_expression::graph::lift;
 use leafwise_expression::{Arithmetic, Graph, Polynomial, Rational, Ring, Term};
@@ -155,21 +155,16 @@ impl QuadraticLift {
 }
 
 impl Lift for QuadraticLift {
-    fn dimension(&self) -> usize {
-        self.width()
-    }
-
-    fn base_dimension(&self) -> usize {
-        let signs = if self.algebra.is_signed {
-            self.algebra.copies
-        } else {
-            0
+    fn shape(&self) -> LiftShape {
+        let signs = match self.algebra.is_signed {
+            true => self.algebra.copies,
+            false => 0,
         };
-        self.width() + signs
-    }
-
-    fn follows(&self) -> bool {
-        true
+        LiftShape {
+            coordinates: self.width(),
+            base: self.width() + signs,
+            follows: true,
+        }
     }
 
     /// The z that the step before has come to, moved to the fibre of x across the fibres. A section where there is none.
@@ -231,7 +226,7 @@ impl Lift for QuadraticLift {
         places: &[usize],
     ) -> Result<Polynomial, BuildError> {
         let over = |x: &[f64]| {
-            let mut base = vec![0.0; self.base_dimension()];
+            let mut base = vec![0.0; self.shape().base];
             self.place(x, &vec![0.0; x.len()], None, &mut base).ok()?;
             let mut sizes = vec![0.0; self.width()];
             self.sizes(&base, &mut sizes);

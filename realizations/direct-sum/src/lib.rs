@@ -6,10 +6,11 @@
 
 use std::sync::Arc;
 
-use leafwise_core::lattice::{StageBuilder, StageCode, StageEnds};
+use leafwise_core::lattice::{StageBuilder, StageEnds};
 use leafwise_core::part::{Auto, PartInfo, PartKind, PartParameters};
 use leafwise_core::realization::{
-    Accuracy, MapCode, RealizationData, SourceRecursion, SourceSeries, SourceTarget,
+    Abilities, Accuracy, EndMaps, MapCode, RealizationData, SourceRecursion, SourceSeries,
+    SourceTarget, Space,
 };
 use leafwise_core::registry::RealizationPart;
 use leafwise_core::{BuildError, PoissonSystem, Registry, SystemFormulas};
@@ -102,8 +103,14 @@ fn cheapest(
         ))
     })?;
     let realization = exact.realization;
-    let is_code = realization.code().is_some() && realization.series().is_some();
-    match is_code && realization.points_are_pairs() {
+    let Abilities {
+        ends,
+        space,
+        series,
+        ..
+    } = realization.abilities();
+    let is_code = matches!((ends, space), (Some(EndMaps::Code(_)), Space::Pairs));
+    match is_code && series.is_some() {
         true => Ok(realization),
         false => Err(unfit(format!(
             "the exact realization of its summand of {} has no code in pairs (x, p)",
@@ -144,75 +151,83 @@ impl RealizationData for DirectSum {
         format!("{} of {factors}", INFO.name)
     }
 
-    fn code(&self) -> Option<MapCode<'_>> {
-        let codes: Option<Vec<_>> = self.factors.iter().map(|f| f.realization.code()).collect();
-        let codes = codes?;
-        Some(Box::new(move |graph, epsilon, z| {
-            let (x, p) = z.split_at(self.dimension);
-            let room = || x.to_vec();
-            let mut ends = SourceTarget {
-                base: room(),
-                offset: room(),
-                increment: room(),
-                guard: None,
-            };
-            let mut guards = Vec::new();
-            for (factor, code) in self.factors.iter().zip(&codes) {
-                let of = |all: &[Term]| factor.of(all);
-                let own: Vec<Term> = of(x).into_iter().chain(of(p)).collect();
-                let own = code(graph, epsilon, &own)?;
-                for (k, at) in factor.places.iter().enumerate() {
-                    ends.base[*at] = own.base[k].clone();
-                    ends.offset[*at] = own.offset[k].clone();
-                    ends.increment[*at] = own.increment[k].clone();
-                }
-                guards.extend(own.guard);
+    fn abilities(&self) -> Abilities<'_> {
+        let is_reversible = |factor: &Factor| factor.realization.abilities().is_reversible;
+        Abilities {
+            is_reversible: self.factors.iter().all(is_reversible),
+            ends: Some(EndMaps::Code(Box::new(|graph, epsilon, z| {
+                self.source_and_target(graph, epsilon, z)
+            }))),
+            stages: Some(Box::new(|builder, epsilon, y, p| {
+                self.stage(builder, epsilon, y, p)
+            })),
+            series: Some(self),
+            ..Abilities::default()
+        }
+    }
+}
+
+impl DirectSum {
+    fn source_and_target(
+        &self,
+        graph: &mut Graph,
+        epsilon: &Term,
+        z: &[Term],
+    ) -> Result<SourceTarget, BuildError> {
+        let (x, p) = z.split_at(self.dimension);
+        let room = || x.to_vec();
+        let mut ends = SourceTarget {
+            base: room(),
+            offset: room(),
+            increment: room(),
+            guard: None,
+        };
+        let mut guards = Vec::new();
+        for factor in &self.factors {
+            let own = [factor.of(x), factor.of(p)].concat();
+            let own = factor.code()?(graph, epsilon, &own)?;
+            for (k, at) in factor.places.iter().enumerate() {
+                ends.base[*at] = own.base[k].clone();
+                ends.offset[*at] = own.offset[k].clone();
+                ends.increment[*at] = own.increment[k].clone();
             }
-            ends.guard = joined(graph, guards)?;
-            Ok(ends)
-        }))
+            guards.extend(own.guard);
+        }
+        ends.guard = joined(graph, guards)?;
+        Ok(ends)
     }
 
     /// One stage: every factor reads its own x and p.
-    fn stages(&self) -> Option<StageCode<'_>> {
-        let codes: Option<Vec<_>> = self.factors.iter().map(|f| f.realization.code()).collect();
-        let codes = codes?;
-        Some(Box::new(
-            move |builder: &mut StageBuilder, epsilon, y, p| {
-                let (mut offset, mut increment) = (y.to_vec(), y.to_vec());
-                let mut reaches = vec![None; self.dimension];
-                let mut is_guarded = false;
-                for (factor, code) in self.factors.iter().zip(&codes) {
-                    let (x, p) = (factor.of(y), factor.of(p));
-                    let ends = code(&mut builder.graph, epsilon, &[&x[..], &p].concat())?;
-                    let (radii, own) = ends.guard.unwrap_or_default();
-                    if ends.base != x || own.len() > x.len() {
-                        return Err(unfit("the realization of a summand cannot be swept"));
-                    }
-                    is_guarded |= !own.is_empty();
-                    for (k, at) in factor.places.iter().enumerate() {
-                        offset[*at] = ends.offset[k].clone();
-                        increment[*at] = ends.increment[k].clone();
-                        if let (Some(reach), Some(radius)) = (own.get(k), radii.get(k)) {
-                            reaches[*at] = Some(builder.graph.divide(reach, radius)?);
-                        }
-                    }
+    fn stage(
+        &self,
+        builder: &mut StageBuilder,
+        epsilon: &Term,
+        y: &[Term],
+        p: &[Term],
+    ) -> Result<StageEnds, BuildError> {
+        let (mut offset, mut increment) = (y.to_vec(), y.to_vec());
+        let mut reaches = vec![None; self.dimension];
+        let mut is_guarded = false;
+        for factor in &self.factors {
+            let (x, p) = (factor.of(y), factor.of(p));
+            let ends = factor.code()?(&mut builder.graph, epsilon, &[&x[..], &p].concat())?;
+            let (radii, own) = ends.guard.unwrap_or_default();
+            if ends.base != x || own.len() > x.len() {
+                return Err(unfit("the realization of a summand cannot be swept"));
+            }
+            is_guarded |= !own.is_empty();
+            for (k, at) in factor.places.iter().enumerate() {
+                offset[*at] = ends.offset[k].clone();
+                increment[*at] = ends.increment[k].clone();
+                if let (Some(reach), Some(radius)) = (own.get(k), radii.get(k)) {
+                    reaches[*at] = Some(builder.graph.divide(reach, radius)?);
                 }
-                if is_guarded {
-                    builder.guard(reaches);
-                }
-                Ok(StageEnds { offset, increment })
-            },
-        ))
-    }
-
-    fn is_reversible(&self) -> bool {
-        let mut factors = self.factors.iter();
-        factors.all(|factor| factor.realization.is_reversible())
-    }
-
-    fn series(&self) -> Option<&dyn SourceSeries> {
-        Some(self)
+            }
+        }
+        if is_guarded {
+            builder.guard(reaches);
+        }
+        Ok(StageEnds { offset, increment })
     }
 }
 
@@ -243,6 +258,12 @@ fn joined(graph: &mut Graph, guards: Vec<Guard>) -> Result<Option<Guard>, Algebr
 }
 
 impl Factor {
+    /// Its maps as code.
+    fn code(&self) -> Result<MapCode<'_>, BuildError> {
+        let code = self.realization.abilities().code();
+        code.ok_or_else(|| unfit("the realization of a summand has no code"))
+    }
+
     /// The summand's share of a list over all coordinates.
     fn of<T: Clone>(&self, all: &[T]) -> Vec<T> {
         self.places.iter().map(|at| all[*at].clone()).collect()
@@ -279,7 +300,7 @@ impl DirectSum {
     ) -> Result<Box<dyn SourceRecursion<A>>, BuildError> {
         let mut factors = Vec::with_capacity(self.factors.len());
         for factor in &self.factors {
-            let own = factor.realization.series();
+            let own = factor.realization.abilities().series;
             let own = own.ok_or_else(|| unfit("the realization of a summand has no series"))?;
             factors.push((factor.places.clone(), series(own, &factor.of(coordinates))?));
         }

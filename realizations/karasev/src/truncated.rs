@@ -2,11 +2,10 @@
 
 use std::sync::Arc;
 
-use leafwise_core::lattice::StageCode;
 use leafwise_core::part::{
     Auto, ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters,
 };
-use leafwise_core::realization::{Accuracy, MapCode, RealizationData, SourceSeries, SourceTarget};
+use leafwise_core::realization::{Abilities, Accuracy, EndMaps, RealizationData, SourceTarget};
 use leafwise_core::registry::RealizationPart;
 use leafwise_core::{BuildError, PoissonSystem, SystemFormulas};
 use leafwise_expression::{Arithmetic, Graph, Rational, Term};
@@ -128,20 +127,17 @@ impl RealizationData for TruncatedKarasev {
         format!("{} n = {}", INFO.name, self.order)
     }
 
-    fn code(&self) -> Option<MapCode<'_>> {
-        Some(Box::new(|graph, epsilon, z| {
-            self.source_and_target(graph, epsilon, z)
-        }))
-    }
-
-    fn stages(&self) -> Option<StageCode<'_>> {
-        Some(Box::new(|builder, epsilon, y, p| {
-            self.write_stages(builder, epsilon, y, p)
-        }))
-    }
-
-    fn series(&self) -> Option<&dyn SourceSeries> {
-        Some(&self.series)
+    fn abilities(&self) -> Abilities<'_> {
+        Abilities {
+            ends: Some(EndMaps::Code(Box::new(|graph, epsilon, z| {
+                self.source_and_target(graph, epsilon, z)
+            }))),
+            stages: Some(Box::new(|builder, epsilon, y, p| {
+                self.write_stages(builder, epsilon, y, p)
+            })),
+            series: Some(&self.series),
+            ..Abilities::default()
+        }
     }
 }
 

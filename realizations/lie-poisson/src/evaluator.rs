@@ -276,15 +276,6 @@ impl Evaluator for LiePoissonEvaluator {
         })
     }
 
-    fn has_jacobian(&self) -> bool {
-        true
-    }
-
-    /// Shared by several trajectories it would factor at each point twice, for values and for Jacobians.
-    fn is_pointwise(&self) -> bool {
-        false
-    }
-
     fn operations(&self) -> Option<u64> {
         Some(self.operations)
     }

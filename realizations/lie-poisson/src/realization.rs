@@ -3,9 +3,7 @@
 use std::sync::Arc;
 
 use leafwise_core::part::{Auto, PartInfo, PartKind, PartParameters};
-use leafwise_core::realization::{
-    Accuracy, MapCode, RealizationData, RealizationEvaluator, SourceSeries,
-};
+use leafwise_core::realization::{Abilities, Accuracy, EndMaps, EndNumbers, RealizationData};
 use leafwise_core::registry::RealizationPart;
 use leafwise_core::{BuildError, PoissonSystem};
 use leafwise_karasev::series::KarasevSeries;
@@ -94,27 +92,30 @@ impl RealizationData for LiePoisson {
         INFO.name.to_owned()
     }
 
-    fn code(&self) -> Option<MapCode<'_>> {
-        match &self.maps {
-            Maps::Code(form) => Some(Box::new(|graph, epsilon, z| {
+    fn abilities(&self) -> Abilities<'_> {
+        let ends = match &self.maps {
+            Maps::Code(form) => EndMaps::Code(Box::new(|graph, epsilon, z| {
                 form.source_and_target(graph, epsilon, z)
             })),
-            Maps::Numbers(_) => None,
-        }
-    }
-
-    fn evaluator(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn RealizationEvaluator>> {
-        match &self.maps {
-            Maps::Code(_) => None,
             Maps::Numbers(structure) => {
-                let algebra = structure.at(parameters);
-                Some(Box::new(LiePoissonEvaluator::new(algebra, epsilon)))
+                let structure = structure.clone();
+                // Shared by several trajectories it would factor at each point twice, for values and for Jacobians.
+                let is_pointwise = false;
+                EndMaps::Numbers(EndNumbers::new(
+                    true,
+                    is_pointwise,
+                    move |parameters, epsilon| {
+                        let algebra = structure.at(parameters);
+                        Box::new(LiePoissonEvaluator::new(algebra, epsilon))
+                    },
+                ))
             }
+        };
+        Abilities {
+            ends: Some(ends),
+            series: Some(&self.series),
+            ..Abilities::default()
         }
-    }
-
-    fn series(&self) -> Option<&dyn SourceSeries> {
-        Some(&self.series)
     }
 }
 

@@ -18,7 +18,11 @@ const WITHOUT_CODE: &str = "so5";
 fn algebras_with_at_most_two_roots_a_coordinate_have_code() {
     for name in ALGEBRAS {
         let realization = LiePoisson::new(&algebra(name)).expect("a linear tensor");
-        assert_eq!(realization.code().is_some(), name != WITHOUT_CODE, "{name}");
+        assert_eq!(
+            realization.abilities().code().is_some(),
+            name != WITHOUT_CODE,
+            "{name}"
+        );
     }
 }
 
@@ -92,7 +96,7 @@ fn second_derivatives_are_those_of_the_curve() {
         let collocated = CollocatedKarasev::new(&system, Some(12)).expect("code");
         let mut evaluators: [Box<dyn RealizationEvaluator>; 2] = [
             Box::new(LiePoissonEvaluator::new(structure.at(&parameters), 0.9)),
-            collocated.evaluator(&parameters, 0.9).expect("numbers"),
+            realization_evaluator(&collocated, &parameters, 0.9).expect("numbers"),
         ];
         let hessians = evaluators.each_mut().map(|evaluator| {
             let mut hessian = vec![0.0; 4 * d * d];

@@ -142,7 +142,7 @@ fn a_lattice_steps_as_its_written_out_form() {
 fn the_third_coefficient_is_that_of_this_chart() {
     let system = from_formulas(&["x", "y"], &[], &[("x,y", "x*y")], "x + y", &[]);
     let realization = realization(&system);
-    let series = realization.series().expect("a series");
+    let series = realization.abilities().series.expect("a series");
     let generating = generating_function(&system, series, 4).expect("in the algebra");
     let mut ring = generating.ring.clone();
     let (x, y) = (ring.variable(0), ring.variable(1));

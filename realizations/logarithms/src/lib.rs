@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use leafwise_core::lift::{End, Lift};
+use leafwise_core::lift::{End, Lift, LiftShape};
 use leafwise_core::part::{PartInfo, PartKind, PartParameters};
 use leafwise_core::registry::RealizationPart;
 use leafwise_core::{
@@ -59,12 +59,13 @@ impl Logarithms {
 }
 
 impl Lift for Logarithms {
-    fn dimension(&self) -> usize {
-        self.system.dimension()
-    }
-
-    fn base_dimension(&self) -> usize {
-        self.system.dimension()
+    fn shape(&self) -> LiftShape {
+        let d = self.system.dimension();
+        LiftShape {
+            coordinates: d,
+            base: d,
+            follows: false,
+        }
     }
 
     fn place(

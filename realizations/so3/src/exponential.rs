@@ -2,7 +2,7 @@
 
 use leafwise_core::lattice::StageEnds;
 use leafwise_core::part::{Auto, PartInfo, PartKind};
-use leafwise_core::realization::{Accuracy, MapCode, RealizationData, SourceSeries, SourceTarget};
+use leafwise_core::realization::{Abilities, Accuracy, EndMaps, RealizationData, SourceTarget};
 use leafwise_core::registry::RealizationPart;
 use leafwise_core::{BuildError, PoissonSystem};
 use leafwise_expression::{Arithmetic, Function, Graph, Rational, Term};
@@ -64,14 +64,14 @@ impl RealizationData for So3Exponential {
         INFO.name.to_owned()
     }
 
-    fn code(&self) -> Option<MapCode<'_>> {
-        Some(Box::new(|graph, epsilon, z| {
-            self.source_and_target(graph, epsilon, z)
-        }))
-    }
-
-    fn series(&self) -> Option<&dyn SourceSeries> {
-        Some(&self.series)
+    fn abilities(&self) -> Abilities<'_> {
+        Abilities {
+            ends: Some(EndMaps::Code(Box::new(|graph, epsilon, z| {
+                self.source_and_target(graph, epsilon, z)
+            }))),
+            series: Some(&self.series),
+            ..Abilities::default()
+        }
     }
 }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use leafwise_core::part::{ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters};
 use leafwise_core::realization::{
-    Accuracy, ChartCode, MapCode, RealizationData, SourceSeries, SourceTarget,
+    Abilities, Accuracy, EndMaps, RealizationData, SourceTarget, Space, SpaceChart,
 };
 use leafwise_core::registry::RealizationPart;
 use leafwise_core::{BuildError, PoissonSystem};
@@ -74,10 +74,6 @@ impl RealizationData for So3Group {
         3
     }
 
-    fn space_dimension(&self) -> usize {
-        7
-    }
-
     fn accuracy(&self) -> Accuracy {
         Accuracy::Exact
     }
@@ -91,20 +87,20 @@ impl RealizationData for So3Group {
         z[4..].copy_from_slice(x);
     }
 
-    fn code(&self) -> Option<MapCode<'_>> {
-        Some(Box::new(|graph, epsilon, z| {
-            self.source_and_target(graph, epsilon, z)
-        }))
-    }
-
-    fn chart(&self) -> Option<ChartCode<'_>> {
-        Some(Box::new(|graph, epsilon, x, p| {
-            self.point(graph, epsilon, x, p)
-        }))
-    }
-
-    fn series(&self) -> Option<&dyn SourceSeries> {
-        self.flat.series()
+    fn abilities(&self) -> Abilities<'_> {
+        Abilities {
+            space: Space::Points {
+                coordinates: 7,
+                chart: Some(SpaceChart::Code(Box::new(|graph, epsilon, x, p| {
+                    self.point(graph, epsilon, x, p)
+                }))),
+            },
+            ends: Some(EndMaps::Code(Box::new(|graph, epsilon, z| {
+                self.source_and_target(graph, epsilon, z)
+            }))),
+            series: self.flat.abilities().series,
+            ..Abilities::default()
+        }
     }
 }
 

@@ -46,16 +46,10 @@ impl NumericSolver {
     pub(crate) fn new(
         (realization, bisection): (Box<dyn RealizationEvaluator>, Box<dyn Evaluator>),
         (dimension, space): (usize, usize),
-        (correction, is_near_identity): (Correction, bool),
+        (correction, corrections): (Correction, CorrectionMethod),
         count: usize,
     ) -> Self {
         let d = dimension;
-        let has_tangents = realization.has_jacobian() && bisection.has_jacobian();
-        let corrections = match (is_near_identity, has_tangents) {
-            (true, _) => CorrectionMethod::Residual,
-            (false, true) => CorrectionMethod::Newton,
-            (false, false) => CorrectionMethod::Acceleration,
-        };
         Self {
             evaluation: Evaluation::new((realization, bisection), (d, space), count),
             correction,

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use leafwise_collective::{Collective, SymplecticIntegrator};
 use leafwise_core::{
-    Accuracy, BuildError, ChartCode, Convention, Correction, MapCode, Method, PoissonSystem,
-    RealizationData, SourceTarget, StepMap, Stepper, Walk,
+    Abilities, Accuracy, BuildError, Convention, Correction, EndMaps, Method, PoissonSystem,
+    RealizationData, SourceTarget, Space, SpaceChart, StepMap, Stepper, Walk,
 };
 use leafwise_expression::syntax::{Formula, Scope};
 use leafwise_expression::{Arithmetic, Expression, Graph, Rational, Term};
@@ -102,10 +102,13 @@ impl RealizationData for Cayley {
     fn describe(&self) -> String {
         "so(3)* in the Cayley chart".to_owned()
     }
-    fn code(&self) -> Option<MapCode<'_>> {
-        Some(Box::new(|graph, epsilon, z| {
-            self.source_and_target(graph, epsilon, z)
-        }))
+    fn abilities(&self) -> Abilities<'_> {
+        Abilities {
+            ends: Some(EndMaps::Code(Box::new(|graph, epsilon, z| {
+                self.source_and_target(graph, epsilon, z)
+            }))),
+            ..Abilities::default()
+        }
     }
 }
 
@@ -147,9 +150,6 @@ impl RealizationData for Rotations {
     fn dimension(&self) -> usize {
         3
     }
-    fn space_dimension(&self) -> usize {
-        7
-    }
     fn accuracy(&self) -> Accuracy {
         Accuracy::Exact
     }
@@ -160,15 +160,19 @@ impl RealizationData for Rotations {
         z[..4].copy_from_slice(&[1.0, 0.0, 0.0, 0.0]);
         z[4..].copy_from_slice(x);
     }
-    fn code(&self) -> Option<MapCode<'_>> {
-        Some(Box::new(|graph, epsilon, z| {
-            self.source_and_target(graph, epsilon, z)
-        }))
-    }
-    fn chart(&self) -> Option<ChartCode<'_>> {
-        Some(Box::new(|graph, epsilon, x, p| {
-            self.point(graph, epsilon, x, p)
-        }))
+    fn abilities(&self) -> Abilities<'_> {
+        Abilities {
+            space: Space::Points {
+                coordinates: 7,
+                chart: Some(SpaceChart::Code(Box::new(|graph, epsilon, x, p| {
+                    self.point(graph, epsilon, x, p)
+                }))),
+            },
+            ends: Some(EndMaps::Code(Box::new(|graph, epsilon, z| {
+                self.source_and_target(graph, epsilon, z)
+            }))),
+            ..Abilities::default()
+        }
     }
 }
 

@@ -6,7 +6,7 @@ use leafwise_core::lattice::{
     Cells, Field, LatticeGeometry, LatticeMap, LatticeProgram, LatticeSlopes, LatticeSource,
     PerAxis, Proxy, StageBuilder, TemplateReach,
 };
-use leafwise_core::solver::{MapProperties, StepMap, Stepper, Structure};
+use leafwise_core::solver::{Factored, MapProperties, StepMap, Stepper, Structure};
 use leafwise_core::{BuildError, Differential, PoissonSystem};
 use leafwise_expression::syntax::AXES;
 use leafwise_expression::{Arithmetic, Ring, StepSize};
@@ -258,16 +258,13 @@ impl StepMap for LatticeSplitting {
         self.passes_differential(&STRANG, parameters, epsilon, h)
     }
 
-    fn factors(&self) -> Option<[Arc<dyn StepMap>; 2]> {
-        Some(Product::factors(self))
-    }
-
-    fn pieces(&self) -> usize {
-        self.pieces()
-    }
-
-    fn product(&self, parts: &[f64]) -> Option<Arc<dyn StepMap>> {
-        Some(Arc::new(Product::new(self, parts)))
+    fn factored(&self) -> Option<Factored<'_>> {
+        Some(Factored {
+            factors: Product::factors(self),
+            pieces: self.pieces(),
+            arranged: None,
+            product: Box::new(|parts| Some(Arc::new(Product::new(self, parts)))),
+        })
     }
 }
 

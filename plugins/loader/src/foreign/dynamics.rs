@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use leafwise_core::evaluator::one_by_one;
 use leafwise_core::part::ParameterSetting;
+use leafwise_core::runge_kutta::SmoothMap;
 use leafwise_core::{
-    BuildError, Correction, DynamicApproximation, Evaluator, GraphOfOneForm, LagrangianBisection,
-    PartParameters, PoissonSystem, RealizationData, StepError,
+    BuildError, Correction, DynamicApproximation, DynamicsProperties, Evaluator, GraphBisection,
+    LagrangianBisection, OneForm, PartParameters, PoissonSystem, RealizationData, StepError,
 };
 use leafwise_plugin_abi::LwDynamics;
 
@@ -59,63 +60,58 @@ struct ForeignDynamics {
 }
 
 impl DynamicApproximation for ForeignDynamics {
-    fn order(&self) -> usize {
-        self.properties.order
-    }
-
-    fn self_adjoint(&self) -> Option<bool> {
-        self.properties.flags.self_adjoint()
-    }
-
-    fn is_lagrangian(&self) -> bool {
-        self.properties.flags.is_symplectic()
-    }
-
-    fn correction(&self) -> Correction {
-        if self.properties.flags.is_uncorrected() {
-            Correction::None
-        } else {
-            Correction::Bisection
+    fn properties(&self) -> DynamicsProperties {
+        let Properties { order, flags, .. } = self.properties;
+        DynamicsProperties {
+            is_lagrangian: flags.is_symplectic(),
+            correction: match flags.is_uncorrected() {
+                true => Correction::None,
+                false => Correction::Bisection,
+            },
+            ..DynamicsProperties::of_order(order, flags.self_adjoint())
         }
     }
 
     fn describe(&self) -> String {
-        format!("{} m = {}", self.part.name(), self.order())
+        format!("{} m = {}", self.part.name(), self.properties.order)
     }
 
     fn bisection(
         &self,
         system: &PoissonSystem,
         realization: &Arc<dyn RealizationData>,
-    ) -> Result<Arc<dyn LagrangianBisection>, BuildError> {
+    ) -> Result<LagrangianBisection, BuildError> {
         self.part.check_dimension(system.dimension())?;
         let values = system.parameter_values();
-        let mut bisection = ForeignBisection {
+        let mut points = ForeignPoints {
             dynamics: self.clone(),
             system: system.clone(),
             realization: Arc::clone(realization),
-            lend: RealizationToLend::new(realization, &values)?,
+            lend: RealizationToLend::new(realization, values.len())?,
             idle: Idle::default(),
         };
-        if self.table.one_form.is_some() && bisection.lend.chart().is_none() {
-            return Err(BuildError::Incompatible {
-                dynamics: self.describe(),
-                realization: realization.describe(),
-                reason: "it has no symplectic chart about its section, which a one-form needs"
-                    .to_owned(),
-            });
-        }
         // A trial, to tell now what cannot be combined.
-        let lent = lent(&bisection.system, &bisection.lend, &values)?;
-        let trial = Instance::new(&self.part, bisection.making(), lent).map_err(|failure| {
+        let lent = lent(&points.system, &points.lend, &values)?;
+        let trial = Instance::new(&self.part, points.making(), lent).map_err(|failure| {
             BuildError::Incompatible {
                 dynamics: self.describe(),
                 realization: realization.describe(),
                 reason: failure.to_string(),
             }
         })?;
-        bisection.dynamics.table = offered(self.table, trial, realization.as_ref());
-        Ok(Arc::new(bisection))
+        points.dynamics.table = offered(self.table, trial, realization.as_ref());
+        let of_form = points.dynamics.table.one_form.is_some();
+        let map = points.map();
+        match of_form {
+            true => {
+                let form = OneForm::Numbers(map);
+                GraphBisection::new(form, realization, values.len(), &self.describe())
+            }
+            false => Ok(LagrangianBisection::Points {
+                map,
+                is_near_identity: false,
+            }),
+        }
     }
 }
 
@@ -141,8 +137,9 @@ fn offered(
     }
 }
 
+/// y ↦ θ̂(y) or L(y) as the library computes it.
 #[derive(Debug)]
-struct ForeignBisection {
+struct ForeignPoints {
     dynamics: ForeignDynamics,
     system: PoissonSystem,
     realization: Arc<dyn RealizationData>,
@@ -150,7 +147,7 @@ struct ForeignBisection {
     idle: Idle,
 }
 
-impl ForeignBisection {
+impl ForeignPoints {
     fn making(&self) -> Making<'_> {
         Making {
             dimension: self.system.dimension(),
@@ -158,12 +155,6 @@ impl ForeignBisection {
         }
     }
 
-    fn chart(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn Evaluator>> {
-        Some(self.lend.chart()?.evaluator(parameters, epsilon))
-    }
-}
-
-impl ForeignBisection {
     /// A function of `inputs` coordinates with `outputs` numbers a point, by an instance of its own.
     fn function(
         &self,
@@ -189,49 +180,55 @@ impl ForeignBisection {
         }
     }
 
-    /// θ̂ as the library computes it.
-    fn form(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Evaluator> {
-        let (d, table) = (self.system.dimension(), self.dynamics.table);
-        let functions = [
-            ("one_form", table.one_form),
-            ("one_form_jacobian", table.one_form_jacobian),
-        ];
-        Box::new(self.function(functions, (d, d), parameters, (epsilon, h)))
-    }
-}
-
-impl LagrangianBisection for ForeignBisection {
-    fn one_form(&self, parameters: &[f64], epsilon: f64, h: f64) -> Option<Box<dyn Evaluator>> {
-        self.dynamics.table.one_form?;
-        Some(self.form(parameters, epsilon, h))
-    }
-
-    fn evaluator(&self, parameters: &[f64], epsilon: f64, h: f64) -> Option<Box<dyn Evaluator>> {
+    /// As the library offers it: a one-form, an embedding or the flow of the section.
+    fn map(self) -> SmoothMap {
         let (d, space) = (self.system.dimension(), self.realization.space_dimension());
         let table = self.dynamics.table;
-        if table.one_form.is_some() {
-            let form = self.form(parameters, epsilon, h);
-            let chart = self.chart(parameters, epsilon)?;
-            return Some(Box::new(GraphOfOneForm::new(form, chart, d, space)));
-        }
-        if table.embedding.is_some() {
-            let functions = [
-                ("embedding", table.embedding),
-                ("embedding_jacobian", table.embedding_jacobian),
-            ];
-            let embedding = self.function(functions, (d, space), parameters, (epsilon, h));
-            return Some(Box::new(embedding));
+        if table.one_form.is_some() || table.embedding.is_some() {
+            let (functions, outputs) = match table.one_form {
+                Some(_) => (
+                    [
+                        ("one_form", table.one_form),
+                        ("one_form_jacobian", table.one_form_jacobian),
+                    ],
+                    d,
+                ),
+                None => (
+                    [
+                        ("embedding", table.embedding),
+                        ("embedding_jacobian", table.embedding_jacobian),
+                    ],
+                    space,
+                ),
+            };
+            let has_jacobian = functions[1].1.is_some();
+            return SmoothMap::from_numbers(
+                d,
+                outputs,
+                has_jacobian,
+                move |parameters, epsilon, h| {
+                    Box::new(self.function(functions, (d, outputs), parameters, (epsilon, h)))
+                },
+            );
         }
         let functions = [("flow", table.flow), ("flow_jacobian", table.flow_jacobian)];
-        Some(Box::new(Flow {
-            flow: self.function(functions, (space, space), parameters, (epsilon, h)),
-            realization: Arc::clone(&self.realization),
-            chart: self.chart(parameters, epsilon),
-            pair: vec![0.0; 2 * d],
-            start: vec![0.0; space],
-            of_flow: vec![0.0; space * space],
-            of_section: vec![0.0; space * 2 * d],
-        }))
+        let chart = self.lend.chart().filter(|chart| chart.has_jacobian());
+        let chart = chart.cloned();
+        let has_jacobian = table.flow_jacobian.is_some() && chart.is_some();
+        SmoothMap::from_numbers(d, space, has_jacobian, move |parameters, epsilon, h| {
+            let chart = chart.as_ref();
+            Box::new(Flow {
+                flow: self.function(functions, (space, space), parameters, (epsilon, h)),
+                realization: Arc::clone(&self.realization),
+                chart: chart.map(|chart| chart.evaluator(parameters, epsilon)),
+                pair: vec![0.0; 2 * d],
+                start: vec![0.0; space],
+                of_flow: vec![0.0; space * space],
+                of_section: vec![0.0; space * 2 * d],
+            })
+        })
+        // The integrator behind it may start from its last stages.
+        .for_one_trajectory()
     }
 }
 
@@ -251,7 +248,7 @@ fn lent(
 struct Flow {
     flow: ForeignFunction,
     realization: Arc<dyn RealizationData>,
-    /// χ, for Dσ = Dχ(·, 0) on vectors of M.
+    /// χ, for Dσ = Dχ(·, 0) on vectors of M, where Dχ is offered.
     chart: Option<Box<dyn Evaluator>>,
     /// (y, 0).
     pair: Vec<f64>,
@@ -263,7 +260,7 @@ struct Flow {
 
 impl Flow {
     fn tangent(&mut self, y: &[f64], tangent: &mut [f64]) -> Result<(), StepError> {
-        let Some(chart) = self.chart.as_mut().filter(|chart| chart.has_jacobian()) else {
+        let Some(chart) = &mut self.chart else {
             return Err(StepError::NoTangent);
         };
         let (d, space) = (y.len(), self.start.len());
@@ -293,18 +290,5 @@ impl Evaluator for Flow {
     fn jacobians(&mut self, y: &[f64], tangents: &mut [f64]) -> Result<(), StepError> {
         let d = self.pair.len() / 2;
         one_by_one(d, y, tangents, |y, tangent| self.tangent(y, tangent))
-    }
-
-    fn has_jacobian(&self) -> bool {
-        let chart = self
-            .chart
-            .as_ref()
-            .is_some_and(|chart| chart.has_jacobian());
-        chart && self.flow.has_jacobian()
-    }
-
-    /// The integrator behind it may start from its last stages.
-    fn is_pointwise(&self) -> bool {
-        false
     }
 }

@@ -3,9 +3,10 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use leafwise_core::part::ParameterSetting;
+use leafwise_core::runge_kutta::SmoothMap;
 use leafwise_core::{
-    Accuracy, BuildError, Evaluator, PartParameters, PoissonSystem, RealizationData,
-    RealizationEvaluator, StepError,
+    Abilities, Accuracy, BuildError, EndMaps, EndNumbers, Evaluator, PartParameters, PoissonSystem,
+    RealizationData, RealizationEvaluator, Space, SpaceChart, StepError,
 };
 use leafwise_plugin_abi::LwRealization;
 
@@ -130,23 +131,9 @@ impl std::fmt::Debug for ForeignRealization {
     }
 }
 
-impl ForeignRealization {
-    fn callee(&self, parameters: &[f64]) -> Callee {
-        let (system, values) = (self.system.clone(), parameters.to_vec());
-        let making = (system.dimension(), self.settings.clone());
-        Callee::new(&self.part, &self.idle, parameters, making, move || {
-            HostObjects::of_system(&system, &values)
-        })
-    }
-}
-
 impl RealizationData for ForeignRealization {
     fn dimension(&self) -> usize {
         self.system.dimension()
-    }
-
-    fn space_dimension(&self) -> usize {
-        self.space
     }
 
     fn accuracy(&self) -> Accuracy {
@@ -182,39 +169,73 @@ impl RealizationData for ForeignRealization {
         }
     }
 
-    fn evaluator(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn RealizationEvaluator>> {
-        let d = self.dimension();
-        Some(Box::new(ForeignEvaluator {
-            callee: self.callee(parameters),
-            table: self.table,
-            dimension: d,
-            space: self.space,
-            epsilon,
-            first: Vec::with_capacity(d + d * self.space),
-            second: Vec::with_capacity(d * self.space),
-        }))
+    fn abilities(&self) -> Abilities<'_> {
+        let (flags, table) = (self.properties.flags, self.table);
+        let (d, space) = (self.dimension(), self.space);
+        let callee = self.callees();
+        let ends = move |parameters: &[f64], epsilon: f64| -> Box<dyn RealizationEvaluator> {
+            Box::new(ForeignEvaluator {
+                callee: callee(parameters),
+                table,
+                dimension: d,
+                space,
+                epsilon,
+                first: Vec::with_capacity(d + d * space),
+                second: Vec::with_capacity(d * space),
+            })
+        };
+        let callee = self.callees();
+        let chart = move |parameters: &[f64], epsilon: f64, _: f64| -> Box<dyn Evaluator> {
+            Box::new(ForeignFunction {
+                callee: callee(parameters),
+                step_sizes: (epsilon, 0.0),
+                values: ("chart", table.chart),
+                jacobians: ("chart_jacobian", table.chart_jacobian),
+                inputs: 2 * d,
+                outputs: space,
+                is_of_pairs: true,
+            })
+        };
+        let has_tangent = table.chart_jacobian.is_some();
+        let chart = SmoothMap::from_numbers(2 * d, space, has_tangent, chart);
+        Abilities {
+            space: match flags.has_cotangent_chart() {
+                true => Space::Pairs,
+                false => Space::Points {
+                    coordinates: space,
+                    chart: table.chart.map(|_| SpaceChart::Numbers(chart)),
+                },
+            },
+            is_reversible: flags.is_reversible(),
+            ends: Some(EndMaps::Numbers(EndNumbers::new(
+                has_jacobian(&table),
+                true,
+                ends,
+            ))),
+            ..Abilities::default()
+        }
     }
+}
 
-    fn chart_evaluator(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn Evaluator>> {
-        self.table.chart?;
-        Some(Box::new(ForeignFunction {
-            callee: self.callee(parameters),
-            step_sizes: (epsilon, 0.0),
-            values: ("chart", self.table.chart),
-            jacobians: ("chart_jacobian", self.table.chart_jacobian),
-            inputs: 2 * self.dimension(),
-            outputs: self.space,
-            is_of_pairs: true,
-        }))
+impl ForeignRealization {
+    /// A callee for each values of the parameters.
+    fn callees(&self) -> impl Fn(&[f64]) -> Callee + Send + Sync + use<> {
+        let (part, idle) = (Arc::clone(&self.part), self.idle.clone());
+        let (system, settings) = (self.system.clone(), self.settings.clone());
+        move |parameters| {
+            let (system, values) = (system.clone(), parameters.to_vec());
+            let making = (system.dimension(), settings.clone());
+            Callee::new(&part, &idle, parameters, making, move || {
+                HostObjects::of_system(&system, &values)
+            })
+        }
     }
+}
 
-    fn points_are_pairs(&self) -> bool {
-        self.properties.flags.has_cotangent_chart()
-    }
-
-    fn is_reversible(&self) -> bool {
-        self.properties.flags.is_reversible()
-    }
+/// Whether the library has Dβ̂ and Dα̂, at once or apart.
+fn has_jacobian(table: &LwRealization) -> bool {
+    let is_apart = table.alpha_jacobian.is_some() && table.beta_with_jacobian.is_some();
+    table.ends_jacobian.is_some() || is_apart
 }
 
 struct ForeignEvaluator {
@@ -257,7 +278,7 @@ impl Evaluator for ForeignEvaluator {
     }
 
     fn jacobians(&mut self, z: &[f64], tangents: &mut [f64]) -> Result<(), StepError> {
-        if !self.has_jacobian() {
+        if !has_jacobian(&self.table) {
             return Err(StepError::NoTangent);
         }
         let (d, count) = (self.dimension, z.len() / self.space);
@@ -287,11 +308,5 @@ impl Evaluator for ForeignEvaluator {
             }
         }
         Ok(())
-    }
-
-    fn has_jacobian(&self) -> bool {
-        let separately =
-            self.table.alpha_jacobian.is_some() && self.table.beta_with_jacobian.is_some();
-        self.table.ends_jacobian.is_some() || separately
     }
 }

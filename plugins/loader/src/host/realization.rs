@@ -25,19 +25,19 @@ pub(crate) struct RealizationToLend {
 }
 
 impl RealizationToLend {
-    /// Compiles the maps of a realization.
+    /// Compiles the maps of a realization for a system with so many parameters.
     ///
     /// # Errors
     /// [`BuildError::Incompatible`] where it offers neither code nor numbers,
     /// [`BuildError::Algebra`] where its code has no derivative.
     pub(crate) fn new(
         realization: &Arc<dyn RealizationData>,
-        parameters: &[f64],
+        parameters: usize,
     ) -> Result<Self, BuildError> {
         Ok(Self {
             realization: Arc::clone(realization),
-            maps: RealizationMaps::new(realization, parameters)?,
-            chart: ChartMaps::of(realization, parameters.len())?,
+            maps: RealizationMaps::new(realization.as_ref(), parameters)?,
+            chart: ChartMaps::of(realization.as_ref(), parameters)?,
         })
     }
 
@@ -100,12 +100,12 @@ impl HostRealization {
         }
         if realization.points_are_pairs() {
             raw.flags |= LW_FLAG_COTANGENT_CHART;
-            if realization.is_reversible() {
+            if realization.abilities().is_reversible {
                 raw.flags |= LW_FLAG_REVERSIBLE;
             }
         }
         let evaluators = Evaluators::new(&source, &parameters, 1.0);
-        let functions = table(&evaluators, !realization.points_are_pairs());
+        let functions = table(&source, !realization.points_are_pairs());
         let mut shared = Box::new(Shared {
             raw,
             functions,
@@ -144,22 +144,22 @@ impl Evaluators {
     }
 }
 
-/// The functions that a realization of these abilities has; a chart where its points are not pairs.
-fn table(evaluators: &Evaluators, needs_chart: bool) -> LwRealization {
+/// The functions that this realization has; a chart where its points are not pairs.
+fn table(source: &RealizationToLend, needs_chart: bool) -> LwRealization {
     let mut table = LwRealization::empty();
     table.space_dimension = Some(space_dimension);
     table.alpha = Some(alpha);
     table.beta = Some(beta);
     table.sigma = Some(sigma);
     table.ends = Some(ends);
-    if evaluators.maps.has_jacobian() {
+    if source.maps.has_jacobian() {
         table.alpha_jacobian = Some(alpha_jacobian);
         table.beta_with_jacobian = Some(beta_with_jacobian);
         table.ends_jacobian = Some(ends_jacobian);
     }
-    if let Some(evaluator) = evaluators.chart.as_ref().filter(|_| needs_chart) {
+    if let Some(own) = source.chart.as_ref().filter(|_| needs_chart) {
         table.chart = Some(chart);
-        if evaluator.has_jacobian() {
+        if own.has_jacobian() {
             table.chart_jacobian = Some(chart_jacobian);
         }
     }

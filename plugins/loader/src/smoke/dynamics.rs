@@ -20,7 +20,7 @@ pub(super) fn try_part(subject: &mut Subject, table: &LwDynamics) -> Result<(), 
         let d = problem.system.dimension();
         let lend = || {
             let values = problem.system.parameter_values();
-            let lend = RealizationToLend::new(&problem.realization, &values).ok()?;
+            let lend = RealizationToLend::new(&problem.realization, values.len()).ok()?;
             Some(HostObjects {
                 realization: Some(lend.lend(&values)),
                 ..lend_system(&problem)?

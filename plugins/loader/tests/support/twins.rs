@@ -7,8 +7,9 @@ use std::sync::Arc;
 use leafwise_core::system::numbers::vector;
 use leafwise_core::system::{Derivatives, OpaqueSystem, SystemEvaluator, SystemNumbers};
 use leafwise_core::{
-    Accuracy, Evaluator, MapProperties, PoissonSystem, RealizationData, RealizationEvaluator,
-    SolverStatistics, StepError, StepMap, Stepper, Structure,
+    Abilities, Accuracy, EndMaps, EndNumbers, Evaluator, MapProperties, PoissonSystem,
+    RealizationData, RealizationEvaluator, SolverStatistics, StepError, StepMap, Stepper,
+    Structure,
 };
 use leafwise_example_plugin::Rodrigues;
 use leafwise_plugin_sdk::ChartRealization;
@@ -27,8 +28,15 @@ impl RealizationData for RodriguesTwin {
     fn describe(&self) -> String {
         "rodrigues".to_owned()
     }
-    fn evaluator(&self, _: &[f64], epsilon: f64) -> Option<Box<dyn RealizationEvaluator>> {
-        Some(Box::new(RodriguesEvaluator { epsilon }))
+    fn abilities(&self) -> Abilities<'_> {
+        Abilities {
+            ends: Some(EndMaps::Numbers(EndNumbers::new(
+                true,
+                true,
+                |_, epsilon| Box::new(RodriguesEvaluator { epsilon }),
+            ))),
+            ..Abilities::default()
+        }
     }
 }
 
@@ -79,10 +87,6 @@ impl Evaluator for RodriguesEvaluator {
             self.jacobian(z, target, increment);
         }
         Ok(())
-    }
-
-    fn has_jacobian(&self) -> bool {
-        true
     }
 }
 

@@ -1,8 +1,8 @@
 //! `leafwise evaluate`: the realization and the generating function at a point.
 
 use leafwise::core::part::ParameterSetting;
-use leafwise::core::realization::{Accuracy, Ends, RealizationData};
-use leafwise::core::{BuildError, Method, StepError, realization_evaluator};
+use leafwise::core::realization::{Abilities, Accuracy, EndMaps, Ends, RealizationData};
+use leafwise::core::{BuildError, ChartMaps, Method, StepError, realization_evaluator};
 use leafwise::expression::{Arithmetic, Graph, Kernel, Rational, StepSize, Term};
 use leafwise::karasev::TruncatedKarasev;
 use leafwise::scene::compose::{ComposedRun, ShadowEnergy, compose, refuse_noise};
@@ -126,7 +126,7 @@ pub fn execute(
             "shorten it with --set system.families.NAME=8",
         ));
     };
-    if method.realization().lift().is_some() {
+    if method.realization().abilities().lift.is_some() {
         return Err(Failure::usage(
             format!(
                 "{} is coordinates in which the tensor is constant: it has no alpha and beta to evaluate",
@@ -253,11 +253,11 @@ fn ends(
 ) -> Result<(Vec<f64>, Vec<f64>), Unevaluated> {
     let d = x.len();
     let (epsilon, inputs) = (at.epsilon.clone(), at.inputs.clone());
-    let chart = realization.chart();
-    if let Some(code) = realization.code()
-        && (chart.is_some() || realization.points_are_pairs())
+    let Abilities { ends, space, .. } = realization.abilities();
+    if let Some(EndMaps::Code(code)) = ends
+        && space.has_code()
     {
-        let z = match chart {
+        let z = match space.chart_code() {
             Some(chart) => chart(&mut at.graph, &epsilon, &inputs[..d], &inputs[d..])?,
             None => inputs,
         };
@@ -284,20 +284,17 @@ fn ends(
     let parameters = at.run.system.parameter_values();
     let epsilon = at.run.plan.epsilon;
     let point: Vec<f64> = x.iter().chain(p).map(Rational::to_f64).collect();
-    let z = match realization.chart_evaluator(&parameters, epsilon) {
-        Some(mut chart) => {
-            let mut z = vec![0.0; realization.space_dimension()];
-            chart.values(&point, &mut z)?;
-            z
-        }
-        None if realization.points_are_pairs() => point,
-        None => {
-            return Err(Unevaluated(
-                "points of this realization are not pairs (x, p), and it has no chart of them"
-                    .to_owned(),
-            ));
-        }
-    };
+    let chart = ChartMaps::of(realization, parameters.len())?;
+    let chart = chart.ok_or_else(|| {
+        Unevaluated(
+            "points of this realization are not pairs (x, p), and it has no chart of them"
+                .to_owned(),
+        )
+    })?;
+    let mut z = vec![0.0; realization.space_dimension()];
+    chart
+        .evaluator(&parameters, epsilon)
+        .values(&point, &mut z)?;
     let mut evaluator = realization_evaluator(realization, &parameters, epsilon)?;
     let mut values = vec![0.0; 3 * d];
     evaluator.values(&z, &mut values)?;

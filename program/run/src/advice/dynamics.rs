@@ -11,7 +11,7 @@ const WORTH: f64 = 0.1;
 
 pub(super) fn advice(probe: &mut Probe<'_>) -> Option<Advice> {
     let n = probe.truncation_order()?;
-    let m = probe.method.dynamics().order();
+    let m = probe.method.dynamics().properties().order;
     let is_of_order = |info: &PartInfo| info.name == probe.dynamics.name;
     let of_order = probe.registry.of_order(PartKind::Dynamics);
     if !of_order.is_ok_and(is_of_order) || m <= 2 || m <= n {

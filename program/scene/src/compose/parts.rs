@@ -219,7 +219,7 @@ fn pair(
         .map_err(|error| request.refused(&error))?;
     let dynamics_choice = request.choice(part.info, &given, part.info.path(&given));
 
-    let order = i64::try_from(dynamics.order()).unwrap_or(DEFAULT_DYNAMICS_ORDER);
+    let order = i64::try_from(dynamics.properties().order).unwrap_or(DEFAULT_DYNAMICS_ORDER);
     let request = Request::new(
         document,
         registry,
@@ -265,7 +265,7 @@ pub(super) fn what_fits(
         let part = registry.realization(name)?;
         let realization = part.build(system, &PartParameters::new())?;
         let bisection = dynamics.bisection(system, &realization)?;
-        Ok(!is_long || realization.stages().is_some() && bisection.code().is_some())
+        Ok(!is_long || realization.abilities().stages.is_some() && bisection.code().is_some())
     };
     let names: Vec<&str> = registry_names(registry, PartKind::Realization)
         .into_iter()

@@ -102,7 +102,7 @@ fn by_itself(
         let why = "no momentum at the problem's state is inside its domain";
         return findings.push(place.open("brackets", why));
     };
-    if realization.is_reversible() {
+    if realization.abilities().is_reversible {
         let quantity = "beta(x, p) = alpha(x, -p)";
         findings.push(match charted.inversion(x, &p) {
             Ok(off) => place.at_most(quantity, off, OF_MAP * f64::EPSILON),
@@ -212,14 +212,14 @@ struct Charted {
 impl Charted {
     fn new(problem: &Problem, realization: &Arc<dyn RealizationData>) -> Result<Self, BuildError> {
         let values = problem.system.parameter_values();
-        let chart = ChartMaps::of(realization, values.len())?;
+        let chart = ChartMaps::of(realization.as_ref(), values.len())?;
         Ok(Self {
             chart: chart.ok_or_else(|| BuildError::Incompatible {
                 dynamics: "the bracket of S".to_owned(),
                 realization: realization.describe(),
                 reason: "it offers no chart (x, p) about its section".to_owned(),
             })?,
-            maps: RealizationMaps::new(realization, &values)?,
+            maps: RealizationMaps::new(realization.as_ref(), values.len())?,
             space: realization.space_dimension(),
             values,
         })

@@ -17,9 +17,10 @@ impl Target {
     /// Of a method whose parts are code; `None` for others.
     pub fn new(system: &PoissonSystem, method: &Method) -> Result<Option<Self>, StressError> {
         let d = system.dimension();
-        let (Some(bisection), Some(realization)) =
-            (method.bisection().code(), method.realization().code())
-        else {
+        let (Some(bisection), Some(realization)) = (
+            method.bisection().code(),
+            method.realization().abilities().code(),
+        ) else {
             return Ok(None);
         };
         let mut graph = Graph::new();

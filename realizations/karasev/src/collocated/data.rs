@@ -7,14 +7,14 @@ use leafwise_core::part::{
 };
 use leafwise_core::registry::RealizationPart;
 use leafwise_core::{
-    Accuracy, BuildError, LagrangianBisection, MapProperties, PoissonSystem, RealizationData,
-    RealizationEvaluator, SourceSeries, StepMap,
+    Abilities, Accuracy, BuildError, EndMaps, EndNumbers, PoissonSystem, RealizationData,
+    SourceSeries,
 };
 
 use super::collocation::Collocation;
 use super::evaluator::CollocatedEvaluator;
 use super::field::{Field, NAME};
-use super::fused::{FusedStep, OneForm};
+use super::fused::FusedStep;
 use crate::series::KarasevSeries;
 
 static INFO: PartInfo = PartInfo {
@@ -94,31 +94,34 @@ impl RealizationData for CollocatedKarasev {
         }
     }
 
-    fn series(&self) -> Option<&dyn SourceSeries> {
-        self.series
-            .as_ref()
-            .map(|series| series as &dyn SourceSeries)
-    }
-
-    fn evaluator(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn RealizationEvaluator>> {
-        let curve = self.collocation.curve(parameters);
-        let (most, d) = (self.collocation.most_points(), self.dimension());
-        let evaluator = CollocatedEvaluator::new(curve, epsilon, most, d);
-        Some(Box::new(evaluator))
-    }
-
-    fn fuse(
-        self: Arc<Self>,
-        system: &PoissonSystem,
-        bisection: Arc<dyn LagrangianBisection>,
-        properties: MapProperties,
-    ) -> Option<Result<Box<dyn StepMap>, BuildError>> {
-        // Only the graph of a one-form says p at x̂.
-        let form = OneForm::of(system, &bisection)?;
-        let describe = format!("{} + Hamilton-Jacobi, fused", self.describe());
+    fn abilities(&self) -> Abilities<'_> {
         let collocation = self.collocation.clone();
-        let fused = form.map(|form| FusedStep::new(collocation, describe, form, properties));
-        Some(fused.map(|fused| Box::new(fused) as Box<dyn StepMap>))
+        let series = self.series.as_ref();
+        Abilities {
+            // Curves start from those before.
+            ends: Some(EndMaps::Numbers(EndNumbers::new(
+                collocation.field.has_slopes(),
+                false,
+                move |parameters, epsilon| {
+                    let curve = collocation.curve(parameters);
+                    let (most, d) = (collocation.most_points(), collocation.dimension());
+                    Box::new(CollocatedEvaluator::new(curve, epsilon, most, d))
+                },
+            ))),
+            fused: Some(Box::new(|system, form, properties| {
+                let describe = format!("{} + Hamilton-Jacobi, fused", self.describe());
+                let form = form.map(system.dimension(), system.parameters().len())?;
+                let collocation = self.collocation.clone();
+                Ok(Arc::new(FusedStep::new(
+                    collocation,
+                    describe,
+                    form,
+                    properties,
+                )))
+            })),
+            series: series.map(|series| series as &dyn SourceSeries),
+            ..Abilities::default()
+        }
     }
 }
 

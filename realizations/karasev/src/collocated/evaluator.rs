@@ -83,15 +83,6 @@ impl Evaluator for CollocatedEvaluator {
         })
     }
 
-    fn has_jacobian(&self) -> bool {
-        self.curve.has_slopes()
-    }
-
-    /// Curves start from those before.
-    fn is_pointwise(&self) -> bool {
-        false
-    }
-
     fn operations(&self) -> Option<u64> {
         self.curve.operations()
     }

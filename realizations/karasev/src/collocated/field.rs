@@ -57,6 +57,14 @@ impl Field {
         }
     }
 
+    /// Whether its evaluators offer slopes.
+    pub(super) fn has_slopes(&self) -> bool {
+        match &self.source {
+            Source::Kernels { .. } => true,
+            Source::Numbers(numbers) => numbers.derivatives().tensor,
+        }
+    }
+
     pub(super) fn evaluator(&self, parameters: &[f64]) -> FieldEvaluator {
         let d = self.dimension;
         let evaluator = match &self.source {

@@ -3,16 +3,12 @@
 //! Unknown is the curve with its end Y(1) = x_k fixed, by its Legendre coefficients. With v_m those of Π(Y)p,
 //! p = dŜ(x̂), its mean is x̂ = x_k − (ε/2)(v_0 + v_1/3). Then x_{k+1} = x_k − ε v_0: no inner solve for α.
 
-use std::sync::Arc;
-
+use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
 use leafwise_core::solver::judge::{Verdict, all_finite, is_between};
 use leafwise_core::solver::{
     Branch, CorrectionMethod, CorrectionSize, Extrapolation, Lanes, StepReport, Trajectories,
 };
-use leafwise_core::{
-    BuildError, CodeOneForm, Ends, Evaluator, LagrangianBisection, MapProperties, PoissonSystem,
-    StepError, StepMap, Stepper,
-};
+use leafwise_core::{Ends, Evaluator, MapProperties, StepError, StepMap, Stepper};
 use leafwise_expression::Kernel;
 use nalgebra::DMatrix;
 
@@ -28,51 +24,21 @@ const MOST_ACCELERATED: usize = 100;
 /// Levels of differences that the start is extrapolated from.
 const EXTRAPOLATION: usize = 12;
 
-/// x̂ ↦ p where the bisection is the graph of a one-form.
-#[derive(Clone, Debug)]
-pub(super) enum OneForm {
-    Code(CodeOneForm),
-    Numbers(Arc<dyn LagrangianBisection>),
-}
-
-impl OneForm {
-    /// The one-form of a bisection over pairs (x, p), `None` where it has none.
-    pub(super) fn of(
-        system: &PoissonSystem,
-        bisection: &Arc<dyn LagrangianBisection>,
-    ) -> Option<Result<Self, BuildError>> {
-        let (d, parameters) = (system.dimension(), system.parameters().len());
-        if let Some(code) = bisection.one_form_code() {
-            return Some(CodeOneForm::compile(d, parameters, code).map(Self::Code));
-        }
-        bisection.one_form(&system.parameter_values(), 1.0, 1.0)?;
-        Some(Ok(Self::Numbers(Arc::clone(bisection))))
-    }
-
-    fn evaluator(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Evaluator> {
-        match self {
-            Self::Code(form) => form.evaluator(parameters, epsilon, h),
-            Self::Numbers(bisection) => bisection
-                .one_form(parameters, epsilon, h)
-                .expect("a one-form was offered when the method was composed"),
-        }
-    }
-}
-
 /// A K-HJ map over collocation.
 #[derive(Clone, Debug)]
 pub(super) struct FusedStep {
     collocation: Collocation,
     describe: String,
     properties: MapProperties,
-    form: OneForm,
+    /// x̂ ↦ p = θ(x̂), the one-form whose graph the bisection is.
+    form: SmoothMap,
 }
 
 impl FusedStep {
     pub(super) fn new(
         collocation: Collocation,
         describe: String,
-        form: OneForm,
+        form: SmoothMap,
         properties: MapProperties,
     ) -> Self {
         Self {
@@ -99,9 +65,7 @@ impl StepMap for FusedStep {
 
     fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
         let mut kernels = self.collocation.kernels();
-        if let OneForm::Code(form) = &self.form {
-            kernels.extend(form.kernels());
-        }
+        kernels.extend(self.form.kernels());
         kernels
     }
 
@@ -135,7 +99,7 @@ struct FusedTrajectory {
     epsilon: f64,
     most_points: Option<usize>,
     curve: Curve,
-    form: Box<dyn Evaluator>,
+    form: SmoothMapEvaluator,
     collocation: Collocation,
     parameters: Vec<f64>,
     /// Of the curve's shape, and room for that.
@@ -262,7 +226,7 @@ impl FusedTrajectory {
 
     /// One solve at the present number of nodes: by Newton's method where it converges, else accelerated.
     fn solve(&mut self, x: &[f64], low: &[f64], evaluations: &mut u64) -> Result<(), StepError> {
-        if self.curve.method() == CorrectionMethod::Newton && self.form.has_jacobian() {
+        if self.curve.method() == CorrectionMethod::Newton && self.form.map().has_jacobian() {
             let newton = (CorrectionMethod::Newton, MOST_NEWTON);
             if self.iterate(x, low, evaluations, newton).is_ok() {
                 return Ok(());
@@ -291,7 +255,7 @@ impl FusedTrajectory {
         });
         path.evaluator.restore(&[self.curve.rule.points() as f64]);
         let solved = solved.map(|()| &self.centre[..]);
-        let settled = path.settle(self.form.as_mut(), (x, low), solved, evaluations);
+        let settled = path.settle(&mut self.form, (x, low), solved, evaluations);
         let outcome = settled.and_then(|is_found| {
             if is_found {
                 return Ok(());
@@ -380,7 +344,7 @@ impl FusedTrajectory {
         let watch = self.curve.iteration.watch();
         watch.take_start(miss.component(), miss.way());
         if solved.is_err() || watch.wanders() {
-            if self.curve.has_slopes() && self.form.has_jacobian() {
+            if self.curve.has_slopes() && self.form.map().has_jacobian() {
                 solved = self.settle(solved, (x, low), increment, evaluations);
             } else if solved.is_err() && !self.extrapolation.is_cold(0) {
                 // The extrapolated start may have led astray.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use leafwise_core::part::PartParameters;
-use leafwise_core::realization::{Accuracy, MapCode, RealizationData, SourceSeries, SourceTarget};
+use leafwise_core::realization::{Abilities, Accuracy, EndMaps, RealizationData, SourceTarget};
 use leafwise_core::system::Parameter;
 use leafwise_core::{BuildError, Convention, PoissonSystem, Registry};
 use leafwise_expression::{Expression, Graph, Kernel, Rational, StepSize, Term};
@@ -111,13 +111,14 @@ impl RealizationData for ThroughChart {
     fn describe(&self) -> String {
         format!("{} through its chart", self.maps.describe())
     }
-    fn code(&self) -> Option<MapCode<'_>> {
-        Some(Box::new(|graph, epsilon, z| {
-            self.source_and_target(graph, epsilon, z)
-        }))
-    }
-    fn series(&self) -> Option<&dyn SourceSeries> {
-        self.series.series()
+    fn abilities(&self) -> Abilities<'_> {
+        Abilities {
+            ends: Some(EndMaps::Code(Box::new(|graph, epsilon, z| {
+                self.source_and_target(graph, epsilon, z)
+            }))),
+            series: self.series.abilities().series,
+            ..Abilities::default()
+        }
     }
 }
 
@@ -128,8 +129,8 @@ impl ThroughChart {
         epsilon: &Term,
         z: &[Term],
     ) -> Result<SourceTarget, BuildError> {
-        let code = self.maps.code().expect("code");
-        match self.maps.chart() {
+        let code = self.maps.abilities().code().expect("code");
+        match self.maps.abilities().space.chart_code() {
             None => code(graph, epsilon, z),
             Some(chart) => {
                 let (x, p) = z.split_at(3);
@@ -153,7 +154,7 @@ pub fn parts_at(realization: &dyn RealizationData, epsilon: f64, z: &[f64]) -> [
     let mut graph = Graph::new();
     let inputs: Vec<Term> = (0..z.len()).map(|i| graph.input(i)).collect();
     let size = graph.step_size(StepSize::Epsilon);
-    let code = realization.code().expect("code");
+    let code = realization.abilities().code().expect("code");
     let ends = code(&mut graph, &size, &inputs).expect("code");
     let outputs = [ends.base, ends.offset, ends.increment].concat();
     let kernel = Kernel::compile(&graph, &outputs, 1, z.len());
