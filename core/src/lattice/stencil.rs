@@ -53,7 +53,7 @@ struct Inside {
 #[derive(Clone, Debug)]
 pub(super) struct SweepRoom {
     workspace: Workspace,
-    /// What stands between the rows that are swept in place.
+    /// Numbers between the rows that are swept in place.
     between: Vec<f64>,
 }
 
@@ -203,7 +203,7 @@ impl Stencil {
         pairs.map(|rows| rows[0].end..rows[1].start)
     }
 
-    /// Keeps what stands between the rows that are swept in place.
+    /// Keeps the numbers between the rows that are swept in place.
     fn keep(&self, offsets: &[usize], fields: &Fields, between: &mut Vec<f64>) {
         between.clear();
         for gap in self.gaps() {
