@@ -5,7 +5,7 @@ use super::error::{SyntaxError, SyntaxErrorKind};
 use super::formula::Formula;
 use super::scope::{At, Bound, Place, Scope, find};
 use super::tree::{Kind, Node, Reference, Span};
-use super::vocabulary::{DERIVATIVE, IF, LENGTH, SUM};
+use super::vocabulary::{DERIVATIVE, IF};
 use crate::even_powers;
 use crate::expression::Expression;
 use crate::operators::{Quantity, negated, quotient};

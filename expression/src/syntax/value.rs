@@ -6,7 +6,7 @@ use super::formula::Formula;
 use super::resolve::{Resolver, Stop, check_terms, first_value, inner_index};
 use super::scope::{At, Bound, Entry, Scope, find};
 use super::tree::{Kind, Node, Reference, Span};
-use super::vocabulary::{IF, LENGTH, SUM};
+use super::vocabulary::IF;
 use crate::expression::{Expression, integer_power};
 
 impl Formula {

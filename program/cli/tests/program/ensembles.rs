@@ -373,7 +373,9 @@ fn members_of_an_ensemble_of_lattices_run_alone_as_ordinary_runs() {
             let row = states.lines().nth(1 + member).expect("a row");
             let expected = format!("{member},done,{},", state.join(","));
             assert!(row.starts_with(&expected), "{row}\n{expected}");
-            let energy = json["invariants"][0]["initial"].as_f64().expect("an energy");
+            let energy = json["invariants"][0]["initial"]
+                .as_f64()
+                .expect("an energy");
             let a = json["parameters"]["a"].as_f64();
             assert!(energy.is_finite() && a.is_none_or(|a| a != 1.0));
         }

@@ -172,7 +172,8 @@ impl JobSession for Session<'_> {
         let steps = self.ensemble.steps().unwrap_or(1);
         let from = self.tree.next();
         let dimension = self.ensemble.population.dimension();
-        let blocks = blocks(from, members, self.workforce, dimension);
+        let workforce = self.workforce;
+        let blocks = blocks(from, members, workforce, dimension);
         let signals = Signals::default();
         let (ensemble, directory) = (self.ensemble, self.directory.clone());
         let (started, before) = (Instant::now(), self.wall);

@@ -2,7 +2,9 @@
 
 use leafwise_core::BuildError;
 use leafwise_core::lattice::LatticeGeometry;
-use leafwise_expression::syntax::{Boundary, Formula, Scope, SyntaxError, SyntaxErrorKind};
+use leafwise_expression::syntax::{
+    Boundary, Formula, Scope, SyntaxError, SyntaxErrorKind, function_names,
+};
 use leafwise_expression::{AlgebraError, Expression, Graph, Rational};
 
 use super::Refusal;
@@ -287,7 +289,7 @@ fn about_a_long_lattice(
 
 /// All that a parenthesis may follow.
 fn vocabulary() -> String {
-    let names: Vec<&str> = syntax::function_names().collect();
+    let names: Vec<&str> = function_names().collect();
     format!("functions: {}", names.join(", "))
 }
 
