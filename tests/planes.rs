@@ -157,7 +157,7 @@ fn fields() -> impl Strategy<Value = Field> {
         1 => Just("realization = \"auto\"\ndynamics = { name = \"hamilton-jacobi\", order = 2 }"),
     ];
     let offset = prop::collection::vec(-2_i64..3, 3);
-    let couplings = prop::collection::vec((offset, prop_oneof![Just(2_u32), Just(4)]), 1..4);
+    let couplings = prop::collection::vec((offset, prop_oneof![Just(3_u32), Just(4)]), 1..4);
     (axes, couplings, method).prop_map(|(axes, couplings, method)| {
         let (lengths, periodic): (Vec<_>, Vec<_>) = axes.into_iter().unzip();
         let cut = |(mut offset, power): (Vec<i64>, u32)| {

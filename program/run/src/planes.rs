@@ -3,16 +3,17 @@
 use leafwise_core::lattice::LatticeGeometry;
 use leafwise_report::{PlaneMap, Trajectory};
 
-use super::summary::rounded;
-
 /// The most sites of a map along an axis.
 const MOST_SITES: usize = 64;
 
 /// The most families that are drawn.
 const MOST_FAMILIES: usize = 3;
 
-/// Maps of a family at both ends of a run; of vectors those of every component at its end.
-pub(super) fn planes(geometry: &LatticeGeometry, ends: [(f64, &[f64]); 2]) -> Option<Trajectory> {
+/// Maps of a family at both ends of a run, each with its time as it is written; of vectors those of every component at its end.
+pub(super) fn planes(
+    geometry: &LatticeGeometry,
+    ends: [(String, &[f64]); 2],
+) -> Option<Trajectory> {
     let first = &geometry.families.first()?.0;
     let vector = first.split_once('.').map(|(vector, _)| vector);
     let chosen: Vec<(usize, usize)> = match vector {
@@ -28,7 +29,7 @@ pub(super) fn planes(geometry: &LatticeGeometry, ends: [(f64, &[f64]); 2]) -> Op
     };
     let maps = chosen
         .into_iter()
-        .map(|(family, end)| map(geometry, family, ends[end]));
+        .map(|(family, end)| map(geometry, family, &ends[end]));
     let slice = match geometry.axes[..] {
         [axis, _, _] => Some(format!(
             "The plane i = {} of the lattice, in its middle.",
@@ -43,7 +44,7 @@ pub(super) fn planes(geometry: &LatticeGeometry, ends: [(f64, &[f64]); 2]) -> Op
 }
 
 /// A map over the last two axes, through the middle of the others.
-fn map(geometry: &LatticeGeometry, family: usize, (time, state): (f64, &[f64])) -> PlaneMap {
+fn map(geometry: &LatticeGeometry, family: usize, (time, state): &(String, &[f64])) -> PlaneMap {
     let axes = geometry.axes.len();
     let [up, across] = [axes - 2, axes - 1].map(|axis| geometry.axes[axis].length);
     let spacing = up.max(across).div_ceil(MOST_SITES).max(1);
@@ -60,11 +61,7 @@ fn map(geometry: &LatticeGeometry, family: usize, (time, state): (f64, &[f64])) 
     }
     let indices = ["i", "j", "k"];
     PlaneMap {
-        title: format!(
-            "{} at t = {}",
-            geometry.families[family].0,
-            rounded(time, 6)
-        ),
+        title: format!("{} at t = {}", geometry.families[family].0, time),
         axes: [indices[axes - 1], indices[axes - 2]].map(str::to_owned),
         spacing,
         columns: across.div_ceil(spacing),
@@ -87,7 +84,10 @@ mod tests {
         });
         let geometry = LatticeGeometry::along(["q".to_owned()], axes.to_vec());
         let state: Vec<f64> = (0..2400).map(f64::from).collect();
-        let drawn = planes(&geometry, [(0.0, &state), (2.5, &state)]);
+        let drawn = planes(
+            &geometry,
+            ["0", "2.5"].map(|time| (time.to_owned(), &state[..])),
+        );
         let Some(Trajectory::Planes { maps, slice }) = drawn else {
             panic!("maps");
         };

@@ -389,14 +389,13 @@ fn trajectory(
     let is_whole = run.plan.states.is_whole_in_samples();
     let lattice = run.method.lattice();
     if let Some(geometry) = lattice.filter(|geometry| geometry.axes.len() > 1) {
-        let (begin, end) = (run.own(&run.plan.initial), run.own(session.state()));
-        return planes(
-            geometry,
-            [
-                (times.first().copied().unwrap_or(0.0), begin),
-                (session.time(), end),
-            ],
-        );
+        let first = times.first().copied().unwrap_or(0.0);
+        let ends = [
+            (first, &run.plan.initial[..]),
+            (session.time(), session.state()),
+        ];
+        let written = ends.map(|(time, state)| (rounded(time, 6), run.own(state)));
+        return planes(geometry, written);
     }
     if let Some(geometry) = lattice.filter(|_| run.dimension() > WIDEST_STATE) {
         let snapshots = session.snapshots();

@@ -7,7 +7,7 @@ use leafwise_expression::syntax::Offsets;
 
 use super::Refusal;
 use super::definitions::scope;
-use super::instantiate::geometry;
+use super::geometry::geometry;
 use super::names::{parse, refusal};
 use crate::document::SceneDocument;
 

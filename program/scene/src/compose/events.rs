@@ -7,7 +7,7 @@ use leafwise_walk::{Direction, Section, Stop};
 use super::Refusal;
 use super::definitions::scope;
 use super::extended::Extension;
-use super::instantiate::geometry;
+use super::geometry::geometry;
 use super::names::function;
 use super::observables::Observable;
 use super::states::RecordedStates;

@@ -2,8 +2,8 @@
 
 use leafwise_core::{PoissonSystem, Registry};
 
+use super::geometry::geometry;
 use super::instantiate;
-use super::instantiate::geometry;
 use crate::diagnostic::SceneDiagnostic;
 use crate::document::SceneDocument;
 

@@ -4,7 +4,7 @@ use leafwise_expression::syntax::{At, Formula, Scope, VariablePattern};
 
 use super::Refusal;
 use super::definitions::scope;
-use super::instantiate::geometry;
+use super::geometry::geometry;
 use super::names::{parse, refusal};
 use crate::document::{FieldSpec, InitialSpec, Located, Place, SceneDocument};
 use crate::table::read_column;

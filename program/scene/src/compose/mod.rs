@@ -6,6 +6,7 @@
 //! - `forces`: one-forms beside dH, and damping;
 //! - `channels`: Hamiltonians that move the system at random; `noise`: how they enter a step;
 //! - `forms`: tensors by one-forms, two-forms and constraints;
+//! - `geometry`: the lattice of a scene, its families, axes and ends;
 //! - `instantiate`: templates over families written out at chosen lengths;
 //! - `system`: [`compose_system`], the Poisson system with its initial state;
 //! - `time`: where a scene names the time;
@@ -41,6 +42,7 @@ mod forces;
 mod forms;
 mod fragment;
 mod functions;
+mod geometry;
 mod initial;
 mod instantiate;
 mod lattice;

@@ -7,7 +7,7 @@ use leafwise_expression::syntax::{At, Scope, VariablePattern};
 use leafwise_expression::{Arithmetic, Expression, Rational, Ring};
 
 use super::Refusal;
-use super::instantiate::moving;
+use super::geometry::moving;
 use super::lie_algebra;
 use super::names::{algebra_refusal, exact, parse, refusal};
 use super::sum::summands;

@@ -8,7 +8,7 @@ mod sites;
 mod sums;
 mod vectors;
 
-use super::instantiate::geometry;
+use super::geometry::geometry;
 use leafwise_core::{Evaluator, Registry};
 use leafwise_hamilton_jacobi as _;
 use leafwise_karasev as _;

@@ -4,8 +4,7 @@ use leafwise_expression::syntax::AXES;
 
 use super::error::SceneProblemCause;
 use super::located::Located;
-use super::reader::{Item, Problems};
-use super::system::choose;
+use super::reader::{Item, Problems, choose};
 use super::system_schema::VECTORS;
 use super::system_section::{Boundary, SystemSection, VectorFamily};
 

@@ -511,3 +511,28 @@ pub(super) fn end_of(text: &str) -> Place {
         span: end..end,
     }
 }
+
+/// One of a few words; spaces inside the word do not matter.
+pub(super) fn choose<T: Copy>(
+    item: &Item<'_>,
+    kind: &'static str,
+    choices: &[(&str, T)],
+    problems: &mut Problems,
+) -> Option<Located<T>> {
+    let written = item.string(problems)?;
+    let squeezed: String = written.value.split_whitespace().collect();
+    if let Some((_, choice)) = choices.iter().find(|(word, _)| *word == squeezed) {
+        return Some(written.map(|_| *choice));
+    }
+    let words = choices.iter().map(|(word, _)| *word);
+    problems.push(
+        SceneProblemCause::UnknownName {
+            kind,
+            nearest: nearest(&written.value, words.clone()),
+            valid: words.map(str::to_owned).collect(),
+            name: written.value.clone(),
+        },
+        written.place(),
+    );
+    None
+}

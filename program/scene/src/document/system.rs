@@ -16,7 +16,7 @@ use super::forces::{ForcesSpec, read_forces};
 use super::located::{Located, Place, Source};
 use super::noise::read_noise;
 use super::numbers::{asks_for_numbers, read_numbers};
-use super::reader::{Item, Problems, Table};
+use super::reader::{Item, Problems, Table, choose};
 use super::suggest::nearest;
 use super::system_schema::SYSTEM;
 use super::system_section::{Convention, SystemSection};
@@ -385,31 +385,6 @@ fn read_inline(table: &Table<'_>, problems: &mut Problems) -> Option<SystemSecti
     check_dimension(table, &system, problems);
     check_summands(&system, problems);
     Some(system)
-}
-
-/// One of a few words; spaces inside the word do not matter.
-pub(super) fn choose<T: Copy>(
-    item: &Item<'_>,
-    kind: &'static str,
-    choices: &[(&str, T)],
-    problems: &mut Problems,
-) -> Option<Located<T>> {
-    let written = item.string(problems)?;
-    let squeezed: String = written.value.split_whitespace().collect();
-    if let Some((_, choice)) = choices.iter().find(|(word, _)| *word == squeezed) {
-        return Some(written.map(|_| *choice));
-    }
-    let words = choices.iter().map(|(word, _)| *word);
-    problems.push(
-        SceneProblemCause::UnknownName {
-            kind,
-            nearest: nearest(&written.value, words.clone()),
-            valid: words.map(str::to_owned).collect(),
-            name: written.value.clone(),
-        },
-        written.place(),
-    );
-    None
 }
 
 fn check_names(system: &SystemSection, problems: &mut Problems) {
