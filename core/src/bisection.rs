@@ -45,61 +45,6 @@ pub struct GraphBisection {
 }
 
 impl GraphBisection {
-    /// Bisection of a one-form over a realization, for a system with this number of parameters. Messages call the
-    /// approximation `dynamics`.
-    ///
-    /// # Errors
-    /// [`BuildError::Incompatible`] when the realization has no chart about its section. A derivative without code gives
-    /// [`BuildError::Algebra`].
-    pub fn new(
-        form: OneForm,
-        realization: &Arc<dyn RealizationData>,
-        parameters: usize,
-        dynamics: &str,
-    ) -> Result<LagrangianBisection, BuildError> {
-        let chart_has_code = realization.abilities().space.has_code();
-        let numbers = if chart_has_code && form.code().is_ok() {
-            None
-        } else {
-            let chart = ChartMaps::of(realization.as_ref(), parameters)?;
-            let chart = chart.ok_or_else(|| BuildError::Incompatible {
-                dynamics: dynamics.to_owned(),
-                realization: realization.describe(),
-                reason: "it has no symplectic chart about its section, which a one-form needs"
-                    .to_owned(),
-            })?;
-            let (d, space) = (realization.dimension(), realization.space_dimension());
-            Some(graph_of(form.map(d, parameters)?, chart, [d, space]))
-        };
-        Ok(LagrangianBisection::Graph(Arc::new(Self {
-            form,
-            realization: Arc::clone(realization),
-            numbers,
-        })))
-    }
-
-    /// The same of a form that is odd in h: its map is self-adjoint only with β̂(x, p) = α̂(x, −p) (paper, Proposition 1).
-    ///
-    /// # Errors
-    /// [`BuildError::Incompatible`] when the realization has no such chart, and those of [`new`](Self::new).
-    pub fn odd(
-        form: OneForm,
-        realization: &Arc<dyn RealizationData>,
-        parameters: usize,
-        dynamics: &str,
-    ) -> Result<LagrangianBisection, BuildError> {
-        if !realization.abilities().is_reversible {
-            return Err(BuildError::Incompatible {
-                dynamics: dynamics.to_owned(),
-                realization: realization.describe(),
-                reason: "beta(x, p) is not alpha(x, -p) there, so that even coefficients of S do \
-                         not vanish"
-                    .to_owned(),
-            });
-        }
-        Self::new(form, realization, parameters, dynamics)
-    }
-
     /// θ.
     pub fn form(&self) -> &OneForm {
         &self.form
@@ -127,6 +72,61 @@ impl GraphBisection {
 }
 
 impl LagrangianBisection {
+    /// The graph of a one-form over a realization, for a system with this number of parameters. Messages call the
+    /// approximation `dynamics`.
+    ///
+    /// # Errors
+    /// [`BuildError::Incompatible`] when the realization has no chart about its section. A derivative without code gives
+    /// [`BuildError::Algebra`].
+    pub fn graph(
+        form: OneForm,
+        realization: &Arc<dyn RealizationData>,
+        parameters: usize,
+        dynamics: &str,
+    ) -> Result<Self, BuildError> {
+        let chart_has_code = realization.abilities().space.has_code();
+        let numbers = if chart_has_code && form.code().is_ok() {
+            None
+        } else {
+            let chart = ChartMaps::of(realization.as_ref(), parameters)?;
+            let chart = chart.ok_or_else(|| BuildError::Incompatible {
+                dynamics: dynamics.to_owned(),
+                realization: realization.describe(),
+                reason: "it has no symplectic chart about its section, which a one-form needs"
+                    .to_owned(),
+            })?;
+            let (d, space) = (realization.dimension(), realization.space_dimension());
+            Some(graph_of(form.map(d, parameters)?, chart, [d, space]))
+        };
+        Ok(Self::Graph(Arc::new(GraphBisection {
+            form,
+            realization: Arc::clone(realization),
+            numbers,
+        })))
+    }
+
+    /// The same of a form that is odd in h: its map is self-adjoint only with β̂(x, p) = α̂(x, −p) (paper, Proposition 1).
+    ///
+    /// # Errors
+    /// [`BuildError::Incompatible`] when the realization has no such chart, and those of [`graph`](Self::graph).
+    pub fn odd_graph(
+        form: OneForm,
+        realization: &Arc<dyn RealizationData>,
+        parameters: usize,
+        dynamics: &str,
+    ) -> Result<Self, BuildError> {
+        if !realization.abilities().is_reversible {
+            return Err(BuildError::Incompatible {
+                dynamics: dynamics.to_owned(),
+                realization: realization.describe(),
+                reason: "beta(x, p) is not alpha(x, -p) there, so that even coefficients of S do \
+                         not vanish"
+                    .to_owned(),
+            });
+        }
+        Self::graph(form, realization, parameters, dynamics)
+    }
+
     /// y ↦ L(y) as straight-line code: of a graph whose one-form and chart are code.
     pub fn code(&self) -> Option<PointCode<'_>> {
         match self {

@@ -100,17 +100,30 @@ pub trait ClosedForm: Send + Sync + std::fmt::Debug + 'static {
         let _ = (graph, at);
         Ok(None)
     }
+    /// Accuracy and symmetries: those of an exact form by default.
+    fn properties(&self) -> FormProperties {
+        FormProperties::default()
+    }
+}
+
+/// Properties of a [`ClosedForm`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FormProperties {
     /// Exact, or the order of the truncation.
-    fn accuracy(&self) -> Accuracy {
-        Accuracy::Exact
-    }
+    pub accuracy: Accuracy,
     /// Whether β(x, p) = α(x, −p).
-    fn is_reversible(&self) -> bool {
-        true
-    }
+    pub is_reversible: bool,
     /// Whether α_ε(x, p) = α_1(x, εp), so that one series serves every ε.
-    fn has_series(&self) -> bool {
-        true
+    pub has_series: bool,
+}
+
+impl Default for FormProperties {
+    fn default() -> Self {
+        Self {
+            accuracy: Accuracy::Exact,
+            is_reversible: true,
+            has_series: true,
+        }
     }
 }
 
@@ -153,11 +166,11 @@ impl<F: ClosedForm> RealizationData for ClosedRealization<F> {
     }
 
     fn accuracy(&self) -> Accuracy {
-        self.form.accuracy()
+        self.form.properties().accuracy
     }
 
     fn describe(&self) -> String {
-        match self.form.accuracy() {
+        match self.accuracy() {
             Accuracy::Exact => self.name.to_owned(),
             Accuracy::Order(n) => format!("{} n = {n}", self.name),
         }
@@ -191,13 +204,16 @@ impl<F: ClosedForm> RealizationData for ClosedRealization<F> {
             };
             Ok(self.form.ends(graph, &at)?)
         });
-        let is_reversible = self.form.is_reversible();
-        let has_series = is_reversible && self.form.has_series();
+        let FormProperties {
+            is_reversible,
+            has_series,
+            ..
+        } = self.form.properties();
         Abilities {
             is_reversible,
             ends: Some(EndMaps::Code(ends)),
             stages: Some(stages),
-            series: has_series.then_some(self),
+            series: (is_reversible && has_series).then_some(self),
             ..Abilities::default()
         }
     }

@@ -71,7 +71,7 @@ pub mod walk;
 
 pub use bisection::{GraphBisection, LagrangianBisection};
 pub use chart::ChartMaps;
-pub use closed_form::{ChartPoint, ClosedForm, ClosedRealization};
+pub use closed_form::{ChartPoint, ClosedForm, ClosedRealization, FormProperties};
 pub use code_evaluators::{RealizationMaps, realization_evaluator};
 pub use compensation::two_sum;
 pub use dynamics::{Correction, DynamicApproximation, DynamicsProperties};

@@ -145,8 +145,10 @@ pub struct EndNumbers {
     /// Whether the result at a point depends on that point alone, bit for bit: trajectories with the same parameters may
     /// then share an evaluator.
     pub is_pointwise: bool,
-    make: Arc<dyn Fn(&[f64], f64) -> Box<dyn RealizationEvaluator> + Send + Sync>,
+    make: Arc<MakeEnds>,
 }
+
+type MakeEnds = dyn Fn(&[f64], f64) -> Box<dyn RealizationEvaluator> + Send + Sync;
 
 impl EndNumbers {
     /// Maps whose evaluators `make` makes, one a thread, of parameters and ε.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use leafwise_expression::{Expression, Polynomial, Ring};
 
-use crate::bisection::{GraphBisection, LagrangianBisection};
+use crate::bisection::LagrangianBisection;
 use crate::diagnostics::same_motion::other_motion;
 use crate::dimensions::Dimensions;
 use crate::dynamics::{
@@ -106,6 +106,6 @@ impl DynamicApproximation for FormulaDynamics {
         self.check_first(system)?;
         let form = OneForm::Differential(self.generating(system.dimension())?);
         let parameters = system.parameters().len();
-        GraphBisection::odd(form, realization, parameters, &self.describe())
+        LagrangianBisection::odd_graph(form, realization, parameters, &self.describe())
     }
 }

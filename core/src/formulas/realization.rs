@@ -2,7 +2,7 @@
 
 use leafwise_expression::{AlgebraError, Arithmetic, Expression, Graph, Term};
 
-use crate::closed_form::{ChartPoint, ClosedForm};
+use crate::closed_form::{ChartPoint, ClosedForm, FormProperties};
 use crate::realization::Accuracy;
 
 /// α̂, β̂ and the domain by formulas of x_1 … x_d, p_1 … p_d and ε, which are their variables in this order, and of
@@ -20,10 +20,8 @@ pub struct RealizationFormulas {
 /// (T*M ⊃ U, ω, α̂, β̂, σ) by formulas, σ(x) = (x, 0).
 #[derive(Clone, Debug)]
 pub struct FormulaRealization {
-    accuracy: Accuracy,
     formulas: RealizationFormulas,
-    is_reversible: bool,
-    has_series: bool,
+    properties: FormProperties,
 }
 
 impl FormulaRealization {
@@ -36,9 +34,11 @@ impl FormulaRealization {
         parameters: &[f64],
     ) -> Self {
         Self {
-            accuracy,
-            is_reversible: is_reversible || formulas.beta.is_none(),
-            has_series: scales(&formulas.alpha, parameters),
+            properties: FormProperties {
+                accuracy,
+                is_reversible: is_reversible || formulas.beta.is_none(),
+                has_series: scales(&formulas.alpha, parameters),
+            },
             formulas,
         }
     }
@@ -186,15 +186,7 @@ impl ClosedForm for FormulaRealization {
         Ok(Some((vec![graph.one(); d], vec![reach[0].clone(); d])))
     }
 
-    fn accuracy(&self) -> Accuracy {
-        self.accuracy
-    }
-
-    fn is_reversible(&self) -> bool {
-        self.is_reversible
-    }
-
-    fn has_series(&self) -> bool {
-        self.has_series
+    fn properties(&self) -> FormProperties {
+        self.properties
     }
 }

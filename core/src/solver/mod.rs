@@ -118,8 +118,11 @@ pub struct Factored<'a> {
     pub arranged: Option<Arranged<'a>>,
     /// The product … ∘ χ*_{α_4 h} ∘ χ_{α_3 h} ∘ χ*_{α_2 h} ∘ χ_{α_1 h}, where that takes less than one factor after the
     /// other. The composition Φ_{γ_s h} ∘ … ∘ Φ_{γ_1 h} has α_{2i−1} = α_{2i} = γ_i/2. Two factors count as an evaluation.
-    pub product: Box<dyn Fn(&[f64]) -> Option<Arc<dyn StepMap>> + 'a>,
+    pub product: FactorProduct<'a>,
 }
+
+/// Of α_1, α_2, …, their product where it is offered.
+pub type FactorProduct<'a> = Box<dyn Fn(&[f64]) -> Option<Arc<dyn StepMap>> + 'a>;
 
 /// A map's pieces as a composition asks for them. It fails with [`BuildError::Pieces`] where they are not of that kind, or it
 /// cannot be proved.

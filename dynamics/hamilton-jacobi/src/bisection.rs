@@ -7,8 +7,8 @@ use leafwise_core::part::{
 };
 use leafwise_core::registry::DynamicsPart;
 use leafwise_core::{
-    BuildError, DynamicApproximation, DynamicsProperties, GraphBisection, LagrangianBisection,
-    OneForm, PoissonSystem, RealizationData,
+    BuildError, DynamicApproximation, DynamicsProperties, LagrangianBisection, OneForm,
+    PoissonSystem, RealizationData,
 };
 
 use crate::coefficients::NAME;
@@ -155,7 +155,7 @@ impl DynamicApproximation for HamiltonJacobi {
         let system = less.as_ref().unwrap_or(system);
         let graph = |form| {
             let parameters = system.parameters().len();
-            GraphBisection::odd(form, realization, parameters, &self.describe())
+            LagrangianBisection::odd_graph(form, realization, parameters, &self.describe())
         };
         if let Some(opaque) = system.opaque() {
             if self.order > 2 {

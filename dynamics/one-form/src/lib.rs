@@ -10,8 +10,8 @@ use std::sync::Arc;
 use leafwise_core::part::{Auto, PartInfo, PartKind, PartParameters};
 use leafwise_core::registry::DynamicsPart;
 use leafwise_core::{
-    BuildError, DynamicApproximation, DynamicsProperties, GraphBisection, LagrangianBisection,
-    OneForm, PoissonSystem, RealizationData,
+    BuildError, DynamicApproximation, DynamicsProperties, LagrangianBisection, OneForm,
+    PoissonSystem, RealizationData,
 };
 use leafwise_expression::{Arithmetic, Graph, StepSize, Term};
 
@@ -66,7 +66,7 @@ impl DynamicApproximation for ForcedGraph {
         graph.unless_refused(())?;
         let form = OneForm::Code { graph, components };
         let parameters = system.parameters().len();
-        GraphBisection::odd(form, realization, parameters, INFO.name)
+        LagrangianBisection::odd_graph(form, realization, parameters, INFO.name)
     }
 }
 

@@ -15,9 +15,9 @@ use leafwise_core::part_description::{ParameterDescription, PartDescription};
 use leafwise_core::runge_kutta::SmoothMap;
 use leafwise_core::system::SystemEvaluator;
 use leafwise_core::{
-    BuildError, DynamicApproximation, DynamicsProperties, Evaluator, GraphBisection,
-    LagrangianBisection, Method, OneForm, Origin, PartKind, PartParameters, PoissonSystem,
-    RealizationData, Registry, StepError, StepMap, Walk,
+    BuildError, DynamicApproximation, DynamicsProperties, Evaluator, LagrangianBisection, Method,
+    OneForm, Origin, PartKind, PartParameters, PoissonSystem, RealizationData, Registry, StepError,
+    StepMap, Walk,
 };
 use leafwise_plugin_abi::{
     LW_FLAG_NOT_SELF_ADJOINT, LW_FLAG_SELF_ADJOINT, LW_STRUCTURE_EXACT, LW_STRUCTURE_NONE,
@@ -57,7 +57,7 @@ impl DynamicApproximation for Shear {
             let form = SmoothMap::from_numbers(d, d, true, move |parameters, _, h| {
                 Box::new(shear(parameters, h))
             });
-            return GraphBisection::new(OneForm::Numbers(form), realization, 0, "shear");
+            return LagrangianBisection::graph(OneForm::Numbers(form), realization, 0, "shear");
         }
         let map = SmoothMap::from_numbers(d, 2 * d, true, move |parameters, _, h| {
             Box::new(ShearPoint(shear(parameters, h)))

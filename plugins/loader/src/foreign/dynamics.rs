@@ -6,7 +6,7 @@ use leafwise_core::evaluator::one_by_one;
 use leafwise_core::part::ParameterSetting;
 use leafwise_core::runge_kutta::SmoothMap;
 use leafwise_core::{
-    BuildError, Correction, DynamicApproximation, DynamicsProperties, Evaluator, GraphBisection,
+    BuildError, Correction, DynamicApproximation, DynamicsProperties, Evaluator,
     LagrangianBisection, OneForm, PartParameters, PoissonSystem, RealizationData, StepError,
 };
 use leafwise_plugin_abi::LwDynamics;
@@ -105,7 +105,7 @@ impl DynamicApproximation for ForeignDynamics {
         match of_form {
             true => {
                 let form = OneForm::Numbers(map);
-                GraphBisection::new(form, realization, values.len(), &self.describe())
+                LagrangianBisection::graph(form, realization, values.len(), &self.describe())
             }
             false => Ok(LagrangianBisection::Points {
                 map,
