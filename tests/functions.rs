@@ -5,6 +5,7 @@ use leafwise::expression::bounded::{Bounded, BoundedNumbers};
 use leafwise::expression::series::{Tape, TaylorState};
 use leafwise::expression::syntax::{Formula, Scope};
 use leafwise::expression::{Expression, Graph, Kernel, Ring, Term};
+use leafwise_tests::scenes::{composed, end};
 use serde_json::Value;
 
 /// The formula of x and y that a text is.
@@ -259,5 +260,31 @@ fn series_are_those_of_the_derivatives() {
             derivative = format!("D({derivative}, x)");
             factorial *= (k + 1) as f64;
         }
+    }
+}
+
+/// A ball on a soft floor, H of two pieces: after a fall and a rise, 2√2, and half a turn of the floor's spring it is where it
+/// was. `until` is that time. A step across the seam errs by at most h² k, and there are two.
+#[test]
+fn a_ball_returns_from_a_soft_floor() {
+    let root = libm::sqrt(2.0);
+    let contact = (std::f64::consts::PI + 2.0 * libm::atan(0.1 / root)) / 10.0;
+    let period = 2.0 * root + contact;
+    for (method, h) in [
+        ("stepper = \"splitting\"", 1e-3),
+        (
+            "realization = \"auto\"\ndynamics = { name = \"hamilton-jacobi\", order = 4 }",
+            1e-3,
+        ),
+        ("stepper = \"dop853\"", 1e-3),
+    ] {
+        let text = format!(
+            "[system]\nvariables = [\"q\", \"p\"]\nparameters = {{ k = 100, g = \"k/100\" }}\nbracket = {{ \"q,p\" = 1 }}\n\
+             convention = \"{{x,H}}\"\nhamiltonian = \"p^2/2 + g*q + if(q < 0, k*q^2/2, 0)\"\n\
+             [method]\n{method}\ntime-step = {h}\n[run]\ninitial = [1, 0]\nuntil = {period:?}\n"
+        );
+        let end = end(&composed(&text));
+        let off = (end[0] - 1.0).abs().max(end[1].abs());
+        assert!(off <= 4.0 * 100.0 * h * h, "{method}: {end:?}");
     }
 }

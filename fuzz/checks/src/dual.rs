@@ -217,7 +217,8 @@ fn derivatives(function: Function, x: f64, g: f64) -> (f64, f64) {
             (slope, -slope / x)
         }
         Function::Special(Special::J0, 0) => (-libm::j1(x), 0.5 * (libm::jn(2, x) - g)),
-        Function::Special(Special::EllipticE, 0) => {
+        // Next to 0 both integrals are equal.
+        Function::Special(Special::EllipticE, 0) if x.abs() > 0.5 => {
             let k = Special::EllipticK.derivative(0, x);
             let slope = (g - k) / (2.0 * x);
             (slope, Special::EllipticE.derivative(2, x))
