@@ -1,4 +1,4 @@
-//! What stands before a parenthesis: functions, choices with their conditions, derivatives.
+//! Calls of formulas: functions, choices with their conditions, derivatives.
 
 use super::composite::{Composite, Relation};
 use super::error::SyntaxError;
