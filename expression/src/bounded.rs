@@ -1,7 +1,8 @@
 //! Numbers with a bound on their rounding errors.
 
 use crate::arithmetic::{AlgebraError, Arithmetic, function_derivative};
-use crate::expression::{Function, Side, kept};
+use crate::expression::{Function, Side};
+use crate::function::kept;
 use crate::graph::{Graph, Node, Operation, Term};
 use crate::rational::Rational;
 

@@ -27,6 +27,7 @@ pub mod elementary;
 mod evaluate;
 mod even_powers;
 pub mod expression;
+mod function;
 pub mod graph;
 pub mod kernel;
 pub mod operators;

@@ -7,7 +7,8 @@ use super::monomial::{Monomial, Symbol};
 use super::packed;
 use super::polynomial::{Coefficient, CoefficientRing, Polynomial};
 use crate::arithmetic::{AlgebraError, Arithmetic, function_derivative, simple_value};
-use crate::expression::{Function, Parity, Side};
+use crate::expression::{Function, Side};
+use crate::function::Parity;
 use crate::rational::Rational;
 use crate::reach::Reach;
 

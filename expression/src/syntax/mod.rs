@@ -23,6 +23,7 @@
 //! length of the longest family), `sum` and those of the functions from `exp` to `atanh` are reserved. Any other function
 //! is one where a parenthesis follows; where a scene gives its name to something else, it is refused there.
 
+mod calls;
 mod composite;
 mod density;
 mod display;

@@ -1,6 +1,6 @@
 //! From tokens to the tree, by recursive descent of bounded depth.
 
-use super::composite::{Composite, Relation};
+use super::composite::Composite;
 use super::error::{SyntaxError, SyntaxErrorKind};
 use super::lexer::{Symbol, Token, TokenKind, tokens};
 use super::suggestion::{alias, is_elsewhere, nearest, written};
@@ -20,17 +20,17 @@ pub const AXES: usize = 3;
 /// The greatest magnitude of an offset in brackets.
 const OFFSET_LIMIT: i64 = i32::MAX as i64;
 
-const CLOSE: &str = "an operator or `)`";
+pub(super) const CLOSE: &str = "an operator or `)`";
 const OPERAND: &str = "a number, a name or `(`";
 const SITE: &str = "a site such as i, i+1, 3 or N-1";
 
 /// Nodes and errors are boxed so that a level of recursion takes little of the stack.
-type Parsed = Result<Box<Node>, Box<SyntaxError>>;
+pub(super) type Parsed = Result<Box<Node>, Box<SyntaxError>>;
 
 pub(super) struct Parser<'a> {
-    text: &'a str,
-    tokens: Vec<Token>,
-    position: usize,
+    pub(super) text: &'a str,
+    pub(super) tokens: Vec<Token>,
+    pub(super) position: usize,
     depth: usize,
     /// The names of the sums around the current position.
     bound: Vec<&'a str>,
@@ -70,7 +70,7 @@ impl<'a> Parser<'a> {
         Ok((first, second))
     }
 
-    fn sum(&mut self) -> Parsed {
+    pub(super) fn sum(&mut self) -> Parsed {
         let first = self.product()?;
         if !matches!(self.symbol(), Some(Symbol::Plus | Symbol::Minus)) {
             return Ok(first);
@@ -184,112 +184,6 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// The name and the opening parenthesis of what is called.
-    fn open(&mut self, expected: &'static str) -> Result<(), Box<SyntaxError>> {
-        self.position += 1;
-        self.expect(Symbol::Open, expected).map(|_| ())
-    }
-
-    fn composite(&mut self, span: Span, composite: Composite) -> Parsed {
-        self.open("`(` and the arguments after a function's name")?;
-        let mut arguments = vec![*self.deeper(span, Self::sum)?];
-        while arguments.len() < composite.arguments() {
-            self.expect(Symbol::Comma, "`,` and a second argument")?;
-            arguments.push(*self.deeper(span, Self::sum)?);
-        }
-        let close = self.expect(Symbol::Close, CLOSE)?;
-        node(span.to(close), Kind::Composite(composite, arguments))
-    }
-
-    fn choice(&mut self, span: Span) -> Parsed {
-        self.open("`(` and a condition after `if`")?;
-        let condition = self.deeper(span, Self::condition)?;
-        self.expect(Symbol::Comma, "`,` and the value where the condition holds")?;
-        let holds = self.deeper(span, Self::sum)?;
-        self.expect(Symbol::Comma, "`,` and the value elsewhere")?;
-        let other = self.deeper(span, Self::sum)?;
-        let close = self.expect(Symbol::Close, CLOSE)?;
-        let parts = Box::new([*condition, *holds, *other]);
-        node(span.to(close), Kind::If(parts))
-    }
-
-    /// Comparisons with `and` and `or`, of which `and` binds tighter.
-    fn condition(&mut self) -> Parsed {
-        self.joined("or", Self::all_of, Kind::Or)
-    }
-
-    fn all_of(&mut self) -> Parsed {
-        self.joined("and", Self::comparison, Kind::And)
-    }
-
-    fn joined(
-        &mut self,
-        word: &str,
-        parse: fn(&mut Self) -> Parsed,
-        kind: fn(Vec<Node>) -> Kind,
-    ) -> Parsed {
-        let first = parse(self)?;
-        let mut parts = vec![*first];
-        while let Some(token) = self.tokens.get(self.position)
-            && token.kind == TokenKind::Name
-            && token.span.of(self.text) == word
-        {
-            self.position += 1;
-            parts.push(*parse(self)?);
-        }
-        match parts.len() {
-            1 => Ok(Box::new(parts.remove(0))),
-            _ => list(parts, kind),
-        }
-    }
-
-    /// `a < b`, and `a < b <= c` for both.
-    fn comparison(&mut self) -> Parsed {
-        let mut left = self.sum()?;
-        let mut parts = Vec::new();
-        while let Some(relation) = self.relation() {
-            self.position += 1;
-            let right = self.sum()?;
-            let compare = |pair| Kind::Compare(relation, pair);
-            let span = left.span.to(right.span);
-            parts.push(*node(span, compare(Box::new([*left, (*right).clone()])))?);
-            left = right;
-        }
-        match parts.len() {
-            0 => Err(self.unexpected("`<`, `<=`, `>` or `>=`")),
-            1 => Ok(Box::new(parts.remove(0))),
-            _ => list(parts, Kind::And),
-        }
-    }
-
-    fn relation(&self) -> Option<Relation> {
-        match self.symbol()? {
-            Symbol::Less => Some(Relation::Less),
-            Symbol::LessOrEqual => Some(Relation::LessOrEqual),
-            Symbol::Greater => Some(Relation::Greater),
-            Symbol::GreaterOrEqual => Some(Relation::GreaterOrEqual),
-            _ => None,
-        }
-    }
-
-    /// `D(f, x)`, and `D(f, x, y)` for `D(D(f, x), y)`.
-    fn derivative(&mut self, span: Span) -> Parsed {
-        self.open("`(`, a formula, `,` and a variable after `D`")?;
-        let mut inner = self.deeper(span, Self::sum)?;
-        loop {
-            self.expect(Symbol::Comma, "`,` and a variable")?;
-            let reference = self.reference()?;
-            let end = self.tokens[self.position - 1].span;
-            let variable = node(reference.name.to(end), Kind::Reference(reference))?;
-            let whole = span.to(end);
-            inner = node(whole, Kind::Derivative(Box::new([*inner, *variable])))?;
-            if self.symbol() != Some(Symbol::Comma) {
-                inner.span = span.to(self.expect(Symbol::Close, CLOSE)?);
-                return Ok(inner);
-            }
-        }
-    }
-
     /// A constant, a variable or a parameter.
     fn value(&mut self, name: &str, span: Span) -> Parsed {
         let kind = match name {
@@ -303,33 +197,6 @@ impl<'a> Parser<'a> {
         };
         self.position += 1;
         node(span, kind)
-    }
-
-    fn call(&mut self, span: Span, function: Function) -> Parsed {
-        self.position += 1;
-        self.expect(Symbol::Open, "`(` and an argument after a function's name")?;
-        let argument = self.deeper(span, Self::sum)?;
-        let function = match function {
-            Function::Special(special, _) if self.accept(Symbol::Comma) => {
-                Function::Special(special, self.order()?)
-            }
-            plain => plain,
-        };
-        let close = self.expect(Symbol::Close, CLOSE)?;
-        node(span.to(close), Kind::Call(function, argument))
-    }
-
-    /// How often a special function is differentiated.
-    fn order(&mut self) -> Result<u8, Box<SyntaxError>> {
-        let text = self.next_span().of(self.text);
-        let order = text.parse::<u8>().ok().filter(|_| {
-            let token = self.tokens.get(self.position);
-            token.is_some_and(|token| token.kind == TokenKind::Number)
-        });
-        let expected = "a whole number below 256, how often the function is differentiated";
-        let order = order.ok_or_else(|| self.unexpected(expected))?;
-        self.position += 1;
-        Ok(order)
     }
 
     fn sum_over(&mut self, start: Span) -> Parsed {
@@ -377,7 +244,7 @@ impl<'a> Parser<'a> {
         Ok(index)
     }
 
-    fn reference(&mut self) -> Result<Reference, Box<SyntaxError>> {
+    pub(super) fn reference(&mut self) -> Result<Reference, Box<SyntaxError>> {
         let name = self.index_name("the name of a variable")?;
         let mut sites = Vec::new();
         if !self.accept(Symbol::OpenBracket) {
@@ -465,7 +332,7 @@ impl<'a> Parser<'a> {
     }
 
     /// `parse`, one level deeper.
-    fn deeper(&mut self, span: Span, parse: fn(&mut Self) -> Parsed) -> Parsed {
+    pub(super) fn deeper(&mut self, span: Span, parse: fn(&mut Self) -> Parsed) -> Parsed {
         if self.depth == DEPTH_LIMIT {
             return Err(too_deep(span));
         }
@@ -475,7 +342,7 @@ impl<'a> Parser<'a> {
         parsed
     }
 
-    fn symbol(&self) -> Option<Symbol> {
+    pub(super) fn symbol(&self) -> Option<Symbol> {
         self.symbol_at(self.position)
     }
 
@@ -486,13 +353,17 @@ impl<'a> Parser<'a> {
         }
     }
 
-    fn accept(&mut self, symbol: Symbol) -> bool {
+    pub(super) fn accept(&mut self, symbol: Symbol) -> bool {
         let found = self.symbol() == Some(symbol);
         self.position += usize::from(found);
         found
     }
 
-    fn expect(&mut self, symbol: Symbol, expected: &'static str) -> Result<Span, Box<SyntaxError>> {
+    pub(super) fn expect(
+        &mut self,
+        symbol: Symbol,
+        expected: &'static str,
+    ) -> Result<Span, Box<SyntaxError>> {
         let span = self.next_span();
         if self.accept(symbol) {
             Ok(span)
@@ -510,7 +381,7 @@ impl<'a> Parser<'a> {
     }
 
     /// The place of the next token; empty at the end of the text.
-    fn next_span(&self) -> Span {
+    pub(super) fn next_span(&self) -> Span {
         let end = self.text.len();
         self.tokens
             .get(self.position)
@@ -518,7 +389,7 @@ impl<'a> Parser<'a> {
     }
 
     /// The error that the next token is not what is expected.
-    fn unexpected(&self, expected: &'static str) -> Box<SyntaxError> {
+    pub(super) fn unexpected(&self, expected: &'static str) -> Box<SyntaxError> {
         let span = self.next_span();
         let kind = if self.position < self.tokens.len() {
             let found = span.of(self.text).chars().take(40).collect();
@@ -531,7 +402,7 @@ impl<'a> Parser<'a> {
 }
 
 /// A node above its children, refused when it would be too high.
-fn node(span: Span, kind: Kind) -> Parsed {
+pub(super) fn node(span: Span, kind: Kind) -> Parsed {
     let below = kind.children().iter().map(|child| child.height + 1).max();
     let height = below.unwrap_or(0);
     if height > DEPTH_LIMIT {
@@ -550,7 +421,7 @@ fn pair(parts: [Box<Node>; 2], kind: fn(Box<[Node; 2]>) -> Kind) -> Parsed {
 }
 
 /// A sum or product of at least one part.
-fn list(parts: Vec<Node>, kind: fn(Vec<Node>) -> Kind) -> Parsed {
+pub(super) fn list(parts: Vec<Node>, kind: fn(Vec<Node>) -> Kind) -> Parsed {
     let span = parts[0].span.to(parts[parts.len() - 1].span);
     node(span, kind(parts))
 }

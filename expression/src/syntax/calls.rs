@@ -1,0 +1,143 @@
+//! Calls of formulas: functions, choices with their conditions, derivatives.
+
+use super::composite::{Composite, Relation};
+use super::error::SyntaxError;
+use super::lexer::{Symbol, TokenKind};
+use super::parser::{CLOSE, Parsed, Parser, list, node};
+use super::tree::{Kind, Node, Span};
+use crate::expression::Function;
+
+impl Parser<'_> {
+    pub(super) fn call(&mut self, span: Span, function: Function) -> Parsed {
+        self.position += 1;
+        self.expect(Symbol::Open, "`(` and an argument after a function's name")?;
+        let argument = self.deeper(span, Self::sum)?;
+        let function = match function {
+            Function::Special(special, _) if self.accept(Symbol::Comma) => {
+                Function::Special(special, self.order()?)
+            }
+            plain => plain,
+        };
+        let close = self.expect(Symbol::Close, CLOSE)?;
+        node(span.to(close), Kind::Call(function, argument))
+    }
+
+    /// How often a special function is differentiated.
+    fn order(&mut self) -> Result<u8, Box<SyntaxError>> {
+        let text = self.next_span().of(self.text);
+        let order = text.parse::<u8>().ok().filter(|_| {
+            let token = self.tokens.get(self.position);
+            token.is_some_and(|token| token.kind == TokenKind::Number)
+        });
+        let expected = "a whole number below 256, how often the function is differentiated";
+        let order = order.ok_or_else(|| self.unexpected(expected))?;
+        self.position += 1;
+        Ok(order)
+    }
+
+    /// The name and the opening parenthesis of what is called.
+    fn open(&mut self, expected: &'static str) -> Result<(), Box<SyntaxError>> {
+        self.position += 1;
+        self.expect(Symbol::Open, expected).map(|_| ())
+    }
+
+    pub(super) fn composite(&mut self, span: Span, composite: Composite) -> Parsed {
+        self.open("`(` and the arguments after a function's name")?;
+        let mut arguments = vec![*self.deeper(span, Self::sum)?];
+        while arguments.len() < composite.arguments() {
+            self.expect(Symbol::Comma, "`,` and a second argument")?;
+            arguments.push(*self.deeper(span, Self::sum)?);
+        }
+        let close = self.expect(Symbol::Close, CLOSE)?;
+        node(span.to(close), Kind::Composite(composite, arguments))
+    }
+
+    pub(super) fn choice(&mut self, span: Span) -> Parsed {
+        self.open("`(` and a condition after `if`")?;
+        let condition = self.deeper(span, Self::condition)?;
+        self.expect(Symbol::Comma, "`,` and the value where the condition holds")?;
+        let holds = self.deeper(span, Self::sum)?;
+        self.expect(Symbol::Comma, "`,` and the value elsewhere")?;
+        let other = self.deeper(span, Self::sum)?;
+        let close = self.expect(Symbol::Close, CLOSE)?;
+        let parts = Box::new([*condition, *holds, *other]);
+        node(span.to(close), Kind::If(parts))
+    }
+
+    /// Comparisons with `and` and `or`, of which `and` binds tighter.
+    fn condition(&mut self) -> Parsed {
+        self.joined("or", Self::all_of, Kind::Or)
+    }
+
+    fn all_of(&mut self) -> Parsed {
+        self.joined("and", Self::comparison, Kind::And)
+    }
+
+    fn joined(
+        &mut self,
+        word: &str,
+        parse: fn(&mut Self) -> Parsed,
+        kind: fn(Vec<Node>) -> Kind,
+    ) -> Parsed {
+        let first = parse(self)?;
+        let mut parts = vec![*first];
+        while let Some(token) = self.tokens.get(self.position)
+            && token.kind == TokenKind::Name
+            && token.span.of(self.text) == word
+        {
+            self.position += 1;
+            parts.push(*parse(self)?);
+        }
+        match parts.len() {
+            1 => Ok(Box::new(parts.remove(0))),
+            _ => list(parts, kind),
+        }
+    }
+
+    /// `a < b`, and `a < b <= c` for both.
+    fn comparison(&mut self) -> Parsed {
+        let mut left = self.sum()?;
+        let mut parts = Vec::new();
+        while let Some(relation) = self.relation() {
+            self.position += 1;
+            let right = self.sum()?;
+            let compare = |pair| Kind::Compare(relation, pair);
+            let span = left.span.to(right.span);
+            parts.push(*node(span, compare(Box::new([*left, (*right).clone()])))?);
+            left = right;
+        }
+        match parts.len() {
+            0 => Err(self.unexpected("`<`, `<=`, `>` or `>=`")),
+            1 => Ok(Box::new(parts.remove(0))),
+            _ => list(parts, Kind::And),
+        }
+    }
+
+    fn relation(&self) -> Option<Relation> {
+        match self.symbol()? {
+            Symbol::Less => Some(Relation::Less),
+            Symbol::LessOrEqual => Some(Relation::LessOrEqual),
+            Symbol::Greater => Some(Relation::Greater),
+            Symbol::GreaterOrEqual => Some(Relation::GreaterOrEqual),
+            _ => None,
+        }
+    }
+
+    /// `D(f, x)`, and `D(f, x, y)` for `D(D(f, x), y)`.
+    pub(super) fn derivative(&mut self, span: Span) -> Parsed {
+        self.open("`(`, a formula, `,` and a variable after `D`")?;
+        let mut inner = self.deeper(span, Self::sum)?;
+        loop {
+            self.expect(Symbol::Comma, "`,` and a variable")?;
+            let reference = self.reference()?;
+            let end = self.tokens[self.position - 1].span;
+            let variable = node(reference.name.to(end), Kind::Reference(reference))?;
+            let whole = span.to(end);
+            inner = node(whole, Kind::Derivative(Box::new([*inner, *variable])))?;
+            if self.symbol() != Some(Symbol::Comma) {
+                inner.span = span.to(self.expect(Symbol::Close, CLOSE)?);
+                return Ok(inner);
+            }
+        }
+    }
+}
