@@ -21,30 +21,31 @@ pub(super) fn plane_figure(maps: &[PlaneMap], slice: Option<&str>) -> Result<Fig
     let color_axis = Axis::linear(values, 0.0);
     let mut canvas = Canvas::new(width, height);
     let each = (width - BAR - 62.0 - BETWEEN * (ROW.1 - 1) as f64) / ROW.1 as f64;
-    let mut broken = 0;
-    let mut edges = [0.0; 4];
-    for (at, map) in maps.iter().enumerate() {
+    let frame = |at: usize, map: &PlaneMap| {
         let (row, column) = ((at / ROW.1) as f64, (at % ROW.1) as f64);
         let left = 62.0 + column * (each + BETWEEN);
-        let frame = frame_of(
-            map,
-            [
-                left,
-                34.0 + row * ROW.0,
-                left + each,
-                (row + 1.0) * ROW.0 - 44.0,
-            ],
-        );
+        let top = 34.0 + row * ROW.0;
+        frame_of(map, [left, top, left + each, (row + 1.0) * ROW.0 - 44.0])
+    };
+    let frames: Vec<Frame> = maps
+        .iter()
+        .enumerate()
+        .map(|(at, map)| frame(at, map))
+        .collect();
+    // All lines of the frames lie beneath all cells.
+    for (frame, map) in frames.iter().zip(maps) {
         let [across, up] = &map.axes;
         frame.draw(&mut canvas, across, &format!("{} over {up}", map.title));
-        broken += cells(&mut canvas, &frame, map, color_axis);
-        edges = [
-            left,
-            34.0,
-            62.0 + (ROW.1.min(maps.len()) as f64) * (each + BETWEEN) - BETWEEN,
-            ROW.0 - 44.0,
-        ];
     }
+    let mut broken = 0;
+    for (frame, map) in frames.iter().zip(maps) {
+        broken += cells(&mut canvas, frame, map, color_axis);
+    }
+    let right = frames
+        .iter()
+        .map(|frame| frame.edges[2])
+        .fold(0.0, f64::max);
+    let edges = [62.0, 34.0, right, ROW.0 - 44.0];
     draw_scale(&mut canvas, edges, color_axis, "");
     let mut notes: Vec<String> = slice.map(str::to_owned).into_iter().collect();
     if broken > 0 {
