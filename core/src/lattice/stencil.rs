@@ -55,6 +55,9 @@ pub(super) struct SweepRoom {
     workspace: Workspace,
     /// Numbers between the rows that are swept in place.
     between: Vec<f64>,
+    /// Sites that are left of these rows.
+    left: Vec<Range<usize>>,
+    block: Vec<RowPart>,
 }
 
 impl Stencil {
@@ -154,6 +157,8 @@ impl Stencil {
         SweepRoom {
             workspace,
             between: Vec::new(),
+            left: Vec::new(),
+            block: Vec::new(),
         }
     }
 
@@ -165,7 +170,12 @@ impl Stencil {
         room: &mut SweepRoom,
         fields: &mut Fields,
     ) -> usize {
-        let SweepRoom { workspace, between } = room;
+        let SweepRoom {
+            workspace,
+            between,
+            left,
+            block,
+        } = room;
         let Inside {
             range,
             rows,
@@ -179,7 +189,7 @@ impl Stencil {
         let swept = range.start..range.start + reached;
         self.put_back(offsets, fields, (between, swept.end));
         let mut in_place = 0;
-        let mut left = Vec::new();
+        left.clear();
         for row in rows {
             let own = row.start.max(swept.start)..row.end.min(swept.end);
             let beside = match own.is_empty() {
@@ -192,7 +202,8 @@ impl Stencil {
             left.extend(beside.into_iter().filter(|range| !range.is_empty()));
         }
         for sites in [&outside[..], &left[..]] {
-            self.sweep_by_copies(geometry, offsets, workspace, fields, sites);
+            let room = (&mut *workspace, &mut *block);
+            self.sweep_by_copies(geometry, offsets, room, fields, sites);
         }
         in_place
     }
@@ -233,13 +244,12 @@ impl Stencil {
         &self,
         geometry: &LatticeGeometry,
         offsets: &[usize],
-        workspace: &mut Workspace,
+        (workspace, block): (&mut Workspace, &mut Vec<RowPart>),
         fields: &mut Fields,
         sites: &[Range<usize>],
     ) {
         let mut blocks = Blocks::new(sites, workspace.lanes());
-        let mut block = Vec::new();
-        while blocks.next_into(geometry, &mut block) {
+        while blocks.next_into(geometry, block) {
             for (input, tap) in self.taps.iter().enumerate() {
                 let field = &fields.get(Field(tap.field))[offsets[tap.family]..];
                 load(
@@ -254,7 +264,7 @@ impl Stencil {
             for (output, &(field, family)) in self.outputs.iter().enumerate() {
                 let values = self.kernel.output(workspace, output);
                 let to = &mut fields.get_mut(Field(field))[offsets[family]..];
-                for part in &block {
+                for part in block.iter() {
                     let to = &mut to[part.site..][..part.count];
                     let values = &values[part.lane..][..part.count];
                     match (to.first_chunk_mut::<BLOCK>(), values.first_chunk::<BLOCK>()) {

@@ -354,7 +354,7 @@ fn members_of_an_ensemble_of_lattices_run_alone_as_ordinary_runs() {
              hamiltonian = \"a + sum({sums}, p[{here}]^2/2 + a*(q[{next}] - q[{here}])^2/2)\"\n\
              [method]\nstepper = \"splitting\"\ntime-step = 0.1\n[run]\nsteps = 20\n\
              initial = {{ \"q[{here}]\" = \"i\", \"p[{here}]\" = \"0\" }}\n[ensemble]\nmembers = 5\nseed = 3\n\
-             initial = {{ ball = 0.1 }}\nparameters = {{ a = [0.5, 2.0] }}\nfinal-states = true\n\
+             initial = {{ ball = 0.1 }}\nparameters = {{ a = {{ uniform = [0.5, 2.0] }} }}\nfinal-states = \"csv\"\n\
              record = {{ every = 5, observables = [\"energy\", \"{first}\", \"sum({sums}, q[{here}]^2)\"] }}\n"
         );
         let place = Place::with(&scene);
