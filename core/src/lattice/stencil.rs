@@ -257,7 +257,7 @@ impl Stencil {
                     field,
                     geometry,
                     tap.shift,
-                    &block,
+                    block,
                 );
             }
             self.kernel.evaluate_in_place(workspace);

@@ -10,7 +10,7 @@ pub(super) fn advice(document: &SceneDocument) -> Option<Advice> {
     Some(Advice {
         kind: AdviceKind::ShortenedStep,
         message: format!(
-            "`until` = {} is no whole number of steps of {before:?}: {steps} steps of {step:?} come to it",
+            "`until` = {} is no whole number of steps of {before:?}: steps of {step:?} come to it, {steps} in all",
             until.value.literal
         ),
         change: format!("time-step = {step:?}"),
