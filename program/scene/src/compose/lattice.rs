@@ -17,7 +17,7 @@ use super::instantiate::instantiate;
 use super::lattice_functions::LatticeFunctions;
 use super::lattice_noise::SiteTerms;
 use super::names::{function, is_a_sum, of_lattice, parse, refusal};
-use super::observables::{Observable, coordinate};
+use super::observables::{Observable, coordinate, observables};
 use super::sum::summands;
 use super::time::wants_time;
 use crate::document::{BracketSpec, Located, MetricSpec, OneFormSpec, Place, SceneDocument};
@@ -198,7 +198,7 @@ impl<'a> SceneLattice<'a> {
             let lengths: Vec<usize> = lengths.map(|length| TRIAL_LENGTH.min(length)).collect();
             geometry = self.geometry.resized(&lengths);
         }
-        let written = instantiate(document, &self.own(&geometry))?;
+        instantiate(document, &self.own(&geometry))?;
         let system = self.write_out(&geometry).map_err(refused)?;
         let scope = scope(document, &geometry, None)?;
         for formula in self.sums()? {
@@ -206,7 +206,10 @@ impl<'a> SceneLattice<'a> {
                 .density(&scope, geometry.middle())
                 .map_err(|error| refusal(document, formula, &error))?;
         }
-        Ok((system, geometry, written.observables))
+        // Single coordinates are columns of their own, whatever the length of what is written out.
+        let whole = self::scope(document, &self.geometry, None)?;
+        let observables = observables(document, &scope, Some((&self.geometry, &whole)))?;
+        Ok((system, geometry, observables))
     }
 
     /// Energy and Casimirs, and formulas of the state that the scene records.

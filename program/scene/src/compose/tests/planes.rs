@@ -3,6 +3,7 @@
 use leafwise_core::Registry;
 
 use super::{compose_system, document, refusal};
+use crate::compose::Observable;
 use crate::document::SceneDocument;
 
 const INITIAL: &str = "initial = { \"x[i,j]\" = \"10*i + j\", \"x[1,2]\" = -1 }";
@@ -94,4 +95,53 @@ fn what_does_not_fit_the_axes_is_refused_where_it_stands() {
         let errors = format!("{:?}", errors.diagnostics());
         assert!(errors.contains(message), "{errors}");
     }
+}
+
+/// A single coordinate is a column of its own on every lattice that is stepped by templates, also where it is no longer than what is
+/// written out of it; what else is recorded are functions.
+#[test]
+fn single_coordinates_are_columns_on_lattices_of_any_length() {
+    let mut found = 0;
+    for (lengths, here, sums) in [
+        ("9, y = 9, z = 9", "i", "i"),
+        ("25", "i", "i"),
+        ("1000", "i", "i"),
+        ("[5, 6]", "i,j", "i, j"),
+        ("[50, 60]", "i,j", "i, j"),
+    ] {
+        let first = here.replace(['i', 'j'], "1");
+        let rest = if lengths.contains('y') {
+            format!(" + y[{here}] + z[{here}]")
+        } else {
+            String::new()
+        };
+        let text = format!(
+            "families = {{ x = {lengths} }}\nbracket = {{ \"x[{here}],x[{}]\" = \"1\" }}\n\
+             hamiltonian = \"sum({sums}, x[{here}]^2{rest})\"",
+            here.replace('i', "i+1")
+        );
+        let others = if rest.is_empty() {
+            String::new()
+        } else {
+            format!(", \"y[{here}]\" = 0, \"z[{here}]\" = 0")
+        };
+        let run = format!(
+            "initial = {{ \"x[{here}]\" = \"i\"{others} }}\n\
+             record = {{ observables = [\"x[{first}]\", \"sum({sums}, x[{here}])\", \"energy\"] }}"
+        );
+        let composed = compose_system(&document(&text, &run)).expect("a lattice");
+        let [coordinate, sum, energy] = &composed.observables[..] else {
+            panic!("three columns");
+        };
+        assert!(
+            matches!(coordinate, Observable::Coordinate { .. }),
+            "{lengths}: {coordinate:?}"
+        );
+        assert!(
+            matches!(sum, Observable::Formula { .. })
+                && matches!(energy, Observable::Invariant { .. })
+        );
+        found += 1;
+    }
+    assert_eq!(found, 5);
 }
