@@ -48,7 +48,7 @@ impl TemplateReach {
     /// With an entry of the bracket.
     ///
     /// # Errors
-    /// Those of [`Formula::offsets_from`] and [`VariablePattern::offsets`].
+    /// Those of [`Formula::offsets_from`] and [`VariablePattern::offsets_from`].
     pub fn with_entry(
         mut self,
         pair: [&VariablePattern; 2],
@@ -56,8 +56,9 @@ impl TemplateReach {
     ) -> Result<Self, SyntaxError> {
         let names = pair.map(VariablePattern::index_names);
         let names = names.into_iter().find(|names| !names.is_empty());
-        let own = entry.offsets_from(&names.unwrap_or_default())?;
-        let named = [pair[0].offsets()?, pair[1].offsets()?, own];
+        let names = names.unwrap_or_default();
+        let [a, b] = pair.map(|pattern| pattern.offsets_from(&names));
+        let named = [a?, b?, entry.offsets_from(&names)?];
         let all = named.into_iter().flatten();
         let all = all.reduce(|all, own| all.joined(&own));
         self.bracket = largest(self.bracket, self.apart(all));
@@ -106,14 +107,17 @@ impl TemplateReach {
     /// With a component of a one-form, or an entry of a metric, at a coordinate.
     ///
     /// # Errors
-    /// Those of [`Formula::offsets_from`] and [`VariablePattern::offsets`].
+    /// Those of [`Formula::offsets_from`] and [`VariablePattern::offsets_from`].
     pub fn with_force(
         mut self,
         coordinate: &VariablePattern,
         formula: &Formula,
     ) -> Result<Self, SyntaxError> {
         let names = coordinate.index_names();
-        let named = [coordinate.offsets()?, formula.offsets_from(&names)?];
+        let named = [
+            coordinate.offsets_from(&names)?,
+            formula.offsets_from(&names)?,
+        ];
         let all = named.into_iter().flatten();
         let all = all.reduce(|all, own| all.joined(&own));
         self.forces = largest(self.forces, self.apart(all));

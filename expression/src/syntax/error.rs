@@ -171,6 +171,14 @@ pub enum SyntaxErrorKind {
         /// How many sites are written.
         written: usize,
     },
+    /// A key in which one index counts along two axes.
+    #[error(
+        "the index `{name}` counts along two axes of one key: give each axis an index of its own"
+    )]
+    RepeatedIndex {
+        /// The index.
+        name: String,
+    },
     /// An index of a sum that counts along no axis, or along axes of different lengths.
     #[error(
         "the index `{name}` counts along no axis, or along axes of different lengths: use it in brackets, each index along one axis"

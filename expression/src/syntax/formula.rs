@@ -40,18 +40,26 @@ impl Formula {
         &self.root
     }
 
-    /// Names of the indices in brackets that no `sum` introduces, of the first member of a family that has any. They
-    /// are in the order of the axes: `i` in `x[i+1]*sum(j, x[j])`, `i` and `j` in `x[i,j+1]`.
+    /// Names of the indices in brackets that no `sum` introduces, one an axis: `i` in `x[i+1]*sum(j, x[j])`, `i` and `j` in
+    /// `x[i,j+1]`, an empty name and `j` in `x[1,j]`. Each is the first that stands along its axis.
     ///
     /// A bare name is never counted, since it may as well be a parameter.
     pub fn free_indices(&self) -> Vec<&str> {
-        let mut free = Vec::new();
+        let mut free: Vec<&str> = Vec::new();
         self.visit(&mut |node, bound| {
-            if let Kind::Reference(reference) = &node.kind
-                && free.is_empty()
-            {
-                let names = reference.indices().map(|index| index.of(&self.text));
-                free.extend(names.filter(|name| !bound.contains(name)));
+            let Kind::Reference(reference) = &node.kind else {
+                return;
+            };
+            for (axis, name) in reference.index_names(&self.text).into_iter().enumerate() {
+                if name.is_empty() || bound.contains(&name) {
+                    continue;
+                }
+                if free.len() <= axis {
+                    free.resize(axis + 1, "");
+                }
+                if free[axis].is_empty() {
+                    free[axis] = name;
+                }
             }
         });
         free

@@ -93,14 +93,15 @@ impl Formula {
 }
 
 impl VariablePattern {
-    /// The offsets from its indices; `None` for a single variable.
+    /// The offsets from these indices, one an axis; `None` for a single variable.
     ///
     /// # Errors
-    /// [`SyntaxErrorKind::SiteInATemplate`] for a member of a family by its number.
-    pub fn offsets(&self) -> Result<Option<Offsets>, SyntaxError> {
+    /// [`SyntaxErrorKind::SiteInATemplate`] for a member of a family by its number, [`SyntaxErrorKind::SumInATemplate`]
+    /// for one by other indices or in another order.
+    pub fn offsets_from(&self, indices: &[&str]) -> Result<Option<Offsets>, SyntaxError> {
         let (text, reference) = self.reference();
         let place = reference.bracket().unwrap_or(reference.name);
-        offsets(text, reference, place, &self.index_names())
+        offsets(text, reference, place, indices)
     }
 }
 
@@ -114,7 +115,9 @@ fn offsets(
     if reference.sites.is_empty() {
         return Ok(None);
     }
-    if reference.sites.len() != indices.len() && reference.indices().next().is_some() {
+    let has_index = !reference.index_names(text).is_empty();
+    let is_repeated = (1..indices.len()).any(|axis| indices[..axis].contains(&indices[axis]));
+    if has_index && (reference.sites.len() != indices.len() || is_repeated) {
         return Err(SyntaxError::new(place, SyntaxErrorKind::SumInATemplate));
     }
     let mut own = Offsets::here();

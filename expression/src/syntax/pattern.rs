@@ -60,10 +60,10 @@ impl VariablePattern {
         self.reference.name.of(&self.text)
     }
 
-    /// The names of the free indices: `i` in `x[i+1]`, `i` and `j` in `x[i,j]`, none in `x[3]`.
+    /// The names of the free indices, one an axis: `i` in `x[i+1]`, `i` and `j` in `x[i,j]`, an empty name and `j` in
+    /// `x[1,j]`, none in `x[3]`.
     pub fn index_names(&self) -> Vec<&str> {
-        let indices = self.reference.indices();
-        indices.map(|span| span.of(&self.text)).collect()
+        self.reference.index_names(&self.text)
     }
 
     /// The variable or member as it is written.

@@ -244,8 +244,9 @@ impl<'a> Resolver<'a> {
         body: &Node,
         (bound, level): (Option<&Bound<'_>>, usize),
     ) -> Result<Vec<Expression>, Stop> {
-        let length = self.scope.values_of(self.text, index, body)?;
+        let length = self.scope.values_of(self.text, (index, above), body)?;
         let mut inner = inner_index(self.text, index, bound)?;
+        inner.length = length;
         let mut terms = Vec::new();
         for value in first_value(self.text, above, bound)..length {
             self.terms += 1;
@@ -381,6 +382,7 @@ pub(super) fn inner_index<'a>(
     Ok(Bound {
         name,
         value: 0,
+        length: 0,
         level,
         outer: bound,
     })

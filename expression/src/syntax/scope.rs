@@ -255,7 +255,7 @@ impl Scope {
     pub(super) fn values_of(
         &self,
         text: &str,
-        index: Span,
+        (index, above): (Span, Option<Span>),
         body: &Node,
     ) -> Result<usize, SyntaxError> {
         let lengths = self.lengths();
@@ -269,8 +269,14 @@ impl Scope {
         }
         let mut axes = Vec::new();
         body.axes_of(text, index.of(text), &mut axes);
+        // Of i < j both count along the same axis.
+        let mut others = Vec::new();
+        if let Some(above) = above {
+            body.axes_of(text, above.of(text), &mut others);
+        }
+        let is_apart = above.is_some() && others.iter().any(|axis| !axes.contains(axis));
         let of_axis = |axis: &usize| lengths.get(*axis).copied();
-        let first = axes.first().and_then(of_axis);
+        let first = axes.first().and_then(of_axis).filter(|_| !is_apart);
         match first.filter(|_| axes.iter().all(|axis| of_axis(axis) == first)) {
             Some(length) => Ok(length),
             None => {
@@ -298,9 +304,35 @@ impl Scope {
         coordinates
     }
 
+    /// The sites that a template with these indices, one an axis or empty, stands for: every value of each index, and
+    /// along the other axes 0.
+    ///
+    /// # Errors
+    /// [`SyntaxErrorKind::RepeatedIndex`] where one index counts along two axes. The span covers nothing.
+    pub fn sites_of(&self, names: &[&str]) -> Result<Vec<usize>, SyntaxError> {
+        let nowhere = Span { start: 0, end: 0 };
+        for (axis, name) in names.iter().enumerate() {
+            if !name.is_empty() && names[..axis].contains(name) {
+                let name = (*name).to_owned();
+                let kind = SyntaxErrorKind::RepeatedIndex { name };
+                return Err(SyntaxError::new(nowhere, kind));
+            }
+        }
+        let lengths = self.lengths();
+        let sites = lengths.iter().product();
+        let is_first = |site: &usize| {
+            let coordinates = self.coordinates(*site);
+            let fixed =
+                (0..lengths.len()).filter(|axis| names.get(*axis).is_none_or(|n| n.is_empty()));
+            fixed.into_iter().all(|axis| coordinates[axis] == 0)
+        };
+        Ok((0..sites).filter(is_first).collect())
+    }
+
     /// A site by the values of its indices: `i = 3`, or `i = 3, j = 0`.
     pub fn named_site(&self, (names, site): At<'_>) -> String {
         let values = names.iter().zip(self.coordinates(site));
+        let values = values.filter(|(name, _)| !name.is_empty());
         let values: Vec<String> = values
             .map(|(name, value)| format!("{name} = {value}"))
             .collect();
@@ -317,7 +349,15 @@ impl Scope {
         let Some((names, site)) = here else {
             return then(None);
         };
-        bind(names, &self.coordinates(site), level, None, then)
+        let coordinates = self.coordinates(site);
+        let mut values = [(0, 0); AXES];
+        for (axis, value) in values.iter_mut().enumerate() {
+            *value = (
+                coordinates[axis],
+                self.lengths().get(axis).copied().unwrap_or(1),
+            );
+        }
+        bind(names, &values, level, None, then)
     }
 
     /// Entry of the scope under the name at `span` of `text`.
@@ -333,19 +373,22 @@ impl Scope {
     }
 }
 
-/// Calls `then` with each name bound to its value, inside `outer`.
+/// Calls `then` with each name bound to its value of so many, inside `outer`.
 fn bind<R>(
     names: &[&str],
-    values: &[usize],
+    values: &[(usize, usize)],
     level: usize,
     outer: Option<&Bound<'_>>,
     then: &mut dyn FnMut(Option<&Bound<'_>>) -> R,
 ) -> R {
     match (names, values) {
-        ([name, names @ ..], [value, values @ ..]) => {
+        // A number stands along this axis.
+        (["", names @ ..], [_, values @ ..]) => bind(names, values, level, outer, then),
+        ([name, names @ ..], [(value, length), values @ ..]) => {
             let bound = Bound {
                 name,
                 value: *value,
+                length: *length,
                 level,
                 outer,
             };
@@ -355,7 +398,7 @@ fn bind<R>(
     }
 }
 
-/// A site that a caller is at: the names of its indices, one an axis, and its number, the last axis fastest.
+/// A site that a caller is at: the names of its indices, one an axis or empty, and its number, the last axis fastest.
 pub type At<'a> = (&'a [&'a str], usize);
 
 /// An index with its value, and the ones around it.
@@ -363,6 +406,8 @@ pub type At<'a> = (&'a [&'a str], usize);
 pub(super) struct Bound<'a> {
     pub(super) name: &'a str,
     pub(super) value: usize,
+    /// How many values it takes.
+    pub(super) length: usize,
     /// 0 for the index that the caller gives, and one more for each sum.
     pub(super) level: usize,
     pub(super) outer: Option<&'a Bound<'a>>,
@@ -465,6 +510,16 @@ impl Scope {
             Anchor::End => (self.lengths().get(axis).copied().unwrap_or(0), None),
             Anchor::Name(span) => {
                 let index = find(bound, span.of(text)).ok_or_else(|| unknown(text, span, bound))?;
+                // An index of a longer axis would wrap, or end, elsewhere.
+                if matches!(self.lengths(), [_, _, ..])
+                    && self.lengths().get(axis) != Some(&index.length)
+                {
+                    let name = span.of(text).to_owned();
+                    return Err(SyntaxError::new(
+                        span,
+                        SyntaxErrorKind::AxisUnknown { name },
+                    ));
+                }
                 (index.value, Some(index.level))
             }
         };

@@ -51,12 +51,18 @@ pub(super) struct Reference {
 }
 
 impl Reference {
-    /// The places of the index names in the brackets, in the order of the axes.
-    pub(super) fn indices(&self) -> impl Iterator<Item = Span> {
-        self.sites.iter().filter_map(|site| match site.anchor {
-            Anchor::Name(span) => Some(span),
-            Anchor::Start | Anchor::End => None,
-        })
+    /// The names of the indices in the brackets, one an axis, empty along an axis where a number stands; none where
+    /// there is no index.
+    pub(super) fn index_names<'a>(&self, text: &'a str) -> Vec<&'a str> {
+        let names = self.sites.iter().map(|site| match site.anchor {
+            Anchor::Name(span) => span.of(text),
+            Anchor::Start | Anchor::End => "",
+        });
+        let names: Vec<&str> = names.collect();
+        match names.iter().all(|name| name.is_empty()) {
+            true => Vec::new(),
+            false => names,
+        }
     }
 
     /// The place of all that stands between the brackets, if any does.

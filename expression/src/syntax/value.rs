@@ -161,8 +161,9 @@ impl Evaluator<'_> {
         body: &Node,
         bound: Option<&Bound<'_>>,
     ) -> Result<f64, Box<SyntaxError>> {
-        let length = self.scope.values_of(self.text, index, body)?;
+        let length = self.scope.values_of(self.text, (index, above), body)?;
         let mut inner = inner_index(self.text, index, bound)?;
+        inner.length = length;
         let mut sum = 0.0;
         for value in first_value(self.text, above, bound)..length {
             self.terms += 1;

@@ -57,7 +57,12 @@ pub(super) fn plane_figure(maps: &[PlaneMap], slice: Option<&str>) -> Result<Fig
         title: "The field over the lattice".to_owned(),
         svg: canvas.finish("Maps of the field over two axes of the lattice")?,
         legend: Vec::new(),
-        caption: "Each cell is a site; all maps share the scale of colours.".to_owned(),
+        caption: match maps.iter().map(|map| map.spacing).max() {
+            Some(spacing) if spacing > 1 => format!(
+                "Each cell is one site of {spacing} along each axis; all maps share the scale of colours."
+            ),
+            _ => "Each cell is a site; all maps share the scale of colours.".to_owned(),
+        },
         notes,
     })
 }

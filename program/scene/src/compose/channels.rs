@@ -7,7 +7,7 @@ use leafwise_expression::Expression;
 use leafwise_expression::syntax::Scope;
 
 use super::Refusal;
-use super::names::{self, check_code, function, parse};
+use super::names::{self, check_code, function, parse, sites_of};
 use crate::document::{Located, NoiseSpec, SceneDocument};
 
 /// The noise of a run: Σ_k σ_k {H_k, x} ∘ dW_k.
@@ -32,15 +32,11 @@ pub struct Channel {
     pub strength: Expression,
 }
 
-/// The channels of a scene, a template's one at every site; no family is longer than `longest`.
+/// The channels of a scene, a template's one at every site.
 ///
 /// # Errors
 /// The first formula that cannot be read, and a strength that depends on the state.
-pub(super) fn channels(
-    document: &SceneDocument,
-    scope: &Scope,
-    longest: usize,
-) -> Result<Vec<Channel>, Refusal> {
+pub(super) fn channels(document: &SceneDocument, scope: &Scope) -> Result<Vec<Channel>, Refusal> {
     let mut channels = Vec::new();
     for spec in &document.system.noise {
         let strength = strength(document, scope, spec)?;
@@ -55,7 +51,7 @@ pub(super) fn channels(
             });
             continue;
         }
-        for site in 0..longest {
+        for site in sites_of(document, scope, &spec.hamiltonian, &names)? {
             let own = parsed
                 .resolve(scope, Some((&names, site)))
                 .map_err(|error| names::refusal(document, &spec.hamiltonian, &error))?;

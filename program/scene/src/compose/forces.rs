@@ -4,19 +4,19 @@ use leafwise_core::PoissonSystem;
 use leafwise_core::lattice::LatticeGeometry;
 use leafwise_core::system::{Damping, Forces, Metric};
 use leafwise_expression::Expression;
-use leafwise_expression::syntax::{Scope, VariablePattern};
+use leafwise_expression::syntax::{AXES, Scope, VariablePattern};
 use nalgebra::{DMatrix, SymmetricEigen};
 
 use super::Refusal;
 use super::domain::OutOfDomain;
-use super::names::{check_code, function, parse, refusal};
+use super::names::{check_code, function, parse, refusal, sites_of};
 use crate::document::{ByCoordinate, Located, MetricSpec, OneFormSpec, SceneDocument};
 
 /// Bound on round-off, relative to the largest entry: a negative or asymmetric part below it is so by round-off.
 const ROUND_OFF: f64 = 1e-12;
 
 /// Forces of a scene on its own coordinates, whose names are `moving`. The others of the `dimension` coordinates feel
-/// none: parameters of sites, the time and its energy. No family is longer than `longest`.
+/// none: parameters of sites, the time and its energy.
 ///
 /// # Errors
 /// The first formula that cannot be read. Lists of another length than `moving`.
@@ -24,7 +24,7 @@ pub(super) fn forces(
     document: &SceneDocument,
     scope: &Scope,
     moving: &[String],
-    (dimension, longest): (usize, usize),
+    dimension: usize,
 ) -> Result<Forces, Refusal> {
     let spec = &document.system.forces;
     let read = |list: &[Located<String>]| -> Result<Vec<Expression>, Refusal> {
@@ -37,13 +37,7 @@ pub(super) fn forces(
     };
     let by_name = |entries: &ByCoordinate| -> Result<Vec<Expression>, Refusal> {
         let mut formulas = vec![0.into(); dimension];
-        by_coordinate(
-            document,
-            scope,
-            entries,
-            longest,
-            &mut formulas[..moving.len()],
-        )?;
+        by_coordinate(document, scope, entries, &mut formulas[..moving.len()])?;
         Ok(formulas)
     };
     let one_form = match &spec.one_form {
@@ -102,10 +96,9 @@ fn by_coordinate(
     document: &SceneDocument,
     scope: &Scope,
     entries: &ByCoordinate,
-    longest: usize,
     formulas: &mut [Expression],
 ) -> Result<(), Refusal> {
-    for_each_coordinate(document, scope, entries, longest, |key, place, formula| {
+    for_each_coordinate(document, scope, entries, |key, place, formula| {
         let own = formulas.get_mut(place).ok_or_else(|| {
             let message = format!("`{}` stays as it is, and feels no force", key.value.trim());
             Box::new(document.diagnostic(&key.place(), message, "no coordinate that moves", None))
@@ -124,21 +117,24 @@ fn for_each_coordinate(
     document: &SceneDocument,
     scope: &Scope,
     entries: &ByCoordinate,
-    longest: usize,
     mut take: impl FnMut(&Located<String>, usize, Expression) -> Result<(), Refusal>,
 ) -> Result<(), Refusal> {
-    for is_template in [true, false] {
+    for indices in (0..=AXES).rev() {
         for (key, formula) in entries {
             let pattern = VariablePattern::parse_one(&key.value)
                 .map_err(|error| refusal(document, key, &error))?;
             let names = pattern.index_names();
-            if names.is_empty() == is_template {
+            if names.iter().filter(|name| !name.is_empty()).count() != indices {
                 continue;
             }
             let parsed = parse(document, formula)?;
-            let sites = if is_template { longest } else { 1 };
+            let is_template = indices > 0;
+            let sites = match is_template {
+                true => sites_of(document, scope, key, &names)?,
+                false => vec![0],
+            };
             let mut is_first = true;
-            for site in 0..sites {
+            for site in sites {
                 let index = is_template.then_some((&names[..], site));
                 let place = pattern
                     .resolve(scope, index)
@@ -174,29 +170,24 @@ pub(super) fn check_metric_of_sites(
     let Some(MetricSpec::Named(entries)) = metric.map(|metric| &metric.value) else {
         return Ok(());
     };
-    for_each_coordinate(
-        document,
-        scope,
-        entries,
-        geometry.length(),
-        |key, place, formula| {
-            let value = formula.evaluate(initial, parameters);
-            if value >= 0.0 && value.is_finite() {
-                return Ok(());
-            }
-            let coordinate = geometry.name(place);
-            let message = format!(
-                "the metric of the damping is {value:?} at {coordinate} in the initial state, and must be finite and not negative"
-            );
-            let help = "write a metric that is not negative at any site, or the one-form itself as `forces`";
-            Err(Box::new(document.diagnostic(
-                &key.place(),
-                message,
-                "feeds energy there",
-                Some(help.to_owned()),
-            )))
-        },
-    )
+    for_each_coordinate(document, scope, entries, |key, place, formula| {
+        let value = formula.evaluate(initial, parameters);
+        if value >= 0.0 && value.is_finite() {
+            return Ok(());
+        }
+        let coordinate = geometry.name(place);
+        let message = format!(
+            "the metric of the damping is {value:?} at {coordinate} in the initial state, and must be finite and not negative"
+        );
+        let help =
+            "write a metric that is not negative at any site, or the one-form itself as `forces`";
+        Err(Box::new(document.diagnostic(
+            &key.place(),
+            message,
+            "feeds energy there",
+            Some(help.to_owned()),
+        )))
+    })
 }
 
 fn check_count<T>(

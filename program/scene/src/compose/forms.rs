@@ -54,7 +54,7 @@ pub(super) fn forms(
                 noun: "a two-form",
                 name: |a, b| format!("ω({a}, {b})"),
             };
-            Form::Two(table.entries(document, own, names, lattice, written)?)
+            Form::Two(table.entries(document, own, names, written)?)
         }
         BracketSpec::Sum(_) => {
             let mut formed = summands(document, lattice)?;

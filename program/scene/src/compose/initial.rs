@@ -1,11 +1,11 @@
 //! The initial state, and the parameters of sites behind it.
 
-use leafwise_expression::syntax::{At, Formula, Scope, VariablePattern};
+use leafwise_expression::syntax::{AXES, At, Formula, Scope, VariablePattern};
 
 use super::Refusal;
 use super::definitions::scope;
 use super::geometry::geometry;
-use super::names::{parse, refusal};
+use super::names::{parse, refusal, sites_of};
 use crate::document::{FieldSpec, InitialSpec, Located, Place, SceneDocument};
 use crate::table::read_column;
 
@@ -75,13 +75,14 @@ impl State<'_> {
         Ok(())
     }
 
-    /// Templates first: a single site then overrides the field, whatever their order.
+    /// The more indices a key has, the sooner: a row overrides the field and a single site both, whatever their order.
     fn assign_all(&mut self, fields: &[(Located<String>, FieldSpec)]) -> Result<(), Refusal> {
-        for wants_index in [true, false] {
+        for indices in (0..=AXES).rev() {
             for (key, field) in fields {
                 let pattern = VariablePattern::parse_one(&key.value)
                     .map_err(|error| refusal(self.document, key, &error))?;
-                if pattern.index_names().is_empty() != wants_index {
+                let names = pattern.index_names();
+                if names.iter().filter(|name| !name.is_empty()).count() == indices {
                     match field {
                         FieldSpec::Formula(formula) => {
                             let parsed = parse(self.document, formula)?;
@@ -124,6 +125,18 @@ impl State<'_> {
         family.map_or(1, |(_, length)| length.value)
     }
 
+    /// The sites that a key stands for, of those that its family has.
+    fn sites(
+        &self,
+        key: &Located<String>,
+        pattern: &VariablePattern,
+        names: &[&str],
+    ) -> Result<Vec<usize>, Refusal> {
+        let length = self.length(pattern);
+        let sites = sites_of(self.document, &self.scope, key, names)?.into_iter();
+        Ok(sites.filter(|site| *site < length).collect())
+    }
+
     /// A number for each site.
     fn assign_numbers(
         &mut self,
@@ -148,8 +161,8 @@ impl State<'_> {
                 format!("write \"{}[i]\" for all sites", pattern.name()),
             );
         }
-        let length = self.length(pattern);
-        let found = numbers.len();
+        let sites = self.sites(key, pattern, &names)?;
+        let (length, found) = (sites.len(), numbers.len());
         if found != length {
             return refuse(
                 place,
@@ -160,7 +173,7 @@ impl State<'_> {
                 "one number for each site".to_owned(),
             );
         }
-        for (i, value) in numbers.iter().enumerate() {
+        for (i, value) in sites.into_iter().zip(numbers) {
             let at = pattern
                 .resolve(&self.scope, Some((&names, i)))
                 .map_err(|error| refusal(self.document, key, &error))?;
@@ -181,10 +194,10 @@ impl State<'_> {
     ) -> Result<(), Refusal> {
         let names = pattern.index_names();
         let sites = match names.is_empty() {
-            false => self.length(pattern),
-            true => 1,
+            false => self.sites(key, pattern, &names)?,
+            true => vec![0],
         };
-        for i in 0..sites {
+        for i in sites {
             let index = (!names.is_empty()).then_some((&names[..], i));
             let at = pattern
                 .resolve(&self.scope, index)

@@ -92,9 +92,8 @@ pub fn instantiate(
         forms.extend(extension);
     }
     let moving = moving(document, lattice);
-    let longest = lattice.length().max(1);
-    let forces = forces(document, &scope, &names[..moving], (names.len(), longest))?;
-    let noise = channels(document, &scope, longest)?;
+    let forces = forces(document, &scope, &names[..moving], names.len())?;
+    let noise = channels(document, &scope)?;
     Ok(Instantiated {
         names,
         bracket,

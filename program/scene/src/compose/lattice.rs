@@ -365,7 +365,7 @@ fn force_reach(
         let pattern = VariablePattern::parse_one(&key.value)
             .map_err(|error| refusal(document, key, &error))?;
         pattern
-            .offsets()
+            .offsets_from(&pattern.index_names())
             .map_err(|error| refusal(document, key, &error))?;
         reach = reach
             .with_force(&pattern, &parse(document, formula)?)
@@ -385,7 +385,10 @@ fn bracket_reach(
             for (key, formula) in written {
                 let (a, b) = VariablePattern::parse_pair(&key.value)
                     .map_err(|error| refusal(document, key, &error))?;
-                let of_pair = a.offsets().and_then(|_| b.offsets());
+                let names = [a.index_names(), b.index_names()];
+                let names = names.into_iter().find(|names| !names.is_empty());
+                let names = names.unwrap_or_default();
+                let of_pair = a.offsets_from(&names).and_then(|_| b.offsets_from(&names));
                 of_pair.map_err(|error| refusal(document, key, &error))?;
                 reach = reach
                     .with_entry([&a, &b], &parse(document, formula)?)

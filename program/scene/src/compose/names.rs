@@ -80,6 +80,23 @@ pub(super) fn check_names(document: &SceneDocument) -> Result<(), Refusal> {
     Ok(())
 }
 
+/// The sites that a key with these indices stands for.
+///
+/// # Errors
+/// An index that counts along two axes, the key underlined.
+pub(super) fn sites_of(
+    document: &SceneDocument,
+    scope: &Scope,
+    key: &Located<String>,
+    names: &[&str],
+) -> Result<Vec<usize>, Refusal> {
+    scope.sites_of(names).map_err(|error| {
+        let help = Some("write one index an axis, as in \"x[i,j]\"".to_owned());
+        let (message, label) = (error.to_string(), "of two axes");
+        Box::new(document.diagnostic(&key.place(), message, label, help))
+    })
+}
+
 /// Parses a formula of the scene.
 pub(super) fn parse(
     document: &SceneDocument,

@@ -9,7 +9,7 @@ use leafwise_expression::{Arithmetic, Expression, Rational, Ring};
 use super::Refusal;
 use super::geometry::moving;
 use super::lie_algebra;
-use super::names::{algebra_refusal, exact, parse, refusal};
+use super::names::{algebra_refusal, exact, parse, refusal, sites_of};
 use super::sum::summands;
 use crate::document::{BracketSpec, Convention, LieAlgebraSpec, Located, Number, SceneDocument};
 
@@ -31,7 +31,7 @@ pub(super) fn entries(
                 noun: "a bracket",
                 name: |a, b| format!("{{{a}, {b}}}"),
             };
-            table.entries(document, scope, names, lattice, written)
+            table.entries(document, scope, names, written)
         }
         // Made of its form once the state is known about which the system moves.
         BracketSpec::OneForm(_) | BracketSpec::TwoForm(_) => Ok(Entries::new()),
@@ -128,13 +128,12 @@ pub(super) struct Antisymmetric {
 }
 
 impl Antisymmetric {
-    /// The entries for i < j with the families at the given lengths.
+    /// The entries for i < j with the families as long as those of the scope.
     pub fn entries(
         &self,
         document: &SceneDocument,
         scope: &Scope,
         names: &[String],
-        lattice: &LatticeGeometry,
         written: &[(Located<String>, Located<String>)],
     ) -> Result<Entries, Refusal> {
         let mut collector = Collector {
@@ -145,11 +144,25 @@ impl Antisymmetric {
             ring: Ring::new(names.len()),
         };
         for (key, formula) in written {
-            collector.template(scope, lattice, key, formula)?;
+            collector.template(scope, key, formula)?;
         }
         let known = collector.known.into_iter();
         Ok(known.map(|(at, (entry, _))| (at, entry)).collect())
     }
+}
+
+/// The names of the indices of a pair, one an axis: those of the first of them, and along axes where it has a number those of
+/// the other.
+fn joined<'a>(mut first: Vec<&'a str>, other: Vec<&'a str>) -> Vec<&'a str> {
+    if first.is_empty() {
+        return other;
+    }
+    for (name, other) in first.iter_mut().zip(other) {
+        if name.is_empty() {
+            *name = other;
+        }
+    }
+    first
 }
 
 struct Collector<'a> {
@@ -165,18 +178,17 @@ impl<'a> Collector<'a> {
     fn template(
         &mut self,
         scope: &Scope,
-        lattice: &LatticeGeometry,
         key: &'a Located<String>,
         formula: &'a Located<String>,
     ) -> Result<(), Refusal> {
         let (left, right) = VariablePattern::parse_pair(&key.value)
             .map_err(|error| refusal(self.document, key, &error))?;
         let parsed = parse(self.document, formula)?;
-        let indices = [left.index_names(), right.index_names()];
-        let names = indices.into_iter().find(|names| !names.is_empty());
-        let sites: Vec<Option<At<'_>>> = match &names {
-            None => vec![None],
-            Some(names) => (0..lattice.length())
+        let names = joined(left.index_names(), right.index_names());
+        let sites: Vec<Option<At<'_>>> = match names.is_empty() {
+            true => vec![None],
+            false => sites_of(self.document, scope, key, &names)?
+                .into_iter()
                 .map(|site| Some((&names[..], site)))
                 .collect(),
         };

@@ -11,9 +11,26 @@ use super::system_section::{Boundary, SystemSection, VectorFamily};
 /// More sites than a run can hold in memory, so that a slip of the keyboard is reported as one.
 const MOST_SITES: u64 = 100_000_000;
 
-pub(super) fn length(item: &Item<'_>, problems: &mut Problems) -> Option<Located<usize>> {
+fn length(item: &Item<'_>, problems: &mut Problems) -> Option<Located<usize>> {
     let length = item.whole_in(1, MOST_SITES, problems)?;
     Some(length.map(|length| usize::try_from(length).unwrap_or(usize::MAX)))
+}
+
+/// The length of a chain: `64`, or `[64]`.
+pub(super) fn chain_length(item: &Item<'_>, problems: &mut Problems) -> Option<Located<usize>> {
+    let lengths = lengths(item, problems)?;
+    if let [length] = lengths.value[..] {
+        return Some(lengths.map(|_| length));
+    }
+    problems.push(
+        SceneProblemCause::Shape {
+            what: item.title.clone(),
+            found: format!("{} lengths", lengths.value.len()),
+            expected: "one: this system is a chain".to_owned(),
+        },
+        item.place(),
+    );
+    None
 }
 
 /// The lengths of a family's axes: `64`, or `[64, 64]`.

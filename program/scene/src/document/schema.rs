@@ -37,8 +37,7 @@ pub(super) static SCENE: [Key; 6] = [
         table(&ENSEMBLE, &[]),
         "Many initial states or parameter sets at once",
     )
-    .otherwise("none")
-    .not_beside(&[Beside::Note("a long lattice")]),
+    .otherwise("none"),
     key(
         "sweep",
         table(&SWEEP, &[&["grid"], &["list"], &["file"]]),

@@ -10,7 +10,9 @@ use toml::de::DeTable;
 
 use super::bracket::{BracketSpec, read_bracket};
 use super::error::SceneProblemCause;
-use super::families::{Families, boundaries, check_boundaries, length, on_axes, read_families};
+use super::families::{
+    Families, boundaries, chain_length, check_boundaries, on_axes, read_families,
+};
 use super::field::{FieldSpec, Parameters, family_of, read_parameters, without_sites};
 use super::forces::{ForcesSpec, read_forces};
 use super::located::{Located, Place, Source};
@@ -152,7 +154,7 @@ fn override_values(
     define_parameters(system, known, problems);
     let families = table
         .get("families")
-        .and_then(|item| item.pairs("a table of lengths", problems, length));
+        .and_then(|item| item.pairs("a table of lengths", problems, chain_length));
     let vectors = &system.vectors;
     let given = families.into_iter().flatten().flat_map(|(name, length)| {
         let vector = vectors

@@ -145,3 +145,113 @@ fn single_coordinates_are_columns_on_lattices_of_any_length() {
     }
     assert_eq!(found, 5);
 }
+
+/// A key with a number along an axis stands for a row; the more indices, the sooner, whatever the order.
+#[test]
+fn a_key_with_a_number_along_an_axis_is_a_row() {
+    for (lengths, row) in [([8, 6], 6), ([6, 8], 8), ([2, 3], 3), ([5, 4], 4)] {
+        let [up, across] = lengths;
+        let text = plane(&format!("{lengths:?}"), "\"open\"", "sum(i, j, x[i,j]^2)");
+        for initial in [
+            "\"x[i,j]\" = 7, \"x[1,j]\" = \"j + 1\", \"x[i,1]\" = \"10*i\", \"x[1,1]\" = -1",
+            "\"x[1,1]\" = -1, \"x[1,j]\" = \"j + 1\", \"x[i,1]\" = \"10*i\", \"x[i,j]\" = 7",
+        ] {
+            let initial = format!("initial = {{ {initial} }}");
+            let composed = compose_system(&document(&text, &initial)).expect("a plane");
+            let expected = (0..up * across).map(|site| match (site / across, site % across) {
+                (1, 1) => -1.0,
+                (i, 1) => 10.0 * f64::from(i),
+                (1, j) => f64::from(j) + 1.0,
+                _ => 7.0,
+            });
+            assert_eq!(
+                composed.initial,
+                expected.collect::<Vec<_>>(),
+                "{lengths:?}"
+            );
+        }
+        let text = text.replace("x[i,j],x[i,j+1]", "x[1,j],x[1,j+1]");
+        let composed =
+            compose_system(&document(&text, "initial = { \"x[i,j]\" = 0 }")).expect("a plane");
+        let formulas = composed.system.expressions().expect("formulas");
+        assert_eq!(formulas.tensor().len(), row - 1, "{lengths:?}");
+    }
+}
+
+/// Indices that are not those of the axes in their order have the meaning that is written, or are refused: never that of others.
+#[test]
+fn indices_in_another_order_are_no_templates() {
+    let field = |lengths: &str, bracket: &str, rest: &str| {
+        format!(
+            "families = {{ q = {lengths}, p = {lengths} }}\nbracket = {{ {bracket} = \"1\" }}\n\
+             hamiltonian = \"sum(i, j, p[i,j]^2/2 + q[i,j]^2/2)\"\n{rest}"
+        )
+    };
+    let initial = "initial = { \"q[i,j]\" = 1, \"p[i,j]\" = 0 }";
+    let text = field("[5, 5]", "\"q[i,j],p[j,i]\"", "");
+    let composed = compose_system(&document(&text, initial)).expect("written out");
+    let formulas = composed.system.expressions().expect("formulas");
+    let pairs: Vec<_> = formulas.tensor().iter().map(|(pair, _)| *pair).collect();
+    // {q[0,1], p[1,0]}: 1 and 25 + 5.
+    assert!(
+        pairs.contains(&(1, 30)) && !pairs.contains(&(1, 26)),
+        "{pairs:?}"
+    );
+    let aligned = "\"q[i,j],p[i,j]\"";
+    for (text, message) in [
+        (
+            field("[6, 5]", "\"q[i,j],p[j,i]\"", ""),
+            "the index `j` counts along no axis",
+        ),
+        (
+            field("[100, 100]", "\"q[i,j],p[j,i]\"", ""),
+            "a sum within a sum",
+        ),
+        (
+            field("[5, 5]", "\"q[i,i],p[i,i]\"", ""),
+            "the index `i` counts along two axes",
+        ),
+        (
+            field("[40, 40]", "\"q[i,i],p[i,i]\"", ""),
+            "a sum within a sum",
+        ),
+        (
+            field("[6, 5]", aligned, "forces = { \"q[i,i]\" = \"1\" }"),
+            "the index `i` counts along two axes",
+        ),
+        (
+            field(
+                "[6, 5]",
+                aligned,
+                "forces = { \"q[i,j]\" = \"0.3*p[j,i]\" }",
+            ),
+            "the index `j` counts along no axis",
+        ),
+        (
+            field(
+                "[6, 5]",
+                aligned,
+                "noise = [{ hamiltonian = \"q[i,i]\", strength = \"1\" }]",
+            ),
+            "the index `i` counts along two axes",
+        ),
+    ] {
+        let refused = refusal(&text, initial);
+        assert!(
+            refused.message.starts_with(message),
+            "{text}: {}",
+            refused.message
+        );
+    }
+    let twice = refusal(
+        &field("[5, 5]", aligned, ""),
+        "initial = { \"q[i,j]\" = 1, \"p[i,j]\" = 0, \"p[i,i]\" = 1 }",
+    );
+    assert!(
+        twice
+            .message
+            .starts_with("the index `i` counts along two axes"),
+        "{}",
+        twice.message
+    );
+}
