@@ -191,7 +191,7 @@ fn indices_in_another_order_are_no_templates() {
     let text = field("[5, 5]", "\"q[i,j],p[j,i]\"", "");
     let composed = compose_system(&document(&text, initial)).expect("written out");
     let formulas = composed.system.expressions().expect("formulas");
-    let pairs: Vec<_> = formulas.tensor().iter().map(|(pair, _)| *pair).collect();
+    let pairs: Vec<_> = formulas.tensor().keys().copied().collect();
     // {q[0,1], p[1,0]}: 1 and 25 + 5.
     assert!(
         pairs.contains(&(1, 30)) && !pairs.contains(&(1, 26)),
