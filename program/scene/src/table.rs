@@ -138,19 +138,33 @@ fn read_csv(text: &str) -> Result<Table, String> {
 }
 
 /// The cells of a line: between commas where it has one, else between semicolons, else between tabs,
-/// else between spaces. Only of spaces are several one.
+/// else between spaces. Only of spaces are several one. A mark in quotes is of its cell.
 fn cells(line: &str) -> Vec<&str> {
     let line = line.trim_matches(' ');
-    match [',', ';', '\t']
-        .into_iter()
-        .find(|mark| line.contains(*mark))
-    {
-        Some(mark) => line
-            .split(mark)
+    let parts = [',', ';', '\t'].map(|mark| unquoted(line, mark));
+    match parts.into_iter().find(|parts| parts.len() > 1) {
+        Some(parts) => parts
+            .into_iter()
             .map(|cell| cell.trim_matches(' '))
             .collect(),
+        None if line.starts_with('"') => vec![line],
         None => line.split_whitespace().collect(),
     }
+}
+
+/// The parts of a line between marks that stand outside of quotes.
+fn unquoted(line: &str, mark: char) -> Vec<&str> {
+    let (mut parts, mut start, mut is_quoted) = (Vec::new(), 0, false);
+    for (at, c) in line.char_indices() {
+        if c == '"' {
+            is_quoted = !is_quoted;
+        } else if c == mark && !is_quoted {
+            parts.push(&line[start..at]);
+            start = at + mark.len_utf8();
+        }
+    }
+    parts.push(&line[start..]);
+    parts
 }
 
 #[cfg(test)]
@@ -166,6 +180,9 @@ mod tests {
             ("J\n1\n2.5", None),
             ("J\n1\n2.5", Some("J")),
             ("b,J\n7,1\n8,2.5", Some("J")),
+            ("\"J[0,0]\",\"J[0,1]\"\n7,1\n8,2.5", Some("J[0,1]")),
+            ("\"J[0,0]\"; b\n1; 7\n2.5; 8", Some("J[0,0]")),
+            ("\"J[0,0]\"\n1\n2.5", Some("J[0,0]")),
         ] {
             assert_eq!(column_of(text, column), Ok(vec![1.0, 2.5]), "{text}");
         }

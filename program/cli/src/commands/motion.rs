@@ -85,10 +85,10 @@ fn ranges(sites: &[usize]) -> String {
 /// The rows of a field under a heading.
 fn block(what: &str, definition: &str, motion: Motion) -> Vec<String> {
     let (place, rows) = match motion {
-        Motion::Formulas(rows) => ("", shown(rows)),
-        Motion::Site(rows) => (" at a site i", shown(rows)),
+        Motion::Formulas(rows) => (String::new(), shown(rows)),
+        Motion::Site(rows) => (format!(" at a site {}", indices(&rows)), shown(rows)),
         Motion::Values(rows) => (
-            " at the initial state",
+            " at the initial state".to_owned(),
             rows.into_iter()
                 .map(|(name, value)| (name, format!("{value:?}")))
                 .collect(),
@@ -107,6 +107,13 @@ fn block(what: &str, definition: &str, motion: Motion) -> Vec<String> {
         ));
     }
     lines
+}
+
+/// The indices of a site, `i` or `i,j`, from the name of a coordinate there.
+fn indices(rows: &[(String, Option<String>)]) -> &str {
+    let name = rows.first().map(|(name, _)| name.as_str());
+    let indices = name.and_then(|name| name.split_once('['));
+    indices.map_or("i", |(_, indices)| indices.trim_end_matches(']'))
 }
 
 fn shown(rows: Vec<(String, Option<String>)>) -> Vec<(String, String)> {
