@@ -8,6 +8,7 @@ mod code;
 mod compile;
 mod distances;
 mod draft;
+mod emit;
 mod execution;
 mod interpreter;
 #[cfg(all(feature = "jit", any(target_arch = "x86_64", target_arch = "aarch64")))]
