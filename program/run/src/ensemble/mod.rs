@@ -2,6 +2,7 @@
 //!
 //! - `plan`: [`compose_ensemble`], a scene's system and method with its members;
 //! - `population`: [`Population`], the members' initial states and parameters by number;
+//! - `leaf`: the way of drawn states onto a leaf;
 //! - `states`: [`Members`] that are given, by a file too;
 //! - `clock`: when they are looked at; `begun`, `block`: members side by side; `member_records`, `record`: their
 //!   records;
@@ -20,6 +21,7 @@ mod clock;
 mod drive;
 mod ending;
 mod execute;
+mod leaf;
 mod losses;
 mod member;
 mod member_records;
