@@ -172,11 +172,9 @@ pub struct PlaneMap {
     pub title: String,
     /// The names of the axes, across and up.
     pub axes: [String; 2],
-    /// Sites from one value to the next along each axis; 1 where every site is there.
-    pub spacing: usize,
-    /// The number of values across.
+    /// The number of sites across.
     pub columns: usize,
-    /// The values, one row above the other.
+    /// The values at all sites, one row above the other.
     pub values: Vec<f64>,
 }
 

@@ -1,7 +1,7 @@
 //! Values as colours.
 
 use super::axis::Axis;
-use super::canvas::{Anchor, Canvas, Ink};
+use super::canvas::{ALARM, Anchor, Canvas, Ink};
 
 /// How many colours the scale has.
 const LEVELS: usize = 32;
@@ -15,6 +15,39 @@ const WIDEST: usize = 12;
 /// The colour's number of a value on an axis.
 pub(super) fn level(axis: Axis, value: f64) -> usize {
     (axis.fraction(value) * (LEVELS - 1) as f64).round() as usize
+}
+
+/// Draws a row of cells between two heights, those of one colour as one; `None` is what is not finite. Returns how many
+/// of these there are.
+pub(super) fn draw_row(
+    canvas: &mut Canvas,
+    [left, right]: [f64; 2],
+    [top, bottom]: [f64; 2],
+    levels: &[Option<usize>],
+) -> usize {
+    let at = |cell: usize| left + (right - left) * cell as f64 / levels.len().max(1) as f64;
+    let (mut start, mut broken) = (0, 0);
+    for run in levels.chunk_by(|a, b| a == b) {
+        let ink = run[0].map_or(ALARM, color);
+        broken += if run[0].is_none() { run.len() } else { 0 };
+        canvas.cell((at(start), top), (at(start + run.len()), bottom), ink);
+        start += run.len();
+    }
+    broken
+}
+
+/// The value farthest from the mean; nothing where one is not finite.
+pub(super) fn farthest<'a>(values: impl Iterator<Item = &'a f64>, mean: f64) -> Option<f64> {
+    let mut best: Option<f64> = None;
+    for value in values {
+        if !value.is_finite() {
+            return None;
+        }
+        if best.is_none_or(|kept| (value - mean).abs() > (kept - mean).abs()) {
+            best = Some(*value);
+        }
+    }
+    best
 }
 
 /// The bar of colours to the right of a frame, with labels and a name.

@@ -1,11 +1,11 @@
 //! A field on a lattice: space against time in colour, and profiles.
 
 use super::axis::{Axis, Frame};
-use super::canvas::{ALARM, Canvas, SERIES};
+use super::canvas::{Canvas, SERIES};
 use super::decimate::envelope;
 use super::error::ReportError;
 use super::figure::Figure;
-use super::heat::{BAR, color, draw_scale, level};
+use super::heat::{BAR, draw_row, draw_scale, farthest, level};
 use super::number::number;
 
 /// The most cells across and up.
@@ -64,23 +64,15 @@ fn heat_figure(
         let levels: Vec<Option<usize>> = (0..columns)
             .map(|column| {
                 let stretch = column * sites / columns..(column + 1) * sites / columns;
-                let value = farthest(&fields[span.clone()], stretch, mean)?;
+                let block = fields[span.clone()].iter();
+                let block = block.filter_map(|field| field.get(stretch.clone()));
+                let value = farthest(block.flatten(), mean)?;
                 Some(level(color_axis, value))
             })
             .collect();
-        let at = |k: usize| left + (right - left) * k as f64 / columns as f64;
         let up = |k: usize| bottom - (bottom - top) * k as f64 / rows as f64;
-        let mut start = 0;
-        for run in levels.chunk_by(|a, b| a == b) {
-            let ink = run[0].map_or(ALARM, color);
-            broken += if run[0].is_none() { run.len() } else { 0 };
-            canvas.cell(
-                (at(start), up(row + 1)),
-                (at(start + run.len()), up(row)),
-                ink,
-            );
-            start += run.len();
-        }
+        let heights = [up(row + 1), up(row)];
+        broken += draw_row(&mut canvas, [left, right], heights, &levels);
     }
     draw_scale(&mut canvas, frame.edges, color_axis, name);
     let mut notes = Vec::new();
@@ -99,24 +91,6 @@ fn heat_figure(
             .to_owned(),
         notes,
     })
-}
-
-/// The value farthest from the mean in a block of fields; nothing where one is not finite.
-fn farthest(fields: &[Vec<f64>], stretch: std::ops::Range<usize>, mean: f64) -> Option<f64> {
-    let mut best: Option<f64> = None;
-    for value in fields
-        .iter()
-        .filter_map(|field| field.get(stretch.clone()))
-        .flatten()
-    {
-        if !value.is_finite() {
-            return None;
-        }
-        if best.is_none_or(|kept| (value - mean).abs() > (kept - mean).abs()) {
-            best = Some(*value);
-        }
-    }
-    best
 }
 
 fn profile_figure(

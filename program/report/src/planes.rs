@@ -1,17 +1,23 @@
 //! Maps of a field over a lattice of several axes, in colour.
 
 use super::axis::{Axis, Frame};
-use super::canvas::{ALARM, Canvas};
+use super::canvas::Canvas;
 use super::data::PlaneMap;
 use super::error::ReportError;
 use super::figure::Figure;
-use super::heat::{BAR, color, draw_scale, level};
+use super::heat::{BAR, draw_row, draw_scale, farthest, level};
 
 /// Height of a row of maps, and the maps of a row.
 const ROW: (f64, usize) = (320.0, 3);
 
 /// From one map to the next.
 const BETWEEN: f64 = 40.0;
+
+/// The most cells of a map across and up.
+const CELLS: usize = 64;
+
+/// Longer sides than so many times the other are drawn shorter, with cells that are no squares.
+const LONGEST: f64 = 8.0;
 
 /// Maps side by side, three a row, with one scale of colours.
 pub(super) fn plane_figure(maps: &[PlaneMap], slice: Option<&str>) -> Result<Figure, ReportError> {
@@ -37,9 +43,15 @@ pub(super) fn plane_figure(maps: &[PlaneMap], slice: Option<&str>) -> Result<Fig
         let [across, up] = &map.axes;
         frame.draw(&mut canvas, across, &format!("{} over {up}", map.title));
     }
+    let finite = maps
+        .iter()
+        .flat_map(|map| &map.values)
+        .filter(|value| value.is_finite());
+    let (sum, count) = finite.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
+    let mean = if count > 0.0 { sum / count } else { 0.0 };
     let mut broken = 0;
     for (frame, map) in frames.iter().zip(maps) {
-        broken += cells(&mut canvas, frame, map, color_axis);
+        broken += cells(&mut canvas, frame, map, (color_axis, mean));
     }
     let right = frames
         .iter()
@@ -57,57 +69,97 @@ pub(super) fn plane_figure(maps: &[PlaneMap], slice: Option<&str>) -> Result<Fig
         title: "The field over the lattice".to_owned(),
         svg: canvas.finish("Maps of the field over two axes of the lattice")?,
         legend: Vec::new(),
-        caption: match maps.iter().map(|map| map.spacing).max() {
-            Some(spacing) if spacing > 1 => format!(
-                "Each cell is one site of {spacing} along each axis; all maps share the scale of colours."
-            ),
-            _ => "Each cell is a site; all maps share the scale of colours.".to_owned(),
-        },
+        caption: match maps.iter().any(|map| shape(map).iter().any(|sites| *sites > CELLS)) {
+            true => "Each cell shows, among the sites that it covers, the value farthest from the mean; all maps share the \
+                     scale of colours.",
+            false => "Each cell is a site; all maps share the scale of colours.",
+        }
+        .to_owned(),
         notes,
     })
 }
 
-/// The frame of a map within these edges: a site is as wide as high.
+/// The sites of a map across and up.
+fn shape(map: &PlaneMap) -> [usize; 2] {
+    let columns = map.columns.max(1);
+    [columns, map.values.len() / columns]
+}
+
+/// The frame of a map within these edges: a site is as wide as high, where one side is not much longer than the other.
 fn frame_of(map: &PlaneMap, edges: [f64; 4]) -> Frame {
     let [left, top, right, bottom] = edges;
-    let rows = map.values.len() / map.columns.max(1);
-    let (across, up) = (map.columns.max(1) as f64, rows.max(1) as f64);
-    let cell = ((right - left) / across).min((bottom - top) / up);
-    let linear = |high: f64| Axis::Linear {
-        low: 0.0,
-        high: high * map.spacing.max(1) as f64,
-    };
+    let sites = shape(map).map(|sites| sites.max(1) as f64);
+    let longest = sites[0].max(sites[1]);
+    let [across, up] = sites.map(|sites| sites.max(longest / LONGEST));
+    let size = ((right - left) / across).min((bottom - top) / up);
+    let [x, y] = sites.map(|high| Axis::Linear { low: 0.0, high });
     Frame {
-        edges: [left, bottom - cell * up, left + cell * across, bottom],
-        x: linear(across),
-        y: linear(up),
+        edges: [left, bottom - size * up, left + size * across, bottom],
+        x,
+        y,
     }
 }
 
-/// Draws the sites of a map; returns how many have no finite value.
-fn cells(canvas: &mut Canvas, frame: &Frame, map: &PlaneMap, color_axis: Axis) -> usize {
+/// Draws the sites of a map, many as one cell; returns how many cells have no finite value.
+fn cells(
+    canvas: &mut Canvas,
+    frame: &Frame,
+    map: &PlaneMap,
+    (color_axis, mean): (Axis, f64),
+) -> usize {
     let [left, top, right, bottom] = frame.edges;
-    let columns = map.columns.max(1);
-    let rows = map.values.len() / columns;
-    let at = |k: usize| left + (right - left) * k as f64 / columns as f64;
-    let up = |k: usize| bottom - (bottom - top) * k as f64 / rows.max(1) as f64;
+    let [across, up] = shape(map);
+    let [columns, rows] = [across, up].map(|sites| sites.min(CELLS));
+    let height = |row: usize| bottom - (bottom - top) * row as f64 / rows.max(1) as f64;
     let mut broken = 0;
-    for (row, values) in map.values.chunks_exact(columns).enumerate() {
-        let levels = values.iter();
-        let levels: Vec<Option<usize>> = levels
-            .map(|value| value.is_finite().then(|| level(color_axis, *value)))
-            .collect();
-        let mut start = 0;
-        for run in levels.chunk_by(|a, b| a == b) {
-            let ink = run[0].map_or(ALARM, color);
-            broken += if run[0].is_none() { run.len() } else { 0 };
-            canvas.cell(
-                (at(start), up(row + 1)),
-                (at(start + run.len()), up(row)),
-                ink,
-            );
-            start += run.len();
-        }
+    for row in 0..rows {
+        let own = row * up / rows..(row + 1) * up / rows;
+        let cell = |column: usize| {
+            let stretch = column * across / columns..(column + 1) * across / columns;
+            let sites = own
+                .clone()
+                .flat_map(|row| &map.values[row * across..][stretch.clone()]);
+            Some(level(color_axis, farthest(sites, mean)?))
+        };
+        let levels: Vec<Option<usize>> = (0..columns).map(cell).collect();
+        broken += draw_row(
+            canvas,
+            [left, right],
+            [height(row + 1), height(row)],
+            &levels,
+        );
     }
     broken
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn map(columns: usize, rows: usize) -> PlaneMap {
+        let mut values = vec![0.0; columns * rows];
+        values[columns * (rows / 2) + columns / 2] = 1.0;
+        PlaneMap {
+            title: "q at t = 0".to_owned(),
+            axes: ["j", "i"].map(str::to_owned),
+            columns,
+            values,
+        }
+    }
+
+    /// A peak of one site is seen however many sites there are, and a thin plane fills a frame that can be looked at.
+    #[test]
+    fn a_peak_of_one_site_is_drawn_on_planes_of_any_shape() {
+        for (columns, rows) in [(8, 8), (512, 512), (5000, 2), (2, 5000), (1, 1), (65, 64)] {
+            let figure = plane_figure(&[map(columns, rows)], None).expect("a picture");
+            // The brightest colour of the scale: its bar, and the peak where there is another value.
+            let brightest = figure.svg.to_lowercase().matches("#fde725").count();
+            let expected = if columns * rows > 1 { 2 } else { 1 };
+            assert!(brightest >= expected, "{columns} × {rows}: {brightest}");
+            let [left, top, right, bottom] =
+                frame_of(&map(columns, rows), [0.0, 0.0, 240.0, 240.0]).edges;
+            let (width, height) = (right - left, bottom - top);
+            assert!(width >= 29.9 && height >= 29.9, "{width} × {height}");
+        }
+    }
 }
