@@ -6,7 +6,6 @@ use super::reader::{Item, Problems, Table};
 use super::run::{RecordSpec, read_observables, read_sample_times};
 use super::schema::{CENTER, DRAWS, ENSEMBLE, ENSEMBLE_RECORD, WAYS};
 use super::shape::Key;
-use super::suggest::nearest;
 use super::system_section::SystemSection;
 
 /// The `[ensemble]` table.
@@ -300,18 +299,12 @@ fn read_parameters(
         if !known().any(|known| known == name.value) {
             let mut define = system.define.iter();
             let is_formula = define.any(|(own, _)| own.value == name.value);
-            problems.push(
-                SceneProblemCause::UnknownName {
-                    kind: match is_formula {
-                        true => "parameter of a number of its own (it is a formula of others)",
-                        false => "parameter of this system",
-                    },
-                    name: name.value.clone(),
-                    nearest: nearest(&name.value, known()),
-                    valid: known().map(str::to_owned).collect(),
-                },
-                name.place(),
-            );
+            let kind = match is_formula {
+                true => "parameter of a number of its own (it is a formula of others)",
+                false => "parameter of this system",
+            };
+            let cause = SceneProblemCause::unknown(kind, &name.value, known());
+            problems.push(cause, name.place());
             are_known = false;
         }
     }

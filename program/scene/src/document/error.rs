@@ -3,6 +3,7 @@
 use thiserror::Error;
 
 use super::located::{Place, Source};
+use super::suggest::nearest;
 use crate::diagnostic::SceneDiagnostic;
 
 /// One thing wrong with a scene, and where.
@@ -203,6 +204,21 @@ pub enum SceneProblemCause {
 }
 
 impl SceneProblemCause {
+    /// An unknown name of a kind beside those that are known, with the nearest of them.
+    pub(super) fn unknown<'a>(
+        kind: &'static str,
+        name: &str,
+        valid: impl IntoIterator<Item = &'a str>,
+    ) -> Self {
+        let valid: Vec<String> = valid.into_iter().map(str::to_owned).collect();
+        Self::UnknownName {
+            kind,
+            nearest: nearest(name, valid.iter().map(String::as_str)),
+            name: name.to_owned(),
+            valid,
+        }
+    }
+
     /// Label to write under the underlined piece.
     pub fn label(&self) -> String {
         match self {

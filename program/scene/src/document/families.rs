@@ -4,7 +4,7 @@ use leafwise_expression::syntax::AXES;
 
 use super::error::SceneProblemCause;
 use super::located::Located;
-use super::reader::{Item, Problems, choose};
+use super::reader::{Item, Problems};
 use super::system_schema::VECTORS;
 use super::system_section::{Boundary, SystemSection, VectorFamily};
 
@@ -103,13 +103,12 @@ pub(super) fn boundaries(
 ) -> Option<Located<Vec<Boundary>>> {
     let one = |item: &Item<'_>, problems: &mut Problems| {
         let choices = [("periodic", Boundary::Periodic), ("open", Boundary::Open)];
-        choose(item, "boundary", &choices, problems)
+        item.word("boundary", &choices, problems)
     };
     if !item.is_list() {
-        return Some(one(item, problems)?.map(|boundary| vec![boundary]));
+        return Some(Located::new(vec![one(item, problems)?], item.place()));
     }
     let each = item.list_of("a list of boundaries, one an axis", problems, one)?;
-    let each = each.into_iter().map(|boundary| boundary.value).collect();
     Some(Located::new(each, item.place()))
 }
 

@@ -13,7 +13,6 @@ use super::forces::ForcesSpec;
 use super::located::{Located, Number, Place};
 use super::method::{ParameterValue, read_parameter};
 use super::reader::{Problems, Table};
-use super::suggest::nearest;
 use super::system_section::{Convention, NumbersSystem, SystemSection};
 
 /// Whether the scene asks for the numbers of a system that has formulas too; a wrong word is recorded.
@@ -31,12 +30,7 @@ pub(super) fn asks_for_numbers(table: &Table<'_>, problems: &mut Problems) -> bo
     let words = ["expressions", "numbers"];
     if !words.contains(&word.value.as_str()) {
         problems.push(
-            SceneProblemCause::UnknownName {
-                kind: PATH,
-                nearest: nearest(&word.value, words),
-                valid: words.map(str::to_owned).to_vec(),
-                name: word.value.clone(),
-            },
+            SceneProblemCause::unknown(PATH, &word.value, words),
             word.place(),
         );
     }
@@ -101,16 +95,9 @@ fn setting(
     problems: &mut Problems,
 ) -> Option<leafwise_core::part::ParameterSetting> {
     let Some(declared) = info.parameters.iter().find(|p| p.name == name.value) else {
-        let valid: Vec<String> = info.parameters.iter().map(|p| p.name.to_owned()).collect();
-        problems.push(
-            SceneProblemCause::UnknownName {
-                kind: "parameter of this system",
-                nearest: nearest(&name.value, valid.iter().map(String::as_str)),
-                name: name.value.clone(),
-                valid,
-            },
-            name.place(),
-        );
+        let valid = info.parameters.iter().map(|p| p.name);
+        let cause = SceneProblemCause::unknown("parameter of this system", &name.value, valid);
+        problems.push(cause, name.place());
         return None;
     };
     let (found, expected) = match (&value.value, declared.default) {

@@ -247,19 +247,14 @@ fn check_declared(document: &DocumentMut, keys: &[Key], path: &str) -> Result<()
         return Ok(());
     };
     let declared = table.get(keys[1].get()).and_then(Item::as_table_like);
-    let valid: Vec<String> = declared
+    let names = declared
         .into_iter()
-        .flat_map(|declared| declared.iter().map(|(name, _)| name.to_owned()))
-        .collect();
-    if valid.iter().any(|known| known == name.get()) {
+        .flat_map(|declared| declared.iter().map(|(name, _)| name));
+    let valid: Vec<&str> = names.collect();
+    if valid.contains(&name.get()) {
         return Ok(());
     }
-    let cause = SceneProblemCause::UnknownName {
-        kind,
-        name: name.get().to_owned(),
-        nearest: nearest(name.get(), valid.iter().map(String::as_str)),
-        valid,
-    };
+    let cause = SceneProblemCause::unknown(kind, name.get(), valid);
     Err((cause, segment(path, name.get())))
 }
 

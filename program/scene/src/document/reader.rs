@@ -247,7 +247,7 @@ impl<'a> Item<'a> {
         }
     }
 
-    /// Meaning of the value, one of a few words.
+    /// Meaning of the value, one of a few words; spaces inside the word do not matter.
     pub fn word<T: Copy>(
         &self,
         kind: &'static str,
@@ -255,18 +255,12 @@ impl<'a> Item<'a> {
         problems: &mut Problems,
     ) -> Option<T> {
         let written = self.string(problems)?;
-        let known = words.iter().find(|(word, _)| *word == written.value);
+        let squeezed: String = written.value.split_whitespace().collect();
+        let known = words.iter().find(|(word, _)| *word == squeezed);
         if known.is_none() {
-            let names = words.iter().map(|(word, _)| *word);
-            problems.push(
-                SceneProblemCause::UnknownName {
-                    kind,
-                    nearest: nearest(&written.value, names.clone()),
-                    valid: names.map(str::to_owned).collect(),
-                    name: written.value.clone(),
-                },
-                written.place(),
-            );
+            let valid = words.iter().map(|(word, _)| *word);
+            let cause = SceneProblemCause::unknown(kind, &written.value, valid);
+            problems.push(cause, written.place());
         }
         known.map(|(_, meaning)| *meaning)
     }
@@ -510,29 +504,4 @@ pub(super) fn end_of(text: &str) -> Place {
         source: Source::Scene,
         span: end..end,
     }
-}
-
-/// One of a few words; spaces inside the word do not matter.
-pub(super) fn choose<T: Copy>(
-    item: &Item<'_>,
-    kind: &'static str,
-    choices: &[(&str, T)],
-    problems: &mut Problems,
-) -> Option<Located<T>> {
-    let written = item.string(problems)?;
-    let squeezed: String = written.value.split_whitespace().collect();
-    if let Some((_, choice)) = choices.iter().find(|(word, _)| *word == squeezed) {
-        return Some(written.map(|_| *choice));
-    }
-    let words = choices.iter().map(|(word, _)| *word);
-    problems.push(
-        SceneProblemCause::UnknownName {
-            kind,
-            nearest: nearest(&written.value, words.clone()),
-            valid: words.map(str::to_owned).collect(),
-            name: written.value.clone(),
-        },
-        written.place(),
-    );
-    None
 }

@@ -18,7 +18,7 @@ use super::forces::{ForcesSpec, read_forces};
 use super::located::{Located, Place, Source};
 use super::noise::read_noise;
 use super::numbers::{asks_for_numbers, read_numbers};
-use super::reader::{Item, Problems, Table, choose};
+use super::reader::{Item, Problems, Table};
 use super::suggest::nearest;
 use super::system_schema::SYSTEM;
 use super::system_section::{Convention, SystemSection};
@@ -39,12 +39,7 @@ pub(super) fn read_system(
     let Ok(part) = registry.system(&id.value) else {
         let ids = system_names(registry);
         problems.push(
-            SceneProblemCause::UnknownName {
-                kind: "library system",
-                nearest: nearest(&id.value, ids.iter().copied()),
-                valid: ids.into_iter().map(str::to_owned).collect(),
-                name: id.value,
-            },
+            SceneProblemCause::unknown("library system", &id.value, ids),
             item.place(),
         );
         return None;
@@ -139,17 +134,9 @@ fn override_values(
         numbers.any(|(own, _)| own.value == name.value) || system.forces.names(&name.value)
     });
     for (name, _) in unknown {
-        let known = system.parameters.iter().map(|(own, _)| own.value.clone());
-        let valid: Vec<String> = known.collect();
-        problems.push(
-            SceneProblemCause::UnknownName {
-                kind: "parameter of this system",
-                nearest: nearest(&name.value, valid.iter().map(String::as_str)),
-                name: name.value.clone(),
-                valid,
-            },
-            name.place(),
-        );
+        let known = system.parameters.iter().map(|(own, _)| own.value.as_str());
+        let cause = SceneProblemCause::unknown("parameter of this system", &name.value, known);
+        problems.push(cause, name.place());
     }
     define_parameters(system, known, problems);
     let families = table
@@ -234,15 +221,9 @@ fn replace_sites(
             declared.retain(|(before, _)| before.value != key.value);
             declared.push((key, value));
         } else {
-            problems.push(
-                SceneProblemCause::UnknownName {
-                    kind: "parameter of every site of this system",
-                    nearest: nearest(name, known.iter().map(String::as_str)),
-                    name: name.to_owned(),
-                    valid: known.clone(),
-                },
-                key.place(),
-            );
+            let kind = "parameter of every site of this system";
+            let valid = known.iter().map(String::as_str);
+            problems.push(SceneProblemCause::unknown(kind, name, valid), key.place());
         }
     }
 }
@@ -277,19 +258,9 @@ fn replace<T>(
         {
             Some(entry) => entry.1 = value,
             None => {
-                let valid: Vec<_> = declared
-                    .iter()
-                    .map(|(known, _)| known.value.clone())
-                    .collect();
-                problems.push(
-                    SceneProblemCause::UnknownName {
-                        kind,
-                        nearest: nearest(&name.value, valid.iter().map(String::as_str)),
-                        name: name.value.clone(),
-                        valid,
-                    },
-                    name.place(),
-                );
+                let valid = declared.iter().map(|(known, _)| known.value.as_str());
+                let cause = SceneProblemCause::unknown(kind, &name.value, valid);
+                problems.push(cause, name.place());
             }
         }
     }
@@ -333,16 +304,13 @@ fn read_inline(table: &Table<'_>, problems: &mut Problems) -> Option<SystemSecti
     };
     let names_convention = table.get("convention").is_some();
     let convention = match table.get("convention") {
-        Some(item) => choose(
-            item,
-            "convention",
-            &[
+        Some(item) => {
+            let words = [
                 ("{H,x}", Convention::HamiltonFirst),
                 ("{x,H}", Convention::HamiltonSecond),
-            ],
-            problems,
-        )
-        .map(|chosen| chosen.value),
+            ];
+            item.word("convention", &words, problems)
+        }
         None => Some(Convention::default()),
     };
     let hamiltonian = table
@@ -473,15 +441,9 @@ fn check_summands(system: &SystemSection, problems: &mut Problems) {
     for name in summands.iter().flat_map(|summand| &summand.variables) {
         let valid = declared.iter().map(|name| name.value.as_str());
         if !valid.clone().any(|known| known == name.value) {
-            problems.push(
-                SceneProblemCause::UnknownName {
-                    kind: "variable or family of this system",
-                    name: name.value.clone(),
-                    nearest: nearest(&name.value, valid.clone()),
-                    valid: valid.map(str::to_owned).collect(),
-                },
-                name.place(),
-            );
+            let kind = "variable or family of this system";
+            let cause = SceneProblemCause::unknown(kind, &name.value, valid);
+            problems.push(cause, name.place());
         } else if !seen.insert(&name.value) {
             problems.push(
                 SceneProblemCause::TwoSummands {
