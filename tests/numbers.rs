@@ -69,7 +69,6 @@ impl RealizationData for Numbers {
             is_reversible: self.is_reversible,
             ends: Some(EndMaps::Numbers(EndNumbers::new(
                 has_tangents,
-                true,
                 move |parameters, epsilon| {
                     Box::new(InnerEvaluator {
                         inner: maps.evaluator(parameters, epsilon),

@@ -22,13 +22,13 @@ pub enum LagrangianBisection {
     Graph(Arc<GraphBisection>),
     /// y ↦ L(y) as numbers.
     Points {
-        /// The d_S coordinates of L(y).
+        /// y ↦ L(y), from the d coordinates y to the d_S coordinates of L(y).
         map: SmoothMap,
         /// Whether D(β̂∘L) is so near the identity that the residual serves as the correction.
         is_near_identity: bool,
     },
     /// The image of the section under a Gauss method in the coordinates of a [`Lift`](crate::lift::Lift), which makes the
-    /// whole step: nothing is solved for its start.
+    /// whole step: nothing is solved for its start. The realization has such a lift.
     Lifted {
         /// 1 to [`Tableau::MOST_STAGES`](crate::runge_kutta::Tableau::MOST_STAGES).
         stages: usize,
@@ -211,9 +211,14 @@ impl PointMaps {
 /// y ↦ χ(y, θ(y)) in a space of `space` coordinates over `d`.
 fn graph_of(form: SmoothMap, chart: ChartMaps, [d, space]: [usize; 2]) -> SmoothMap {
     let has_jacobian = form.has_jacobian() && chart.has_jacobian();
-    SmoothMap::from_numbers(d, space, has_jacobian, move |parameters, epsilon, h| {
+    let is_pointwise = form.is_pointwise() && chart.is_pointwise();
+    let graph = SmoothMap::from_numbers(d, space, has_jacobian, move |parameters, epsilon, h| {
         let form = Box::new(form.evaluator(parameters, epsilon, h));
         let chart = chart.evaluator(parameters, epsilon);
         Box::new(GraphOfOneForm::new(form, chart, d, space))
-    })
+    });
+    match is_pointwise {
+        true => graph,
+        false => graph.for_one_trajectory(),
+    }
 }

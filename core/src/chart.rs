@@ -58,6 +58,14 @@ impl ChartMaps {
         }
     }
 
+    /// Whether trajectories may share an evaluator.
+    pub fn is_pointwise(&self) -> bool {
+        match self {
+            Self::Pairs(_) => true,
+            Self::Map(map) => map.is_pointwise(),
+        }
+    }
+
     /// An evaluator of (x, p) ↦ χ(x, p) for fixed parameters and ε.
     pub fn evaluator(&self, parameters: &[f64], epsilon: f64) -> Box<dyn Evaluator> {
         match self {

@@ -13,6 +13,9 @@ use crate::realization::{
 };
 use crate::solver::judge::{at_most, inside_chart, larger, ratio_in_own_units};
 
+/// The reason where α̂ and β̂ cannot be evaluated.
+pub(crate) const NO_MAPS: &str = "it offers neither code nor numbers for its maps";
+
 /// An evaluator of any realization's maps: one compiled from its code, or its own evaluator.
 ///
 /// # Errors
@@ -70,7 +73,7 @@ impl RealizationMaps {
                 return Err(BuildError::Incompatible {
                     dynamics: "an evaluation".to_owned(),
                     realization: realization.describe(),
-                    reason: "it offers neither code nor numbers for its maps".to_owned(),
+                    reason: NO_MAPS.to_owned(),
                 });
             }
         };

@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use leafwise_expression::{AlgebraError, Graph, Kernel, StepSize, Term};
 
 use crate::bisection::{LagrangianBisection, PointMaps};
-use crate::code_evaluators::{RealizationMaps, guards_series, realization_evaluator};
+use crate::code_evaluators::{NO_MAPS, RealizationMaps, guards_series, realization_evaluator};
 use crate::dynamics::{Correction, DynamicApproximation};
 use crate::error::BuildError;
 use crate::evaluator::Evaluator;
@@ -52,6 +52,10 @@ pub struct MethodEvaluators {
 
 /// The reason where y ↦ L(y) cannot be evaluated.
 const NO_POINTS: &str = "the bisection offers neither code nor numbers";
+
+/// The reason where a bisection is one of a lift that is not there.
+const NO_LIFT: &str =
+    "it steps in coordinates with a constant tensor, and the realization has no lift into such";
 
 /// How a step is computed.
 #[derive(Clone)]
@@ -209,13 +213,17 @@ impl Method {
             }
             _ => {
                 if realization.abilities().ends.is_none() {
-                    return Err(missing("it offers neither code nor numbers for its maps"));
+                    return Err(missing(NO_MAPS));
                 }
                 let maps = RealizationMaps::new(realization.as_ref(), parameters)?;
                 let space = realization.space_dimension();
-                let points = bisection
-                    .points([d, space], parameters)?
-                    .ok_or_else(|| missing(NO_POINTS))?;
+                let points =
+                    bisection
+                        .points([d, space], parameters)?
+                        .ok_or_else(|| match bisection {
+                            LagrangianBisection::Lifted { .. } => missing(NO_LIFT),
+                            _ => missing(NO_POINTS),
+                        })?;
                 Path::Evaluators {
                     together: maps.is_pointwise() && points.is_pointwise(),
                     maps,

@@ -19,7 +19,7 @@ pub enum OneForm {
         /// d components.
         components: Vec<Term>,
     },
-    /// θ as numbers.
+    /// θ as numbers: from the d coordinates y to d components.
     Numbers(SmoothMap),
 }
 
@@ -62,7 +62,7 @@ pub type PointCode<'a> =
     Box<dyn Fn(&mut Graph, &Term, &Term, &[Term]) -> Result<Vec<Term>, BuildError> + 'a>;
 
 /// y ↦ χ(y, θ(y)): the graph of a one-form, through a chart.
-pub struct GraphOfOneForm {
+pub(crate) struct GraphOfOneForm {
     form: Box<dyn Evaluator>,
     chart: Box<dyn Evaluator>,
     dimension: usize,
@@ -78,7 +78,7 @@ pub struct GraphOfOneForm {
 
 impl GraphOfOneForm {
     /// The graph of a one-form on M of `dimension` d in S of `space` coordinates.
-    pub fn new(
+    pub(crate) fn new(
         form: Box<dyn Evaluator>,
         chart: Box<dyn Evaluator>,
         dimension: usize,
@@ -158,5 +158,23 @@ impl Evaluator for GraphOfOneForm {
 
     fn operations(&self) -> Option<u64> {
         Some(self.form.operations()? + self.chart.operations()? + self.linear)
+    }
+
+    fn restart(&mut self) {
+        self.y.clear();
+        self.form.restart();
+        self.chart.restart();
+    }
+
+    /// That of the one-form, then that of the chart.
+    fn memory(&self) -> Vec<f64> {
+        [self.form.memory(), self.chart.memory()].concat()
+    }
+
+    fn restore(&mut self, memory: &[f64]) {
+        self.y.clear();
+        let (form, chart) = memory.split_at(self.form.memory().len());
+        self.form.restore(form);
+        self.chart.restore(chart);
     }
 }

@@ -154,14 +154,20 @@ impl EndNumbers {
     /// Maps whose evaluators `make` makes, one a thread, of parameters and ε.
     pub fn new(
         has_jacobian: bool,
-        is_pointwise: bool,
         make: impl Fn(&[f64], f64) -> Box<dyn RealizationEvaluator> + Send + Sync + 'static,
     ) -> Self {
         Self {
             has_jacobian,
-            is_pointwise,
+            is_pointwise: true,
             make: Arc::new(make),
         }
+    }
+
+    /// The same of evaluators that belong to one trajectory: what they return depends on what they evaluated before.
+    #[must_use]
+    pub fn for_one_trajectory(mut self) -> Self {
+        self.is_pointwise = false;
+        self
     }
 
     /// An evaluator for fixed parameters and ε.

@@ -208,9 +208,14 @@ impl LatticeGeometry {
     /// The name of a coordinate, `x[3]` or `s[0,7]`.
     pub fn name(&self, coordinate: usize) -> String {
         let (family, site) = self.locate(coordinate);
+        format!("{}[{}]", self.families[family].0, self.site_name(site))
+    }
+
+    /// The place of a site as it is written in brackets: `3`, or `0,7`.
+    pub fn site_name(&self, site: usize) -> String {
         let place = &self.place(site)[..self.axes.len()];
         let place: Vec<String> = place.iter().map(usize::to_string).collect();
-        format!("{}[{}]", self.families[family].0, place.join(","))
+        place.join(",")
     }
 }
 
@@ -279,11 +284,11 @@ impl SiteBox {
             |axis: &usize| (self.start[*axis], self.end[*axis]) == (0, geometry.axes[*axis].length);
         let whole = (0..axes).rev().take_while(is_whole).count();
         let (mut rows, mut length) = (*self, 1);
-        for axis in axes - whole.min(axes.saturating_sub(1))..axes {
+        let along = axes - whole.min(axes.saturating_sub(1));
+        for axis in along..axes {
             length *= geometry.axes[axis].length;
             rows.end[axis] = rows.start[axis] + 1;
         }
-        let along = axes - whole.min(axes.saturating_sub(1));
         let (places, of_row) = rows.rows(along);
         let starts: Vec<usize> = places.map(|place| geometry.site(place)).collect();
         starts

@@ -5,12 +5,13 @@
 //! the first and last W sites has code of its own. A step is a sequence of *stages* that sweep over the sites, each
 //! reading the fields of earlier stages in a neighbourhood. Time and memory are O(N).
 //!
-//! - [`geometry`]: families, boundary, proxies, classes of sites.
+//! - [`geometry`]: families, axes, proxies, classes of sites.
 //! - [`cells`]: lattices whose code repeats every few sites.
 //! - `source`: lattice systems that can be written out at any length.
 //! - [`reach`]: how far templates look, as they are written.
 //! - [`locality`]: which lattice is written out in the place of a long one.
 //! - [`stages`]: how a realization writes its maps as stages.
+//! - `blocks`: sites as lanes of a kernel.
 //! - `fields`: what stages read and write.
 //! - `stencil`: the code of one class of sites in one stage, and its sweep over them.
 //! - [`program`]: stages compiled to stencils.
@@ -24,6 +25,7 @@
 //! - [`observables`]: sums over sites.
 //! - `poles`: what no step crosses.
 
+mod blocks;
 pub mod cells;
 mod differential;
 mod fields;

@@ -126,7 +126,10 @@ impl LatticePoles {
         let names: Vec<String> = (0..self.proxy.dimension()).map(name).collect();
         match self.graph.formula(denominator, MOST_PARTS) {
             Some(formula) => formula.written(&names, &self.parameters),
-            None => format!("a long denominator of site {site}"),
+            None => format!(
+                "a long denominator of site {}",
+                self.geometry.site_name(site)
+            ),
         }
     }
 }

@@ -13,11 +13,12 @@ use std::sync::{Arc, OnceLock};
 
 use leafwise_expression::{AlgebraError, Arithmetic, Execution, Graph, Kernel, Term, Workspace};
 
+use super::blocks::{Blocks, RowPart, load};
 use super::fields::Fields;
 use super::geometry::{LatticeGeometry, PerAxis, Proxy, SiteClass, site_classes};
 use super::program::{LatticeProgram, Prepared};
 use super::stages::{Field, StageBuilder};
-use super::stencil::{Blocks, Tap, load, tap_of, terms_of, workspace};
+use super::stencil::{Tap, tap_of, terms_of, workspace};
 
 /// Code of the slopes of a program, compiled when it is first asked for.
 #[derive(Debug)]
@@ -189,14 +190,24 @@ impl<By> SlopeCode<By> {
 struct Entries {
     workspace: Workspace,
     values: Vec<f64>,
+    /// The sites of the class, in ranges, and room for those of a block.
+    runs: Vec<Range<usize>>,
+    block: Vec<RowPart>,
 }
 
 impl Entries {
-    fn of<By>(code: &SlopeCode<By>, class: SiteClass, parameters: &[f64], sizes: [f64; 2]) -> Self {
+    fn of<By>(
+        code: &SlopeCode<By>,
+        (geometry, class): (&LatticeGeometry, SiteClass),
+        parameters: &[f64],
+        sizes: [f64; 2],
+    ) -> Self {
         let execution = Execution::default_of_process();
         Self {
             workspace: workspace(&code.kernel, class, execution, parameters, sizes),
             values: Vec::new(),
+            runs: class.sites.runs(geometry).collect(),
+            block: Vec::new(),
         }
     }
 
@@ -213,10 +224,10 @@ impl Entries {
             return;
         }
         let geometry = program.geometry();
-        let runs: Vec<Range<usize>> = class.sites.runs(geometry).collect();
-        let (mut blocks, mut block) = (Blocks::new(&runs, lanes), Vec::new());
+        let Self { runs, block, .. } = self;
+        let mut blocks = Blocks::new(runs, lanes);
         let mut first = 0;
-        while blocks.next_into(geometry, &mut block) {
+        while blocks.next_into(geometry, block) {
             let count = lanes.min(sites - first);
             for (input, tap) in code.taps.iter().enumerate() {
                 load(
@@ -224,7 +235,7 @@ impl Entries {
                     &fields.get(Field(tap.field))[program.offsets()[tap.family]..],
                     geometry,
                     tap.shift,
-                    &block,
+                    block,
                 );
             }
             code.kernel.evaluate_in_place(&mut self.workspace);
@@ -269,7 +280,7 @@ impl SlopesAlong {
         let make = |(stage, h): (usize, f64)| {
             let sizes = [epsilon, h];
             let of_stencil = |stencil: &SlopeStencil| {
-                let class = stencil.class;
+                let class = (slopes.program.geometry(), stencil.class);
                 (
                     Entries::of(&stencil.by_state, class, parameters, sizes),
                     Entries::of(&stencil.by_parameters, class, parameters, sizes),

@@ -5,13 +5,11 @@ use std::ops::Range;
 use leafwise_expression::syntax::AXES;
 use leafwise_expression::{Aligned, Execution, Graph, Kernel, Term, Workspace};
 
+use super::blocks::{BLOCK, Blocks, RowPart, load};
 use super::fields::{Fields, stride};
 use super::geometry::{LatticeGeometry, PerAxis, Proxy, SiteBox, SiteClass};
 use super::stages::{Field, Written};
 use crate::error::BuildError;
-
-/// Sites are evaluated this many at a time, as lanes of one kernel.
-const BLOCK: usize = 32;
 
 /// Classes of fewer sites go one by one: boundary sites.
 const FEW: usize = 4;
@@ -108,10 +106,15 @@ impl Stencil {
         let (inputs, outputs): (Vec<isize>, Vec<isize>) = (inputs.collect(), outputs.collect());
         self.kernel = self.kernel.at_distances(&inputs, &outputs);
         let sites = self.sites_inside(geometry);
-        self.inside.rows = sites.runs(geometry).collect();
-        let (Some(first), Some(last)) = (self.inside.rows.first(), self.inside.rows.last()) else {
+        let rows: Vec<Range<usize>> = sites.runs(geometry).collect();
+        let (Some(first), Some(last)) = (rows.first().cloned(), rows.last().cloned()) else {
             return self;
         };
+        // Of a thin box most of what the kernel computes would be put back.
+        if 2 * sites.sites() < last.end - first.start {
+            return self;
+        }
+        self.inside.rows = rows;
         // What is written first starts a cache line.
         let offset = offsets[self.outputs[0].1];
         let begin = (offset + first.start).next_multiple_of(Aligned::LINE) - offset;
@@ -329,71 +332,6 @@ fn rest(whole: SiteBox, inner: SiteBox, geometry: &LatticeGeometry) -> Vec<Range
     left
 }
 
-/// Sites of one row that stand in lanes one after the other.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct RowPart {
-    pub(super) lane: usize,
-    pub(super) site: usize,
-    pub(super) count: usize,
-    place: PerAxis<usize>,
-}
-
-/// Ranges of sites cut into blocks of as many as there are lanes.
-pub(super) struct Blocks<'a> {
-    ranges: &'a [Range<usize>],
-    lanes: usize,
-    /// The next site, of the first range.
-    next: usize,
-}
-
-impl<'a> Blocks<'a> {
-    pub(super) fn new(ranges: &'a [Range<usize>], lanes: usize) -> Self {
-        Self {
-            ranges,
-            lanes,
-            next: ranges.first().map_or(0, |range| range.start),
-        }
-    }
-
-    /// The rows' parts of the next block; whether there is one.
-    pub(super) fn next_into(
-        &mut self,
-        geometry: &LatticeGeometry,
-        block: &mut Vec<RowPart>,
-    ) -> bool {
-        block.clear();
-        let length = geometry.axes.last().map_or(1, |axis| axis.length);
-        let mut lane = 0;
-        while lane < self.lanes
-            && let Some((range, behind)) = self.ranges.split_first()
-        {
-            let place = geometry.place(self.next);
-            let at = match geometry.axes.len() {
-                0 | 1 => 0,
-                axes => place[axes - 1],
-            };
-            let of_row = match geometry.axes.len() {
-                0 | 1 => usize::MAX,
-                _ => length - at,
-            };
-            let count = (range.end - self.next).min(self.lanes - lane).min(of_row);
-            block.push(RowPart {
-                lane,
-                site: self.next,
-                count,
-                place,
-            });
-            lane += count;
-            self.next += count;
-            if self.next == range.end {
-                self.ranges = behind;
-                self.next = behind.first().map_or(0, |range| range.start);
-            }
-        }
-        lane > 0
-    }
-}
-
 /// The terms that a stage writes at the sites of a class, with the field and family of each.
 pub(super) fn terms_of(
     proxy: Proxy<'_>,
@@ -441,55 +379,4 @@ pub(super) fn workspace(
     let [epsilon, h] = sizes.map(|size| vec![size; lanes]);
     kernel.prepare(&mut workspace, &parameters, &epsilon, &h);
     workspace
-}
-
-/// Loads the numbers that stand `shift` beside the sites of a block; lanes beyond repeat the first.
-pub(super) fn load(
-    lanes: &mut [f64],
-    field: &[f64],
-    geometry: &LatticeGeometry,
-    shift: PerAxis<isize>,
-    block: &[RowPart],
-) {
-    let last = geometry.axes.len().saturating_sub(1);
-    let length = geometry.axes.last().map_or(1, |axis| axis.length);
-    let mut end = 0;
-    for part in block {
-        let mut row = 0;
-        for ((axis, at), shift) in geometry.axes.iter().zip(part.place).zip(shift).take(last) {
-            row = row * axis.length + around(at, shift, axis.length);
-        }
-        let (row, first) = (row * length, around(part.place[last], shift[last], length));
-        let own = &mut lanes[part.lane..][..part.count];
-        end = part.lane + part.count;
-        let before = part.count.min(length - first);
-        let from = &field[row + first..];
-        if let (Some(to), Some(from)) =
-            (own.first_chunk_mut::<BLOCK>(), from.first_chunk::<BLOCK>())
-            && before == BLOCK
-        {
-            *to = *from;
-            continue;
-        }
-        own[..before].copy_from_slice(&from[..before]);
-        let mut behind = &mut own[before..];
-        // Where the axis closes.
-        while !behind.is_empty() {
-            let count = behind.len().min(length);
-            let (to, rest) = behind.split_at_mut(count);
-            to.copy_from_slice(&field[row..row + count]);
-            behind = rest;
-        }
-    }
-    let (own, beyond) = lanes.split_at_mut(end);
-    beyond.fill(own[0]);
-}
-
-/// The place so far from `at` along an axis that closes.
-fn around(at: usize, shift: isize, length: usize) -> usize {
-    let place = at.wrapping_add_signed(shift);
-    match place < length {
-        true => place,
-        false => (at as isize + shift).rem_euclid(length as isize) as usize,
-    }
 }

@@ -48,7 +48,6 @@ impl<R: RealizationData> RealizationData for Numbers<R> {
         Abilities {
             ends: Some(EndMaps::Numbers(EndNumbers::new(
                 tangents,
-                true,
                 move |parameters, epsilon| {
                     Box::new(ShortEvaluator {
                         of: maps.evaluator(parameters, epsilon),

@@ -100,15 +100,11 @@ impl RealizationData for LiePoisson {
             Maps::Numbers(structure) => {
                 let structure = structure.clone();
                 // Shared by several trajectories it would factor at each point twice, for values and for Jacobians.
-                let is_pointwise = false;
-                EndMaps::Numbers(EndNumbers::new(
-                    true,
-                    is_pointwise,
-                    move |parameters, epsilon| {
-                        let algebra = structure.at(parameters);
-                        Box::new(LiePoissonEvaluator::new(algebra, epsilon))
-                    },
-                ))
+                let numbers = EndNumbers::new(true, move |parameters, epsilon| {
+                    let algebra = structure.at(parameters);
+                    Box::new(LiePoissonEvaluator::new(algebra, epsilon))
+                });
+                EndMaps::Numbers(numbers.for_one_trajectory())
             }
         };
         Abilities {

@@ -62,7 +62,7 @@ pub(crate) struct Solved {
     target: Vec<f64>,
     change: Vec<f64>,
     factors: DenseFactors,
-    factored: Factored,
+    factored: FactorsOf,
     matrix: Vec<f64>,
     room: Vec<f64>,
     slopes: Vec<f64>,
@@ -78,7 +78,7 @@ const MOST_FORESEEN: usize = 64;
 
 /// Which matrix there are factors of.
 #[derive(Clone, Copy, PartialEq)]
-enum Factored {
+enum FactorsOf {
     /// None: B and C are of an earlier step.
     Nothing,
     /// None yet, B and C are there.
@@ -125,7 +125,7 @@ impl Solved {
             target: vec![0.0; d * d],
             change: vec![0.0; d * d],
             factors: DenseFactors::new(d),
-            factored: Factored::Nothing,
+            factored: FactorsOf::Nothing,
             matrix: vec![0.0; d * d],
             room: vec![0.0; d],
             slopes: vec![0.0; 2 * d * count],
@@ -135,7 +135,7 @@ impl Solved {
 
     /// B and C at the solution of the last step.
     fn evaluate(&mut self) -> Result<(), StepError> {
-        if self.factored != Factored::Nothing {
+        if self.factored != FactorsOf::Nothing {
             return Ok(());
         }
         let solution = self.stepper.solution(0).ok_or(StepError::NoTangent)?;
@@ -158,7 +158,7 @@ impl Solved {
         self.target.copy_from_slice(target);
         self.change.copy_from_slice(&rest[..d * d]);
         self.point[..d].copy_from_slice(y);
-        self.factored = Factored::Evaluated;
+        self.factored = FactorsOf::Evaluated;
     }
 
     /// A step with B and C at its solution: by foreseen ones where that is good to round-off, by the stepper elsewhere.
@@ -191,7 +191,7 @@ impl Solved {
     }
 
     /// Factors of one of the matrices.
-    fn factor(&mut self, which: Factored) -> Result<(), StepError> {
+    fn factor(&mut self, which: FactorsOf) -> Result<(), StepError> {
         self.evaluate()?;
         if self.factored == which {
             return Ok(());
@@ -201,8 +201,8 @@ impl Solved {
             for j in 0..d {
                 let at = i * d + j;
                 let (place, entry) = match which {
-                    Factored::SourceTransposed => (j * d + i, self.target[at] + self.change[at]),
-                    Factored::TargetTransposed => (j * d + i, self.target[at]),
+                    FactorsOf::SourceTransposed => (j * d + i, self.target[at] + self.change[at]),
+                    FactorsOf::TargetTransposed => (j * d + i, self.target[at]),
                     _ => (at, self.target[at]),
                 };
                 self.matrix[place] = entry;
@@ -210,7 +210,7 @@ impl Solved {
         }
         self.operations += elimination_operations(d);
         if !self.factors.factor(&self.matrix) {
-            self.factored = Factored::Evaluated;
+            self.factored = FactorsOf::Evaluated;
             return Err(SINGULAR);
         }
         self.factored = which;
@@ -218,7 +218,7 @@ impl Solved {
     }
 
     /// M⁻ᵀCᵀw in the room, M the matrix whose transpose is factored.
-    fn pulled(&mut self, which: Factored, covector: &[f64]) -> Result<(), StepError> {
+    fn pulled(&mut self, which: FactorsOf, covector: &[f64]) -> Result<(), StepError> {
         self.factor(which)?;
         let d = self.dimension;
         self.room.fill(0.0);
@@ -265,13 +265,13 @@ impl Solved {
 
 impl Differential for Solved {
     fn step(&mut self, x: &[f64], low: &[f64], increment: &mut [f64]) -> Result<(), StepError> {
-        self.factored = Factored::Nothing;
+        self.factored = FactorsOf::Nothing;
         one_step(self.stepper.as_mut(), x, low, increment)
     }
 
     /// v' = v + ∂_λ(α̂ − β̂) μ + C u, u = B⁻¹(v − ∂_λβ̂ μ).
     fn push(&mut self, tangents: &mut [f64], parameters: &[f64]) -> Result<(), StepError> {
-        self.factor(Factored::Target)?;
+        self.factor(FactorsOf::Target)?;
         let d = self.dimension;
         if !parameters.is_empty() {
             self.all_slopes();
@@ -299,7 +299,7 @@ impl Differential for Solved {
 
     /// w = w' + B⁻ᵀCᵀw'; g ← g + w'·∂_λ(α̂ − β̂) + (w' − w)·∂_λβ̂.
     fn pull(&mut self, covector: &mut [f64], gradient: &mut [f64]) -> Result<(), StepError> {
-        self.pulled(Factored::TargetTransposed, covector)?;
+        self.pulled(FactorsOf::TargetTransposed, covector)?;
         let d = self.dimension;
         if !gradient.is_empty() {
             for i in 0..d {
@@ -318,7 +318,7 @@ impl Differential for Solved {
         covector: &mut [f64],
         gradient: &mut [f64],
     ) -> Result<(), StepError> {
-        self.pulled(Factored::SourceTransposed, covector)?;
+        self.pulled(FactorsOf::SourceTransposed, covector)?;
         add_multiple(covector, -1.0, &self.room);
         let d = self.dimension;
         if !gradient.is_empty() {

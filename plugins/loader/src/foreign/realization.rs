@@ -209,7 +209,6 @@ impl RealizationData for ForeignRealization {
             is_reversible: flags.is_reversible(),
             ends: Some(EndMaps::Numbers(EndNumbers::new(
                 has_jacobian(&table),
-                true,
                 ends,
             ))),
             ..Abilities::default()

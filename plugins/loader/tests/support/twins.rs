@@ -30,11 +30,9 @@ impl RealizationData for RodriguesTwin {
     }
     fn abilities(&self) -> Abilities<'_> {
         Abilities {
-            ends: Some(EndMaps::Numbers(EndNumbers::new(
-                true,
-                true,
-                |_, epsilon| Box::new(RodriguesEvaluator { epsilon }),
-            ))),
+            ends: Some(EndMaps::Numbers(EndNumbers::new(true, |_, epsilon| {
+                Box::new(RodriguesEvaluator { epsilon })
+            }))),
             ..Abilities::default()
         }
     }

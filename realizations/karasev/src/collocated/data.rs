@@ -99,15 +99,17 @@ impl RealizationData for CollocatedKarasev {
         let series = self.series.as_ref();
         Abilities {
             // Curves start from those before.
-            ends: Some(EndMaps::Numbers(EndNumbers::new(
-                collocation.field.has_slopes(),
-                false,
-                move |parameters, epsilon| {
-                    let curve = collocation.curve(parameters);
-                    let (most, d) = (collocation.most_points(), collocation.dimension());
-                    Box::new(CollocatedEvaluator::new(curve, epsilon, most, d))
-                },
-            ))),
+            ends: Some(EndMaps::Numbers(
+                EndNumbers::new(
+                    collocation.field.has_slopes(),
+                    move |parameters, epsilon| {
+                        let curve = collocation.curve(parameters);
+                        let (most, d) = (collocation.most_points(), collocation.dimension());
+                        Box::new(CollocatedEvaluator::new(curve, epsilon, most, d))
+                    },
+                )
+                .for_one_trajectory(),
+            )),
             fused: Some(Box::new(|system, form, properties| {
                 let describe = format!("{} + Hamilton-Jacobi, fused", self.describe());
                 let form = form.map(system.dimension(), system.parameters().len())?;
