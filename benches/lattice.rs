@@ -20,11 +20,17 @@ fn advance(mut walk: Walk) -> Walk {
     walk
 }
 
-/// Heisenberg's exchange over lattices of one, two and three axes with about 2.6·10⁵ spins each.
-const SPINS: [&[usize]; 3] = [&[262_144], &[512, 512], &[64, 64, 64]];
+/// Heisenberg's exchange over lattices of one, two and three axes with about 2.6·10⁵ spins each, without and with ends.
+const SPINS: [(&[usize], &str); 5] = [
+    (&[262_144], "periodic"),
+    (&[512, 512], "periodic"),
+    (&[512, 512], "open"),
+    (&[64, 64, 64], "periodic"),
+    (&[64, 64, 64], "open"),
+];
 
-/// A spiral along the last axis, periodic along all.
-fn spins_scene(lengths: &[usize]) -> String {
+/// A spiral along the last axis.
+fn spins_scene(lengths: &[usize], boundary: &str) -> String {
     let indices = &["i", "j", "k"][..lengths.len()];
     let here = indices.join(",");
     let mut bonds = Vec::new();
@@ -37,7 +43,7 @@ fn spins_scene(lengths: &[usize]) -> String {
     let last = indices[indices.len() - 1];
     format!(
         "[system]\nfamilies = {{ s = {{ components = [\"x\", \"y\", \"z\"], length = {lengths:?} }} }}\n\
-         bracket = {{ lie-algebra = \"so3\" }}\nhamiltonian = \"-sum({}, {})\"\n\
+         boundary = \"{boundary}\"\nbracket = {{ lie-algebra = \"so3\" }}\nhamiltonian = \"-sum({}, {})\"\n\
          [method]\nstepper = \"splitting\"\ntime-step = 0.05\n[run]\nsteps = 1\n[run.initial]\n\
          \"s.x[{here}]\" = \"0.6*cos(pi*{last}/8)\"\n\"s.y[{here}]\" = \"0.6*sin(pi*{last}/8)\"\n\"s.z[{here}]\" = 0.8\n",
         indices.join(", "),
@@ -48,11 +54,11 @@ fn spins_scene(lengths: &[usize]) -> String {
 fn spins(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("ten steps, Heisenberg spins");
     group.sample_size(10);
-    for lengths in SPINS {
-        let run = composed(&spins_scene(lengths));
+    for (lengths, boundary) in SPINS {
+        let run = composed(&spins_scene(lengths, boundary));
         let sites: usize = lengths.iter().product();
         group.throughput(Throughput::Elements(STEPS * sites as u64));
-        group.bench_function(format!("{lengths:?}"), |bencher| {
+        group.bench_function(format!("{lengths:?} {boundary}"), |bencher| {
             bencher.iter_batched(|| run.walk(), advance, BatchSize::PerIteration);
         });
     }

@@ -3,7 +3,9 @@
 use std::cell::Cell;
 use std::fmt::Write as _;
 
-use leafwise_tests::numbers::distance;
+use leafwise::scene::ComposedRun;
+use leafwise::scene::compose::Stepping;
+use leafwise_tests::numbers::{distance, largest};
 use leafwise_tests::scenes::composed;
 use proptest::prelude::*;
 
@@ -135,22 +137,49 @@ impl Field {
     }
 }
 
-/// Energy, casimirs and the state after ten steps.
-fn end(text: &str) -> (f64, Vec<f64>) {
-    let run = composed(text);
+/// The energy, the state after ten steps, and the first step's differential: DΦ v, then DΦᵀw.
+fn end(run: &ComposedRun) -> (f64, Vec<f64>, Vec<f64>) {
     let mut energy = [0.0];
     let mut invariants = run.invariants().expect("an energy");
     invariants.evaluate(&run.plan.initial, &mut energy);
     let mut walk = run.walk();
     walk.advance(10).expect("steps");
-    (energy[0], walk.last(0).1)
+    let x = &run.plan.initial;
+    let vector = |phase: f64| (0..x.len()).map(move |i| libm::sin(phase + 0.7 * i as f64));
+    let (mut tangent, mut covector): (Vec<f64>, Vec<f64>) =
+        (vector(0.3).collect(), vector(1.4).collect());
+    let (map, parameters) = (run.method.map(), run.system.parameter_values());
+    let mut differential = map.differential(&parameters, run.plan.epsilon, run.plan.h);
+    let step = differential.step(x, &vec![0.0; x.len()], &mut vec![0.0; x.len()]);
+    step.expect("a step");
+    differential.push(&mut tangent, &[]).expect("a tangent");
+    differential
+        .pull(&mut covector, &mut [])
+        .expect("a covector");
+    (energy[0], walk.last(0).1, [tangent, covector].concat())
+}
+
+/// Whether code is written on a lattice that is shorter along an axis.
+fn is_cut(run: &ComposedRun) -> bool {
+    match &run.method {
+        Stepping::Lattice(lattice) => {
+            lattice.base.map().proxy_geometry() != lattice.base.map().geometry()
+        }
+        _ => false,
+    }
 }
 
 fn fields() -> impl Strategy<Value = Field> {
-    let axis = |longest: usize| (5_usize..=longest, any::<bool>());
+    let short = (1_usize..=4, any::<bool>());
+    let middle = (4_usize..=8, any::<bool>());
+    let long = (12_usize..=14, any::<bool>());
+    // Long axes are cut at most offsets, short ones wrap at some.
     let axes = prop_oneof![
-        3 => prop::collection::vec(axis(9), 2),
-        1 => prop::collection::vec(axis(5), 3),
+        2 => (long.clone(), middle.clone()).prop_map(|(a, b)| vec![a, b]),
+        2 => (middle.clone(), long.clone()).prop_map(|(a, b)| vec![a, b]),
+        2 => (short.clone(), long.clone()).prop_map(|(a, b)| vec![a, b]),
+        1 => (middle.clone(), middle).prop_map(|(a, b)| vec![a, b]),
+        2 => (short.clone(), short, long).prop_map(|(a, b, c)| vec![a, b, c]),
     ];
     let method = prop_oneof![
         3 => Just("stepper = { name = \"splitting\", pieces = \"1 2\" }"),
@@ -176,24 +205,32 @@ fn fields() -> impl Strategy<Value = Field> {
     })
 }
 
-/// Whatever the offsets, the ends and the method: energies and ten steps are those of the system written out, to 1e-13.
+/// Whatever the offsets, the ends and the method: energies, ten steps and the differential of a step are those of the system
+/// written out, to 1e-13.
 #[test]
 fn planes_move_as_the_systems_written_out() {
     let config = ProptestConfig {
         failure_persistence: None,
         ..ProptestConfig::with_cases(24)
     };
-    let swept = Cell::new(0);
+    let (swept, cut) = (Cell::new(0), Cell::new(0));
     proptest!(config, |(field in fields())| {
-        let text = field.by_templates();
-        let is_swept = composed(&text).method.lattice().is_some();
-        swept.update(|swept| swept + usize::from(is_swept));
-        let ((energy, state), (expected, written)) = (end(&text), end(&field.written_out()));
+        let run = composed(&field.by_templates());
+        swept.update(|swept| swept + usize::from(run.method.lattice().is_some()));
+        cut.update(|cut| cut + usize::from(is_cut(&run)));
+        let (energy, state, differential) = end(&run);
+        let (expected, written, slopes) = end(&composed(&field.written_out()));
         prop_assert!((energy - expected).abs() <= 1e-13 * expected.abs(), "{energy} {expected}");
         let apart = distance(&state, &written);
         prop_assert!(apart <= 1e-13, "{apart:e}");
+        let apart = distance(&differential, &slopes) / largest(&slopes);
+        prop_assert!(apart <= 1e-13, "differential: {apart:e}");
     });
-    assert!(swept.get() >= 20, "{} of 24 are swept", swept.get());
+    let (swept, cut) = (swept.get(), cut.get());
+    assert!(
+        swept >= 20 && cut >= 12,
+        "of 24 {swept} are swept, {cut} of them by a shorter lattice"
+    );
 }
 
 /// A spiral of spins along the second axis of a torus, with k = π/8 on 16 sites.

@@ -124,7 +124,7 @@ fn evolve(
 #[test]
 fn sweeps_in_place_keep_the_bits_of_copies() {
     let chains = drawn().prop_map(|drawn| rows(&drawn));
-    keep_their_bits(chains, 100);
+    keep_their_bits(chains);
 }
 
 /// Planes and boxes with axes that close or end, some shorter than a proxy.
@@ -140,11 +140,11 @@ fn sweeps_along_several_axes_keep_the_bits_of_copies() {
         let names = ["x", "y"].map(str::to_owned);
         Some(LatticeGeometry::along(names, axes))
     });
-    keep_their_bits(planes, 100);
+    keep_their_bits(planes);
 }
 
-/// Draws lattices and stages; at least so many cases go in place.
-fn keep_their_bits(lattices: impl Strategy<Value = Option<LatticeGeometry>>, least: usize) {
+/// Draws lattices and stages; half of the cases go in place.
+fn keep_their_bits(lattices: impl Strategy<Value = Option<LatticeGeometry>>) {
     let config = ProptestConfig {
         failure_persistence: None,
         ..ProptestConfig::with_cases(200)
@@ -169,6 +169,6 @@ fn keep_their_bits(lattices: impl Strategy<Value = Option<LatticeGeometry>>, lea
         }
     });
     if cfg!(all(feature = "jit", target_arch = "x86_64", not(windows))) {
-        assert!(in_place.get() > least, "{} cases in place", in_place.get());
+        assert!(in_place.get() > 100, "{} cases in place", in_place.get());
     }
 }
