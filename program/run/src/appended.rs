@@ -219,7 +219,8 @@ pub(super) fn ends_with(
     }
     Err(RunError::Damaged {
         file: path.to_owned(),
-        reason: "its end is not the run's last row: it was changed since, or damaged".to_owned(),
+        reason: "there is more, or other, behind its last row: it was changed since, or damaged"
+            .to_owned(),
     })
 }
 

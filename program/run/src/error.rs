@@ -181,6 +181,12 @@ pub enum RunError {
         /// Reason why it is refused.
         reason: String,
     },
+    /// Shards are joined into the directory of one of them.
+    #[error("{} is one of the shards that are joined: write elsewhere with --out DIR", directory.display())]
+    IntoShard {
+        /// The directory.
+        directory: PathBuf,
+    },
     /// A file that a finished run has left is another one now.
     #[error(
         "{} is not what was written: it was changed since, or damaged; remove it, and the same command makes it \
@@ -289,6 +295,12 @@ impl RunError {
     pub(crate) fn of_shard(self) -> Self {
         match self {
             Self::Damaged { file, reason } => Self::DamagedShard { file, reason },
+            Self::Format { file, found, .. } => Self::DamagedShard {
+                file,
+                reason: format!(
+                    "its checkpoint is of format {found}, of another version of the program"
+                ),
+            },
             other => other,
         }
     }
@@ -311,6 +323,7 @@ impl RunError {
                 | Self::Busy { .. }
                 | Self::Damaged { .. }
                 | Self::DamagedShard { .. }
+                | Self::IntoShard { .. }
                 | Self::Changed { .. }
                 | Self::Format { .. }
         )

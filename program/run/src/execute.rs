@@ -205,7 +205,7 @@ impl<'a> Job<'a> for RunJob<'a> {
             checks: &self.checks,
             files: files(self.composed),
             shard: None,
-            is_joined: false,
+            sources: Vec::new(),
             options: self.options,
         }
     }

@@ -7,9 +7,12 @@ use std::path::Path;
 use super::appended::create_anew;
 use super::error::RunError;
 
+/// The extension of a file that is written to take the place of another.
+pub(crate) const UNFINISHED: &str = "new";
+
 /// Replaces `path` in one operation: readers see the old content or the new.
 pub(crate) fn replace(path: &Path, content: &[u8]) -> Result<(), RunError> {
-    let temporary = path.with_extension("new");
+    let temporary = path.with_extension(UNFINISHED);
     let written = write_whole(&temporary, content).and_then(|()| fs::rename(&temporary, path));
     written.map_err(|source| {
         // What a full disk has no room for does not stay there either.

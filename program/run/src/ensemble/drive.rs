@@ -133,6 +133,11 @@ impl<'a> Session<'a> {
         }
     }
 
+    /// Whether all members are there.
+    pub fn is_at_end(&self) -> bool {
+        self.tree.next() == self.end
+    }
+
     /// Takes a block in.
     fn take(&mut self, record: &mut Record) -> Result<(), RunError> {
         record.fold(self.ensemble, &mut self.tree);
@@ -157,7 +162,12 @@ impl<'a> Session<'a> {
 
 impl JobSession for Session<'_> {
     fn repeat(&mut self, held: &Held) -> Result<Option<RunOutcome>, RunError> {
-        Ok(held.is_done.then_some(RunOutcome::Done))
+        if !held.is_done || !self.is_at_end() {
+            return Ok(None);
+        }
+        self.store.confirm_end()?;
+        self.section.confirm_end()?;
+        Ok(Some(RunOutcome::Done))
     }
 
     fn go_on(&mut self, _: &Held) -> Result<(), RunError> {

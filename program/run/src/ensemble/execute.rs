@@ -96,7 +96,7 @@ impl<'a> Job<'a> for EnsembleJob<'a> {
             checks: &self.checks,
             files: files(&self.ensemble.run),
             shard: self.portion.record(),
-            is_joined: self.portion.is_joined(),
+            sources: self.portion.sources(),
             options: self.options,
         }
     }
@@ -110,6 +110,9 @@ impl<'a> Job<'a> for EnsembleJob<'a> {
         let mut session = Session::begin(self.ensemble, directory, members, self.workforce)?;
         for shard in self.portion.shards() {
             session.append(shard).map_err(RunError::of_shard)?;
+        }
+        if self.portion.is_joined() && !session.is_at_end() {
+            return Err(self.portion.falls_short());
         }
         session.save()?;
         Ok(session)

@@ -9,12 +9,9 @@ use leafwise_scene::compose::Observable;
 use super::plan::ComposedEnsemble;
 use crate::appended::create_anew;
 use crate::csv::{Headings, Table};
+use crate::job::{PART, remove_parts};
 use crate::samples::SECTION;
 use crate::{Appended, RunError, Vouched};
-
-/// Name of the file in which a member's rows wait when they are many, before and behind the member's number:
-/// `section-17.part`.
-const PART: (&str, &str) = ("section-", ".part");
 
 /// Bytes of a member's rows that are held in memory.
 const HELD: usize = 1 << 15;
@@ -137,6 +134,14 @@ impl SectionStore {
         self.file.as_mut().map_or(Ok(()), |file| file.cut(false))
     }
 
+    /// Makes sure that nothing stands behind what the checkpoint counts.
+    ///
+    /// # Errors
+    /// [`RunError::Damaged`] where something does.
+    pub fn confirm_end(&mut self) -> Result<(), RunError> {
+        self.file.as_mut().map_or(Ok(()), Appended::confirm_end)
+    }
+
     /// Appends the crossings of members in their order.
     pub fn push(&mut self, members: &mut [MemberCrossings]) -> Result<(), RunError> {
         let Some(file) = &mut self.file else {
@@ -172,23 +177,6 @@ impl SectionStore {
             None => Ok(Vouched::NOTHING),
         }
     }
-}
-
-/// Removes the parts of members' rows that a killed session has left.
-fn remove_parts(directory: &Path) -> io::Result<()> {
-    let (before, behind) = PART;
-    for entry in fs::read_dir(directory)? {
-        let entry = entry?;
-        let name = entry.file_name();
-        let name = name.to_string_lossy();
-        let number = name
-            .strip_prefix(before)
-            .and_then(|name| name.strip_suffix(behind));
-        if number.is_some_and(|number| number.parse::<u64>().is_ok()) {
-            fs::remove_file(entry.path())?;
-        }
-    }
-    Ok(())
 }
 
 /// The columns behind the member's number and the time.

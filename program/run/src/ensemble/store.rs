@@ -75,6 +75,14 @@ impl FinalStore {
         self.file.as_mut().map_or(Ok(()), |file| file.cut(false))
     }
 
+    /// Makes sure that nothing stands behind what the checkpoint counts.
+    ///
+    /// # Errors
+    /// [`RunError::Damaged`] where something does.
+    pub fn confirm_end(&mut self) -> Result<(), RunError> {
+        self.file.as_mut().map_or(Ok(()), Appended::confirm_end)
+    }
+
     /// Appends the members of a block.
     pub fn push(&mut self, ensemble: &ComposedEnsemble, record: &Record) -> Result<(), RunError> {
         let Some(file) = &mut self.file else {

@@ -11,7 +11,7 @@ use serde_json::Map;
 use sha2::{Digest, Sha256};
 
 use super::manifest::{
-    FILE, FilesRecord, Kind, PROGRAM, PROGRAM_VERSION, PluginRecord, ShardRecord,
+    FILE, FilesRecord, Kind, PROGRAM, PROGRAM_VERSION, PluginRecord, ShardRecord, hexadecimal,
 };
 use super::subject::JobSubject;
 use super::time::now;
@@ -266,10 +266,7 @@ pub(crate) fn files(run: &ComposedRun) -> Option<FilesRecord> {
     let paths = run.plan.files.clone();
     (!paths.is_empty()).then(|| FilesRecord {
         paths,
-        sha256: digest(&run.plan.initial)
-            .iter()
-            .map(|byte| format!("{byte:02x}"))
-            .collect(),
+        sha256: hexadecimal(&digest(&run.plan.initial)),
     })
 }
 

@@ -6,10 +6,12 @@ use std::path::{Path, PathBuf};
 
 use super::beginning::plugins;
 use super::difference::{Change, changed_keys, listed};
+use super::files::remove_parts;
 use super::manifest::{self, CHECKPOINT, Kind, Manifest, PROGRAM_VERSION, PluginRecord, SCENE};
 use super::shards::Whole;
 use super::subject::JobSubject;
 use crate::RunError;
+use crate::replaced::UNFINISHED;
 use leafwise_scene::document::SceneDocument;
 
 /// Held by the program that writes.
@@ -236,16 +238,20 @@ fn has_only_a_manifest(path: &Path, files: Files) -> bool {
 /// Files of every job beside the manifest.
 const COMMON: [&str; 2] = [CHECKPOINT, SCENE];
 
-/// Removes the files that a job leaves, and nothing else; the manifest last, which tells whose they are.
+/// Removes the files that a job leaves, and nothing else; the manifest last, which tells whose they are. From the first
+/// on it says that the job is unfinished: whoever is killed in between leaves nothing that looks whole.
 fn remove(path: &Path, names: Vec<&'static str>) -> Result<(), RunError> {
+    manifest::unfinish(path)?;
     for name in names.into_iter().chain(COMMON).chain([manifest::FILE]) {
         let file = path.join(name);
-        match fs::remove_file(&file) {
-            Err(error) if error.kind() != ErrorKind::NotFound => {
-                return Err(RunError::io(file)(error));
+        for file in [file.with_extension(UNFINISHED), file] {
+            match fs::remove_file(&file) {
+                Err(error) if error.kind() != ErrorKind::NotFound => {
+                    return Err(RunError::io(file)(error));
+                }
+                _ => {}
             }
-            _ => {}
         }
     }
-    Ok(())
+    remove_parts(path).map_err(RunError::io(path))
 }

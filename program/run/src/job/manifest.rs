@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
+use crate::{RunError, replace};
+
 /// The version that is written into manifests and reports.
 pub const PROGRAM_VERSION: &str = env!("CARGO_PKG_VERSION");
 
@@ -118,6 +120,22 @@ pub struct PluginRecord {
     pub abi: String,
     /// The parts taken from it, each with where its values come from.
     pub parts: Map<String, Value>,
+}
+
+/// Bytes as hexadecimal digits.
+pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// Makes the manifest of a directory say that its job is unfinished; all else in it stays.
+pub(super) fn unfinish(directory: &Path) -> Result<(), RunError> {
+    let file = directory.join(FILE);
+    let text = fs::read_to_string(&file).map_err(RunError::reading(&file))?;
+    let Ok(mut manifest) = serde_json::from_str::<Map<String, Value>>(&text) else {
+        return Ok(());
+    };
+    manifest.insert("outcome".to_owned(), "running".into());
+    replace(&file, Value::from(manifest).to_string().as_bytes())
 }
 
 impl Manifest {

@@ -4,7 +4,7 @@
 //! - `subject`: whose scene is taken up, in which directory;
 //! - `directory`: start afresh, resume, or refuse; `difference`: keys that changed between two scenes;
 //! - `manifest`, `beginning`: record of a job, as it is read and as it is written; `time`: its date;
-//! - `output`: files that are written at the end;
+//! - `output`: files that are written at the end; `files`: what waits aside;
 //! - `due`: when a checkpoint is written;
 //! - [`shards`]: parts of ensembles and sweeps for many processes.
 
@@ -12,6 +12,7 @@ mod beginning;
 mod difference;
 mod directory;
 mod due;
+mod files;
 mod manifest;
 mod output;
 pub mod shards;
@@ -22,11 +23,13 @@ pub use beginning::Beginning;
 pub(crate) use beginning::{files, plugins};
 pub use directory::{Files, Held, default_directory};
 pub(crate) use due::Due;
-pub(crate) use manifest::{CHECKPOINT, REPORT};
+pub(crate) use files::{PART, remove_parts};
+pub(crate) use manifest::{CHECKPOINT, REPORT, hexadecimal};
 pub use manifest::{FilesRecord, Kind, Manifest, PROGRAM_VERSION, PluginRecord, ShardRecord};
 pub use output::{Content, Output};
 pub use subject::{JobSubject, RunOptions};
 
+use std::fs;
 use std::path::Path;
 
 use directory::RunDirectory;
@@ -105,6 +108,16 @@ pub(crate) fn perform<'a, J: Job<'a>>(
     progress: &mut dyn Progress,
 ) -> Result<J::Report, RunError> {
     let subject = job.subject();
+    let (is_joined, into) = (!subject.sources.is_empty(), &subject.options.directory);
+    if subject
+        .sources
+        .iter()
+        .any(|source| shards::is_same(source, into))
+    {
+        return Err(RunError::IntoShard {
+            directory: into.clone(),
+        });
+    }
     let directory = RunDirectory::open(&subject, files)?;
     let (path, held) = (directory.path.as_path(), directory.held.as_ref());
     let outputs = match subject.shard {
@@ -112,7 +125,7 @@ pub(crate) fn perform<'a, J: Job<'a>>(
         Some(_) => Vec::new(),
     };
     let mut resumed = None;
-    if let Some(held) = held.filter(|held| held.is_done || !subject.is_joined)
+    if let Some(held) = held.filter(|held| held.is_done || !is_joined)
         && (path.join(CHECKPOINT).exists() || !job.has_begun_at_most(path))
     {
         let mut session = job.resume(path)?;
@@ -123,7 +136,8 @@ pub(crate) fn perform<'a, J: Job<'a>>(
             }
             return Ok(report);
         }
-        resumed = Some((session, held));
+        // What is joined and has not all is joined anew.
+        resumed = (!is_joined).then_some((session, held));
     }
     let beginning = Beginning::new(&subject, held.map(|held| held.started.clone()));
     // From here on the directory is that of this job, with nothing in it yet or all that was
@@ -136,7 +150,13 @@ pub(crate) fn perform<'a, J: Job<'a>>(
     replace(&path.join(SCENE), subject.document.text.as_bytes())?;
     let mut session = match resumed {
         Some((session, _)) => session,
-        None => job.begin(path)?,
+        None => job.begin(path).inspect_err(|_| {
+            if is_joined {
+                // Nothing that a session could go on from.
+                let records = J::RECORDS.iter().map(|name| path.join(name));
+                records.for_each(|record| drop(fs::remove_file(record)));
+            }
+        })?,
     };
     let finish = || {
         let outcome = session.drive(progress)?;

@@ -8,7 +8,7 @@ use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
-use super::manifest::REPORT;
+use super::manifest::{REPORT, hexadecimal};
 use crate::{RunError, confirm, replace};
 
 /// Bytes of an output; `None` where this job has no such file.
@@ -91,7 +91,7 @@ fn sealed(mut page: Vec<u8>) -> Vec<u8> {
         page.push(b'\n');
     }
     let digest = Sha256::digest(&page);
-    let digits: String = digest.iter().map(|byte| format!("{byte:02x}")).collect();
+    let digits = hexadecimal(&digest);
     page.extend_from_slice(format!("{BEFORE}{digits} -->\n").as_bytes());
     page
 }

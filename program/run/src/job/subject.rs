@@ -1,6 +1,6 @@
 //! Subject of a job: whose scene is taken up, in which directory.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use super::manifest::{FilesRecord, Kind, REPORT, ShardRecord};
@@ -46,8 +46,8 @@ pub struct JobSubject<'a> {
     pub files: Option<FilesRecord>,
     /// Which members or settings, of a shard.
     pub shard: Option<ShardRecord>,
-    /// Whether shards are joined: a directory that has not come to its end is then begun anew.
-    pub is_joined: bool,
+    /// The directories of shards that are joined. A directory that has not come to its end is then begun anew.
+    pub sources: Vec<&'a Path>,
     /// Where it is written.
     pub options: &'a RunOptions,
 }

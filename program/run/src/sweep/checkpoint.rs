@@ -38,7 +38,7 @@ impl Checkpoint {
 
     /// The time of integration so far.
     pub fn wall(&self) -> Duration {
-        Duration::from_secs_f64(f64::from_bits(self.wall_seconds).max(0.0))
+        Duration::try_from_secs_f64(f64::from_bits(self.wall_seconds)).unwrap_or_default()
     }
 
     /// Reads the checkpoint of a directory, of these settings of a sweep.
@@ -48,7 +48,8 @@ impl Checkpoint {
     pub fn read(directory: &Path, settings: u64, items: &Range<u64>) -> Result<Self, RunError> {
         let file = directory.join(CHECKPOINT);
         let checkpoint: Self = FORMAT.read(&file)?;
-        let is_of_these = checkpoint.first == items.start && checkpoint.next <= items.end;
+        let is_there = (items.start..=items.end).contains(&checkpoint.next);
+        let is_of_these = checkpoint.first == items.start && is_there;
         if checkpoint.settings != settings || !is_of_these {
             let reason = "it is of another sweep".to_owned();
             return Err(RunError::Damaged { file, reason });

@@ -11,7 +11,7 @@ use super::plan::ComposedSweep;
 use super::report::{SWEEP, SweepEnding, SweepReport};
 use super::session::{Session, has_begun_at_most};
 use crate::job::shards::{Portion, Whole};
-use crate::job::{Beginning, Content, FilesRecord, Job, JobSubject, Output, files};
+use crate::job::{Beginning, Content, FilesRecord, Job, JobSubject, Output, files, hexadecimal};
 use crate::{RunError, RunOptions, RunOutcome};
 use leafwise_report::render_sweep;
 use leafwise_scene::document::SceneDocument;
@@ -71,7 +71,7 @@ impl<'a> Job<'a> for SweepJob<'a> {
             checks: &self.sweep.checks,
             files: read_files(self.sweep),
             shard: self.portion.record(),
-            is_joined: self.portion.is_joined(),
+            sources: self.portion.sources(),
             options: self.options,
         }
     }
@@ -85,6 +85,9 @@ impl<'a> Job<'a> for SweepJob<'a> {
         let mut session = Session::begin(self.sweep, directory, settings, self.threads)?;
         for shard in self.portion.shards() {
             session.append(shard).map_err(RunError::of_shard)?;
+        }
+        if self.portion.is_joined() && !session.is_at_end() {
+            return Err(self.portion.falls_short());
         }
         session.save()?;
         Ok(session)
@@ -126,10 +129,6 @@ fn read_files(sweep: &ComposedSweep<'_>) -> Option<FilesRecord> {
         all.update(record.sha256.as_bytes());
         paths.extend(record.paths);
     }
-    let sha256 = all
-        .finalize()
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect();
+    let sha256 = hexadecimal(&all.finalize());
     Some(FilesRecord { paths, sha256 })
 }

@@ -105,6 +105,11 @@ impl<'a> Session<'a> {
         }
     }
 
+    /// Whether all settings have rows.
+    pub fn is_at_end(&self) -> bool {
+        self.next == self.items.end
+    }
+
     fn take(&mut self, row: &Row) -> Result<(), RunError> {
         let mut text = Table::default();
         row.write(self.sweep.settings(), &mut text);
@@ -147,7 +152,11 @@ impl<'a> Session<'a> {
 
 impl JobSession for Session<'_> {
     fn repeat(&mut self, held: &Held) -> Result<Option<RunOutcome>, RunError> {
-        Ok(held.is_done.then_some(RunOutcome::Done))
+        if !held.is_done || !self.is_at_end() {
+            return Ok(None);
+        }
+        self.table.confirm_end()?;
+        Ok(Some(RunOutcome::Done))
     }
 
     fn go_on(&mut self, _: &Held) -> Result<(), RunError> {

@@ -59,7 +59,14 @@ impl Found {
     fn scene(&self) -> Result<String, RunError> {
         let file = self.directory.join(SCENE);
         let text = fs::read_to_string(&file);
-        text.map_err(|error| RunError::resuming(file)(error).of_shard())
+        let text = text.map_err(|error| RunError::resuming(&file)(error).of_shard())?;
+        match changed_keys(&text, &text) {
+            Some(_) => Ok(text),
+            None => Err(RunError::DamagedShard {
+                file,
+                reason: "it is not a whole scene".to_owned(),
+            }),
+        }
     }
 
     /// Refusal of a checkpoint that has not come as far.
@@ -178,6 +185,9 @@ pub struct Missing {
     /// Shards that have not come to their end.
     pub unfinished: Vec<PathBuf>,
 }
+
+/// Shards whose numbers are looked through for those that are missing.
+const MOST_NUMBERED: u64 = 1_000_000;
 
 /// Ranges that a message lists at most.
 const MOST_LISTED: usize = 12;
@@ -303,6 +313,19 @@ impl Shards {
         })
     }
 
+    /// Their directories.
+    pub(crate) fn directories(&self) -> Vec<&Path> {
+        self.all
+            .iter()
+            .map(|shard| shard.directory.as_path())
+            .collect()
+    }
+
+    /// The manifest of the first.
+    pub(crate) fn manifest(&self) -> PathBuf {
+        self.all[0].directory.join(MANIFEST)
+    }
+
     /// The scene that they were made from, in the first of their directories.
     pub fn scene(&self) -> PathBuf {
         self.all[0].directory.join(SCENE)
@@ -405,6 +428,9 @@ impl Shards {
     /// The numbers of the shards that hold these, where all shards were cut alike.
     fn numbers_of(&self, absent: &[Range<u64>]) -> Option<(Vec<[u64; 2]>, u64)> {
         let [_, of] = self.all[0].record.place?;
+        if of > MOST_NUMBERED {
+            return None;
+        }
         let ensemble = self.all[0].record.ensemble;
         let is_alike = |shard: &Found| shard.record.place.is_some_and(|[_, other]| other == of);
         if !self.all.iter().all(is_alike) {
@@ -441,7 +467,7 @@ fn folders(directory: &Path) -> io::Result<Vec<PathBuf>> {
 }
 
 /// Whether two paths lead to one directory.
-fn is_same(a: &Path, b: &Path) -> bool {
+pub(in crate::job) fn is_same(a: &Path, b: &Path) -> bool {
     match (a.canonicalize(), b.canonicalize()) {
         (Ok(a), Ok(b)) => a == b,
         _ => a == b,

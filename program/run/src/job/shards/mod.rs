@@ -9,6 +9,7 @@ mod portion;
 mod shard;
 
 pub(crate) use found::Found;
+pub(super) use found::is_same;
 pub use found::{MergeError, Missing, Shards};
 pub use portion::Portion;
 pub use shard::{Shard, ShardError, Whole};
