@@ -5,7 +5,7 @@ use leafwise::core::realization::{Abilities, Accuracy, EndMaps, Ends, Realizatio
 use leafwise::core::{BuildError, ChartMaps, Method, StepError, realization_evaluator};
 use leafwise::expression::{Arithmetic, Graph, Kernel, Rational, StepSize, Term};
 use leafwise::karasev::TruncatedKarasev;
-use leafwise::scene::compose::{ComposedRun, ShadowEnergy, compose, refuse_noise};
+use leafwise::scene::compose::{ComposedRun, DENSE_LIMIT, ShadowEnergy, compose, refuse_noise};
 use leafwise::scene::json::object;
 use serde::Serialize;
 
@@ -123,7 +123,10 @@ pub fn execute(
                 "a lattice of {} coordinates is not evaluated at a point",
                 run.plan.coordinates
             ),
-            "shorten it with --set system.families.NAME=8",
+            format!(
+                "shorten it with {}",
+                document.system.shortening(DENSE_LIMIT)
+            ),
         ));
     };
     if method.realization().abilities().lift.is_some() {

@@ -49,12 +49,12 @@ pub(super) fn lines(run: &ComposedRun) -> Vec<String> {
 pub(super) fn ends(document: &SceneDocument) -> Result<Vec<String>, Refusal> {
     let left_out = left_out(document)?;
     let rows: Vec<Vec<String>> = (left_out.iter())
-        .map(|LeftOut { term, sites }| {
+        .map(|LeftOut { term, places }| {
             let term = match term.chars().count() > WIDTH {
                 true => cut(term),
                 false => term.clone(),
             };
-            vec![format!("    {term}"), format!("of {}", ranges(sites))]
+            vec![format!("    {term}"), of_sites(places)]
         })
         .collect();
     if rows.is_empty() {
@@ -68,18 +68,30 @@ pub(super) fn ends(document: &SceneDocument) -> Result<Vec<String>, Refusal> {
 /// Ranges of sites that are printed.
 const MOST_RANGES: usize = 12;
 
-/// Sites in order, those that follow each other as `sites 3 … 7`; of many ranges their number alone.
-fn ranges(sites: &[usize]) -> String {
-    let runs = sites.chunk_by(|a, b| a + 1 == *b);
-    if runs.clone().count() > MOST_RANGES {
-        return format!("{} sites next to the ends", sites.len());
+/// Sites by the values of their indices: `of sites 3 … 7` along one axis, `of sites [:,5]` where there are several.
+fn of_sites(places: &[Vec<usize>]) -> String {
+    let along = |(axis, values): (usize, &Vec<usize>)| {
+        let runs = values.chunk_by(|a, b| a + 1 == *b).map(|run| match run {
+            [first, .., last] => format!("{first} … {last}"),
+            _ => run[0].to_string(),
+        });
+        let within = |run: String| {
+            let indices = (0..places.len()).map(|of| if of == axis { run.as_str() } else { ":" });
+            let indices = indices.collect::<Vec<_>>().join(",");
+            if places.len() > 1 {
+                format!("[{indices}]")
+            } else {
+                indices
+            }
+        };
+        runs.map(within).collect::<Vec<_>>()
+    };
+    let runs: Vec<String> = places.iter().enumerate().flat_map(along).collect();
+    match (&places, runs.len()) {
+        (_, 0 | MOST_RANGES..) => "of the sites next to the ends".to_owned(),
+        ([one], 1) if one.len() == 1 => format!("of site {}", runs[0]),
+        _ => format!("of sites {}", runs.join(", ")),
     }
-    let runs = runs.map(|run| match run {
-        [first, .., last] => format!("{first} … {last}"),
-        _ => run[0].to_string(),
-    });
-    let noun = if sites.len() == 1 { "site" } else { "sites" };
-    format!("{noun} {}", runs.collect::<Vec<_>>().join(", "))
 }
 
 /// The rows of a field under a heading.

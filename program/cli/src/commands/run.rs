@@ -181,12 +181,16 @@ fn summary(
 ) -> Vec<String> {
     let method = method_line(composed, registry);
     let word = console.bold(report.outcome.word());
-    let (steps, time) = (grouped(report.steps), short(report.time));
+    let noun = if report.steps == 1 { "step" } else { "steps" };
+    let (steps, time) = (
+        format!("{} {noun}", grouped(report.steps)),
+        short(report.time),
+    );
     let mut lines = vec![match report.outcome.stopped_by() {
         Some(condition) => {
-            format!("{word} at t = {time}: {condition}, after {steps} steps with {method}")
+            format!("{word} at t = {time}: {condition}, after {steps} with {method}")
         }
-        None => format!("{word}: {steps} steps to t = {time} with {method}"),
+        None => format!("{word}: {steps} to t = {time} with {method}"),
     }];
     if let Some(step) = report.resumed_at {
         lines.push(format!("resumed at step {}", grouped(step)));

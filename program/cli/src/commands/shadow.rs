@@ -1,7 +1,7 @@
 //! `leafwise shadow`: the energy that a scene's method keeps.
 
 use leafwise::run::ShadowVerdict;
-use leafwise::scene::compose::{NoShadow, ShadowEnergy, compose, refuse_noise};
+use leafwise::scene::compose::{DENSE_LIMIT, NoShadow, ShadowEnergy, compose, refuse_noise};
 use leafwise::scene::json::object;
 use serde::Serialize;
 
@@ -67,8 +67,13 @@ pub fn execute(
             message:
                 "a long lattice, or a scene with a pace, has no formula of its shadow Hamiltonian"
                     .to_owned(),
-            help: "shorten the lattice with --set system.families.NAME=8, or leave the pace out"
-                .to_owned(),
+            help: match run.method.lattice() {
+                Some(_) => format!(
+                    "shorten the lattice with {}",
+                    document.system.shortening(DENSE_LIMIT)
+                ),
+                None => "leave the pace out".to_owned(),
+            },
         }));
     }
     let t = run.plan.epsilon * run.plan.h;

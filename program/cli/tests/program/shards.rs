@@ -55,6 +55,110 @@ fn an_arrays_tasks_are_merged_to_the_bytes_of_one_process() {
     assert!(manifest.contains("\"scene\": \"scene.toml\""), "{manifest}");
 }
 
+/// Three shards of the ensemble, and a place that has them.
+fn in_shards() -> Place {
+    let here = place();
+    for number in 1..=3 {
+        let made = shard(&here, &["--shard", &format!("{number}/3"), "--quiet"]);
+        assert_eq!(made.code, Some(0), "{}", made.err);
+    }
+    here
+}
+
+#[test]
+fn a_join_into_one_of_its_shards_leaves_the_shard_as_it_is() {
+    let here = in_shards();
+    let of_shard = |name: &str| here.read(&format!("shards/shard-2-of-3/{name}"));
+    let before = ["manifest.json", "final_states.csv"].map(of_shard);
+    for into in ["shards/shard-2-of-3", "shards/../shards/shard-2-of-3/"] {
+        let refused = here.leafwise(&["merge", "shards", "--out", into, "--force"]);
+        assert_eq!(refused.code, Some(2), "{}", refused.err);
+        refused.says(&["is one of the shards that are joined", "--out DIR"]);
+    }
+    assert!(before == ["manifest.json", "final_states.csv"].map(of_shard));
+    let merged = here.leafwise(&["merge", "shards", "--out", "merged"]);
+    assert_eq!(merged.code, Some(0), "{}", merged.err);
+}
+
+#[test]
+fn shards_with_a_part_of_their_files_are_told_of() {
+    for (file, said) in [
+        ("scene.toml", "it is not a whole scene"),
+        (
+            "checkpoint.bin",
+            "shards/shard-2-of-3/checkpoint.bin is damaged",
+        ),
+        (
+            "final_states.csv",
+            "shards/shard-2-of-3/final_states.csv is damaged",
+        ),
+    ] {
+        let here = in_shards();
+        let path = here.path(&format!("shards/shard-2-of-3/{file}"));
+        let bytes = std::fs::read(&path).expect("a file of the shard");
+        std::fs::write(&path, &bytes[..bytes.len() / 3]).expect("written");
+        let refused = here.leafwise(&["merge", "shards", "--out", "merged"]);
+        assert_eq!(refused.code, Some(2), "{file}: {}", refused.err);
+        refused.says(&[said, "make that shard again with --force"]);
+        // The advice cures.
+        let again = shard(&here, &["--shard", "2/3", "--force", "--quiet"]);
+        assert_eq!(again.code, Some(0), "{file}: {}", again.err);
+        let merged = here.leafwise(&["merge", "shards", "--out", "merged"]);
+        assert_eq!(merged.code, Some(0), "{file}: {}", merged.err);
+    }
+}
+
+#[test]
+fn a_checkpoint_older_than_its_manifest_is_gone_on_from() {
+    let here = in_shards();
+    let whole = || here.leafwise(&["ensemble", "scene.toml", "--out", "whole", "--quiet"]);
+    assert_eq!(whole().code, Some(0));
+    let files = ["statistics.csv", "windows.csv", "final_states.csv"];
+    let all = || files.map(|file| here.read(&format!("whole/{file}")));
+    let before = all();
+    let old = here.path("shards/shard-1-of-3/checkpoint.bin");
+    std::fs::copy(old, here.path("whole/checkpoint.bin")).expect("copied");
+    let again = whole();
+    assert_eq!(again.code, Some(0), "{}", again.err);
+    assert!(before == all());
+    let told = here.leafwise(&["ensemble", "scene.toml", "--out", "whole"]);
+    assert_eq!(told.code, Some(0), "{}", told.err);
+    told.says(&["nothing was computed"]);
+}
+
+#[test]
+fn rows_behind_the_end_are_no_end() {
+    let here = place();
+    let whole = || here.leafwise(&["ensemble", "scene.toml", "--out", "whole"]);
+    assert_eq!(whole().code, Some(0));
+    let rows = here.read("whole/final_states.csv") + "1,2\n";
+    here.write("whole/final_states.csv", &rows);
+    let refused = whole();
+    assert_eq!(refused.code, Some(2), "{}", refused.err);
+    refused.says(&["there is more, or other, behind its last row", "--force"]);
+}
+
+#[test]
+fn a_removal_that_fails_leaves_nothing_that_looks_whole() {
+    let here = place();
+    let whole = |force: &[&str]| {
+        let arguments = ["ensemble", "scene.toml", "--out", "whole"];
+        here.leafwise(&[&arguments, force].concat())
+    };
+    assert_eq!(whole(&[]).code, Some(0));
+    // A folder in the place of a file cannot be removed.
+    let file = here.path("whole/final_states.csv");
+    std::fs::remove_file(&file).expect("removed");
+    std::fs::create_dir(&file).expect("a folder");
+    let refused = whole(&["--force"]);
+    assert_eq!(refused.code, Some(1), "{}", refused.err);
+    let manifest = here.read("whole/manifest.json");
+    assert!(manifest.contains("\"outcome\": \"running\""), "{manifest}");
+    assert_ne!(whole(&[]).code, Some(0));
+    std::fs::remove_dir(&file).expect("removed");
+    assert_eq!(whole(&["--force"]).code, Some(0));
+}
+
 #[test]
 fn what_is_no_shard_is_refused() {
     let here = place();

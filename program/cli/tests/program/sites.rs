@@ -61,3 +61,92 @@ fn a_run_is_not_continued_with_other_numbers() {
     assert_eq!(said.code, Some(2), "{}", said.err);
     said.says(&["other numbers in j.csv", "--force"]);
 }
+
+/// An open plane of spins that is a lattice of its own.
+const PLANE: &str = r#"[system]
+families = { s = { components = ["x", "y", "z"], length = [5, 6] } }
+boundary = "open"
+bracket = { lie-algebra = "so3" }
+hamiltonian = "-sum(i, j, s.x[i,j]*s.x[i+1,j] + s.z[i,j]*s.z[i,j+1])"
+[method]
+stepper = "splitting"
+time-step = 0.05
+[run]
+steps = 1
+[run.initial]
+"s.x[i,j]" = "0.6*cos(pi*j/8)"
+"s.y[i,j]" = "0.6*sin(pi*j/8)"
+"s.z[i,j]" = 0.8
+"#;
+
+/// By `--set` without quotes, and as a direction of a sweep; each row is that run.
+#[test]
+fn one_site_is_set_by_its_key() {
+    let observables = "[{ one = \"s.x[2,3]\" }, { next = \"s.y[2,2]\" }]";
+    let here = Place::with(&format!(
+        "{PLANE}[sweep]\nrecord = {{ observables = {observables} }}\n[sweep.grid]\n\"run.initial.s.x[2,3]\" = [0.1, 0.2]\n"
+    ));
+    let swept = here.leafwise(&["sweep", "scene.toml", "--out", "sweep"]);
+    assert_eq!(swept.code, Some(0), "{}", swept.err);
+    let table = here.read("sweep/sweep.csv");
+    here.write("scene.toml", PLANE);
+    for (value, row) in ["0.1", "0.2"].into_iter().zip(table.lines().skip(1)) {
+        let set = format!("run.initial.s.x[2,3]={value}");
+        let record = format!("run.record.observables={observables}");
+        let said = here.leafwise(&[
+            "run",
+            "scene.toml",
+            "--force",
+            "--out",
+            "run",
+            "--set",
+            &set,
+            "--set",
+            &record,
+        ]);
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        let samples = here.read("run/samples.csv");
+        let rows: Vec<Vec<&str>> = samples
+            .lines()
+            .map(|row| row.split(',').collect())
+            .collect();
+        assert_eq!(rows[1][1], value);
+        for of_last in &rows[2][1..] {
+            assert!(
+                row.split(',').any(|cell| cell == *of_last),
+                "{row}\n{samples}"
+            );
+        }
+    }
+}
+
+#[test]
+fn terms_beyond_the_ends_of_a_plane_are_told_by_rows() {
+    let here = Place::with(PLANE);
+    let said = here.leafwise(&["check", "scene.toml"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    for shown in [
+        "s.z[i,j]*s.z[i,j+1]  of sites [:,5]",
+        "s.x[i,j]*s.x[i+1,j]  of sites [4,:]",
+    ] {
+        assert!(said.out.contains(shown), "{}", said.out);
+    }
+}
+
+/// The advice cures.
+#[test]
+fn a_plane_is_made_short_as_the_message_says() {
+    let here = Place::with(PLANE);
+    let shorter = "system.families.s.length=[2,4]";
+    for command in ["shadow", "evaluate"] {
+        let refused = here.leafwise(&[command, "scene.toml"]);
+        assert_eq!(refused.code, Some(2), "{}", refused.err);
+        refused.says(&[&format!("--set {shorter}")]);
+    }
+    let short = here.leafwise(&["shadow", "scene.toml", "--set", shorter]);
+    assert_eq!(short.code, Some(0), "{}", short.err);
+    // A method of another kind has a realization.
+    let method = "method={ realization = \"auto\", dynamics = { name = \"hamilton-jacobi\", order = 2 }, time-step = 0.05 }";
+    let short = here.leafwise(&["evaluate", "scene.toml", "--set", shorter, "--set", method]);
+    assert_eq!(short.code, Some(0), "{}", short.err);
+}

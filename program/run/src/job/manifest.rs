@@ -135,7 +135,8 @@ pub(super) fn unfinish(directory: &Path) -> Result<(), RunError> {
         return Ok(());
     };
     manifest.insert("outcome".to_owned(), "running".into());
-    replace(&file, Value::from(manifest).to_string().as_bytes())
+    let text = format!("{:#}\n", Value::from(manifest));
+    replace(&file, text.as_bytes())
 }
 
 impl Manifest {

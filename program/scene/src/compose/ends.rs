@@ -16,8 +16,8 @@ use crate::document::SceneDocument;
 pub struct LeftOut {
     /// The term as it is written.
     pub term: String,
-    /// The numbers of the sites, in order; along one axis they are the values of its index.
-    pub sites: Vec<usize>,
+    /// For each axis the values of its index, in order, at which it is left out.
+    pub places: Vec<Vec<usize>>,
 }
 
 /// Lists the terms of H that are left out at the ends of an open lattice. The list is empty where H is no combination
@@ -28,13 +28,13 @@ pub struct LeftOut {
 pub fn left_out(document: &SceneDocument) -> Result<Vec<LeftOut>, Refusal> {
     let geometry = geometry(document);
     let hamiltonian = &document.system.hamiltonian;
-    let mut found: Vec<LeftOut> = Vec::new();
+    let mut found: Vec<(String, Vec<usize>)> = Vec::new();
     if geometry.is_periodic() || geometry.families.is_empty() || document.system.numbers.is_some() {
-        return Ok(found);
+        return Ok(Vec::new());
     }
     let parsed = parse(document, hamiltonian)?;
     let Ok(offsets) = parsed.offsets_of_sums() else {
-        return Ok(found);
+        return Ok(Vec::new());
     };
     let scope = scope(document, &geometry, None)?;
     for site in near_ends(&geometry, &offsets) {
@@ -42,17 +42,32 @@ pub fn left_out(document: &SceneDocument) -> Result<Vec<LeftOut>, Refusal> {
             .left_out(&scope, site)
             .map_err(|error| refusal(document, hamiltonian, &error))?;
         for term in terms {
-            match found.iter_mut().find(|known| known.term == term) {
-                Some(known) if known.sites.last() == Some(&site) => {}
-                Some(known) => known.sites.push(site),
-                None => found.push(LeftOut {
-                    term: term.to_owned(),
-                    sites: vec![site],
-                }),
+            match found.iter_mut().find(|(known, _)| known == term) {
+                Some((_, sites)) if sites.last() == Some(&site) => {}
+                Some((_, sites)) => sites.push(site),
+                None => found.push((term.to_owned(), vec![site])),
             }
         }
     }
-    Ok(found)
+    let left_out = found.into_iter().map(|(term, sites)| LeftOut {
+        term,
+        places: places(&geometry, &sites),
+    });
+    Ok(left_out.collect())
+}
+
+/// For each axis the values of its index of which all sites are among these.
+fn places(geometry: &LatticeGeometry, sites: &[usize]) -> Vec<Vec<usize>> {
+    let along = |(axis, length): (usize, usize)| {
+        let mut counts = vec![0; length];
+        for site in sites {
+            counts[geometry.place(*site)[axis]] += 1;
+        }
+        let all = geometry.length() / length.max(1);
+        (0..length).filter(|at| counts[*at] == all).collect()
+    };
+    let lengths = geometry.axes.iter().map(|axis| axis.length);
+    lengths.enumerate().map(along).collect()
 }
 
 /// Sites from which a template names something beyond an end.

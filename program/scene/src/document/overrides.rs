@@ -65,6 +65,27 @@ const BYTE_ORDER_MARK: char = '\u{feff}';
 
 type Refusal = (SceneProblemCause, Range<usize>);
 
+/// Why a text is refused as a path.
+pub(super) const NO_PATH: &str = "the path is not dotted keys such as method.epsilon";
+
+/// Tables whose keys are no words: those of sites, `s.x[2,3]`, and of pairs, `x1,x2`.
+const OF_FORMULAS: [&str; 2] = ["run.initial.", "system.bracket."];
+
+/// The keys of a path. A key of a site or a pair needs no quotes: `run.initial.s.x[2,3]`.
+pub(super) fn parse_path(path: &str) -> Option<Vec<Key>> {
+    if let Ok(keys) = Key::parse(path) {
+        return Some(keys);
+    }
+    let table = OF_FORMULAS
+        .into_iter()
+        .find(|table| path.starts_with(table))?;
+    let key = &path[table.len()..];
+    let is_plain = !key.is_empty() && !key.contains(['"', '\'', '\n']);
+    let mut keys = Key::parse(table.trim_end_matches('.')).ok()?;
+    keys.push(Key::new(key));
+    is_plain.then_some(keys)
+}
+
 fn apply(document: &mut DocumentMut, path: &str, value: &str) -> Result<(), Refusal> {
     let refuse = |reason: &str| {
         let cause = SceneProblemCause::Override {
@@ -73,8 +94,7 @@ fn apply(document: &mut DocumentMut, path: &str, value: &str) -> Result<(), Refu
         };
         (cause, 0..path.len())
     };
-    let keys = Key::parse(path)
-        .map_err(|_| refuse("the path is not dotted keys such as method.epsilon"))?;
+    let keys = parse_path(path).ok_or_else(|| refuse(NO_PATH))?;
     check_path(&keys, path, value)?;
     check_declared(document, &keys, path)?;
     let (_, parents) = keys

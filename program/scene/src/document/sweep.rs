@@ -4,7 +4,7 @@ use toml_edit::Key;
 
 use super::error::SceneProblemCause;
 use super::located::{Located, Place};
-use super::overrides::{alternatives, check_path};
+use super::overrides::{NO_PATH, alternatives, check_path, parse_path};
 use super::reader::{Item, Problems, Table};
 use super::run::{ObservableSpec, read_observables};
 use super::schema::{GRID_RANGES, SWEEP, SWEEP_RECORD};
@@ -281,8 +281,8 @@ pub fn refuse_key(key: &str, value: &str) -> Option<SceneProblemCause> {
         key: key.to_owned(),
         reason: reason.to_owned(),
     };
-    let Ok(keys) = Key::parse(key) else {
-        return Some(refuse("the path is not dotted keys such as method.epsilon"));
+    let Some(keys) = parse_path(key) else {
+        return Some(refuse(NO_PATH));
     };
     let names: Vec<&str> = keys.iter().map(Key::get).collect();
     let plain = names.join(".");

@@ -138,6 +138,31 @@ impl SystemSection {
         &self.families[..count.unwrap_or(self.families.len())]
     }
 
+    /// Options of the command line that make a lattice one of at most so many coordinates:
+    /// `--set system.families.x=8`.
+    pub fn shortening(&self, coordinates: usize) -> String {
+        let families = self.moving().len().max(1);
+        let sites = (coordinates / families).min(8);
+        let length = match self.axes.len() {
+            0 | 1 => sites.to_string(),
+            axes => {
+                let others = 1 << (axes - 1);
+                let mut lengths = vec![2; axes];
+                lengths[axes - 1] = (sites / others).max(1);
+                format!("{lengths:?}").replace(' ', "")
+            }
+        };
+        let vectors = self
+            .vectors
+            .iter()
+            .map(|vector| format!("{}.length", vector.name.value));
+        let is_scalar = |name: &str| !self.vectors.iter().any(|vector| vector.has(name));
+        let names = self.moving().iter().map(|(name, _)| name.value.clone());
+        let names = names.filter(|name| is_scalar(name)).chain(vectors);
+        let options = names.map(|name| format!("--set system.families.{name}={length}"));
+        options.collect::<Vec<_>>().join(" ")
+    }
+
     /// Whether a family is a parameter of every site.
     pub fn is_at_rest(&self, family: &str) -> bool {
         let mut keys = self.sites.iter().map(|(key, _)| &key.value);

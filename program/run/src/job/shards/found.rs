@@ -321,11 +321,6 @@ impl Shards {
             .collect()
     }
 
-    /// The manifest of the first.
-    pub(crate) fn manifest(&self) -> PathBuf {
-        self.all[0].directory.join(MANIFEST)
-    }
-
     /// The scene that they were made from, in the first of their directories.
     pub fn scene(&self) -> PathBuf {
         self.all[0].directory.join(SCENE)

@@ -1,11 +1,10 @@
 //! Items that a job makes, and where they come from.
 
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::found::{Found, MergeError, Shards};
 use super::shard::{Shard, Whole};
-use crate::RunError;
 use crate::job::manifest::{Kind, ShardRecord};
 
 /// Items of a whole that a job makes: all of them or those of a shard, computed or joined from shards.
@@ -72,21 +71,9 @@ impl<'a> Portion<'a> {
         self.shard.as_ref().map(Shard::record)
     }
 
-    /// Whether they come from shards.
-    pub(crate) fn is_joined(&self) -> bool {
-        self.shards.is_some()
-    }
-
     /// The directories that they come from.
     pub(crate) fn sources(&self) -> Vec<&Path> {
         self.shards.map_or_else(Vec::new, Shards::directories)
-    }
-
-    /// Refusal of shards that hold fewer than they are of.
-    pub(crate) fn falls_short(&self) -> RunError {
-        let file = self.shards.map_or_else(PathBuf::new, Shards::manifest);
-        let reason = "the shards hold fewer than their manifests say".to_owned();
-        RunError::DamagedShard { file, reason }
     }
 
     /// The shards that they come from and that hold any of them, in their order.
