@@ -46,6 +46,147 @@ fn check_prints_the_motion_of_every_variable() {
     said.says(&expected);
 }
 
+/// q' = ∂H/∂p and p' = −∂H/∂q under either convention, for names, families, vectors, summands and pairs written out.
+#[test]
+fn canonical_pairs_move_by_hamiltons_equations() {
+    let many = |letter: &str| {
+        format!(
+            "{{ components = [\"x\", \"y\"], length = [2, 3] }}, {letter} = {{ components = [\"x\", \"y\"], length = [2, 3] }}"
+        )
+    };
+    let by_word = "bracket = \"canonical\"";
+    let at_rest = |variables: &str, count: usize| {
+        format!("variables = {variables}\nINITIAL = {:?}", vec![0.5; count])
+    };
+    let cases = [
+        (
+            at_rest("[\"p\", \"q\"]", 2),
+            by_word,
+            "p^2/2 + q^4",
+            ["q", "p"],
+            ["p", "-4*q^3"],
+        ),
+        (
+            at_rest("[\"x\", \"px\", \"y\", \"py\"]", 4),
+            by_word,
+            "px*py + x*y",
+            ["y", "py"],
+            ["px", "-x"],
+        ),
+        (
+            at_rest("[\"r\", \"theta\", \"pr\", \"L\"]", 4),
+            by_word,
+            "pr^2/2 + L*theta",
+            ["theta", "L"],
+            ["theta", "-L"],
+        ),
+        (
+            at_rest("[\"θ\", \"J\"]", 2),
+            by_word,
+            "J^2/2 + θ",
+            ["θ", "J"],
+            ["J", "-1"],
+        ),
+        (
+            at_rest("[\"x\", \"v\"]", 2),
+            "bracket = { canonical = [[\"x\", \"v\"]] }",
+            "v^2/2 + x",
+            ["x", "v"],
+            ["v", "-1"],
+        ),
+        (
+            at_rest("[\"q\", \"m1\", \"m2\", \"m3\", \"p\"]", 5),
+            "bracket = { sum = [{ variables = [\"q\", \"p\"], bracket = \"canonical\" }, { variables = [\"m1\", \"m2\", \"m3\"], bracket = { lie-algebra = \"so3\" } }] }",
+            "p^2/2 + q*m1",
+            ["q", "p"],
+            ["p", "-m1"],
+        ),
+        (
+            "families = { q = 4, p = 4 }\nINITIAL = { \"q[i]\" = 1, \"p[i]\" = 2 }".to_owned(),
+            by_word,
+            "sum(i, p[i]^2/2 + q[i])",
+            ["q[2]", "p[2]"],
+            ["p[2]", "-1"],
+        ),
+        (
+            format!(
+                "families = {{ r = {} }}\nINITIAL = {{ \"r.x[i,j]\" = 1, \"r.y[i,j]\" = 2, \"p.x[i,j]\" = 1, \"p.y[i,j]\" = 2 }}",
+                many("p")
+            ),
+            by_word,
+            "sum(i, j, p.y[i,j]*p.x[i,j] + r.y[i,j])",
+            ["r.x[1,2]", "p.y[1,2]"],
+            ["p.y[1,2]", "-1"],
+        ),
+    ];
+    for (declared, bracket, hamiltonian, names, motion) in cases {
+        let (system, initial) = declared.split_once("INITIAL = ").expect("both");
+        for convention in ["{H,x}", "{x,H}"] {
+            let here = Place::with(&format!(
+                "[system]\n{system}{bracket}\nconvention = \"{convention}\"\nhamiltonian = \"{hamiltonian}\"\n[method]\nstepper = \"gauss\"\n\
+                 time-step = 0.1\n[run]\nsteps = 1\ninitial = {initial}\n"
+            ));
+            let said = here.leafwise(&["check", "scene.toml", "--json"]);
+            assert_eq!(said.code, Some(0), "{}", said.err);
+            let json = said.json();
+            for (name, expected) in names.into_iter().zip(motion) {
+                assert_eq!(json["motion"][name], expected, "{system}{convention}");
+            }
+        }
+    }
+}
+
+/// A variable without a partner, or with two, is named; the way out that the message shows is taken.
+#[test]
+fn pairs_that_names_do_not_tell_are_asked_for() {
+    for (variables, bracket, said) in [
+        (
+            "[\"x\", \"v\"]",
+            "\"canonical\"",
+            "no variable is the momentum or the coordinate of `x`",
+        ),
+        (
+            "[\"q\", \"p\", \"z\"]",
+            "\"canonical\"",
+            "no variable is the momentum or the coordinate of `z`",
+        ),
+        (
+            "[\"theta\", \"phi\", \"L\"]",
+            "\"canonical\"",
+            "`L` may be paired with `theta` or `phi`",
+        ),
+        (
+            "[\"q\", \"p\"]",
+            "\"kanonical\"",
+            "did you mean `canonical`?",
+        ),
+        (
+            "[\"q\", \"p\"]",
+            "{ canonical = [[\"q\", \"P\"]] }",
+            "unknown variable `P`",
+        ),
+        ("[\"q\", \"p\"]", "{ canonical = [[\"q\"]] }", "has 1 names"),
+        (
+            "[\"q\", \"p\", \"z\"]",
+            "{ canonical = [[\"q\", \"p\"], [\"q\", \"z\"]] }",
+            "`q` is declared twice",
+        ),
+        (
+            "[\"q\", \"p\"]",
+            "{ canonical = [[\"q\", \"q\"]] }",
+            "two variables",
+        ),
+    ] {
+        let here = Place::with(&format!(
+            "[system]\nvariables = {variables}\nbracket = {bracket}\nhamiltonian = \"1\"\n[method]\nstepper = \"gauss\"\ntime-step = 0.1\n\
+             [run]\nsteps = 1\ninitial = [1, 1]\n"
+        ));
+        let refused = here.leafwise(&["check", "scene.toml"]);
+        assert_eq!(refused.code, Some(3), "{}", refused.err);
+        refused.says(&[said]);
+    }
+}
+
 #[test]
 fn the_motion_of_a_lattice_is_that_of_a_site() {
     let chain = "[system]\nfamilies = { q = 400, p = 400 }\n\

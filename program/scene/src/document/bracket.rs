@@ -1,5 +1,6 @@
 //! `bracket = …`: the ways to write a Poisson tensor.
 
+use super::canonical::{Coordinates, read_pairs};
 use super::error::SceneProblemCause;
 use super::lie_algebra::{LieAlgebraSpec, read_lie_algebra};
 use super::located::{Located, Number};
@@ -41,9 +42,18 @@ pub struct SummandSpec {
 /// Former name of `magnetic-field`, which had another sign.
 const MAGNETIC: &str = "magnetic";
 
-/// Reads the value of `bracket`.
-pub(super) fn read_bracket(item: &Item<'_>, problems: &mut Problems) -> Option<BracketSpec> {
-    let table = item.table("bracket", "a table", problems)?;
+/// Reads the value of `bracket`, of these coordinates.
+pub(super) fn read_bracket(
+    item: &Item<'_>,
+    coordinates: &Coordinates,
+    problems: &mut Problems,
+) -> Option<BracketSpec> {
+    if item.is_string() {
+        item.word("kind of bracket", &[("canonical", ())], problems)?;
+        let entries = coordinates.by_names(&item.place(), problems);
+        return entries.map(BracketSpec::Entries);
+    }
+    let table = item.table("bracket", "a table or \"canonical\"", problems)?;
     if let Some(old) = table.get(MAGNETIC) {
         problems.push(SceneProblemCause::MagneticSign, old.key.place());
         return None;
@@ -69,6 +79,9 @@ pub(super) fn read_bracket(item: &Item<'_>, problems: &mut Problems) -> Option<B
         problems.conflict(&kind.key.value, other, advice);
     }
     let spec = match kind.key.value.as_str() {
+        "canonical" => read_pairs(kind, problems)
+            .and_then(|pairs| coordinates.by_pairs(&pairs, problems))
+            .map(BracketSpec::Entries),
         "lie-algebra" => read_lie_algebra(kind, problems).map(BracketSpec::LieAlgebra),
         "magnetic-field" => kind
             .list_of("a list of formulas", problems, Item::formula)
@@ -81,7 +94,9 @@ pub(super) fn read_bracket(item: &Item<'_>, problems: &mut Problems) -> Option<B
             .and_then(|table| entries(&table, problems))
             .map(BracketSpec::TwoForm),
         "sum" => kind
-            .list_of("a list of summands", problems, summand)
+            .list_of("a list of summands", problems, |item, problems| {
+                summand(item, coordinates, problems)
+            })
             .map(BracketSpec::Sum),
         _ => kind.square_matrix(problems).map(BracketSpec::LogCanonical),
     };
@@ -89,7 +104,11 @@ pub(super) fn read_bracket(item: &Item<'_>, problems: &mut Problems) -> Option<B
 }
 
 /// `{ variables = […], bracket = {…} }`.
-fn summand(item: &Item<'_>, problems: &mut Problems) -> Option<SummandSpec> {
+fn summand(
+    item: &Item<'_>,
+    coordinates: &Coordinates,
+    problems: &mut Problems,
+) -> Option<SummandSpec> {
     let table = item.table(&item.title, "a table", problems)?;
     table.only(&SUMMAND, problems);
     let variables = table
@@ -97,7 +116,11 @@ fn summand(item: &Item<'_>, problems: &mut Problems) -> Option<SummandSpec> {
         .and_then(|item| item.list_of("a list of names", problems, Item::string));
     let bracket = table
         .require("bracket", "bracket = { \"q,p\" = \"-1\" }", problems)
-        .and_then(|item| read_bracket(item, problems).map(|spec| Located::new(spec, item.place())));
+        .and_then(|item| {
+            let chosen = coordinates.only(variables.as_deref().unwrap_or_default());
+            let spec = read_bracket(item, &chosen, problems)?;
+            Some(Located::new(spec, item.place()))
+        });
     let constraints = match table.get("constraints") {
         Some(item) => item.list_of("a list of formulas", problems, Item::formula),
         None => Some(Vec::new()),

@@ -164,6 +164,14 @@ pub enum SceneProblemCause {
         /// The nearest kind of bracket.
         nearest: Option<String>,
     },
+    /// A variable whose momentum, or coordinate, its name does not tell.
+    #[error("{}", pair_message(name, partners))]
+    CanonicalPair {
+        /// The variable.
+        name: String,
+        /// Those that might be.
+        partners: Vec<String>,
+    },
     /// A variable in two summands of a direct sum.
     #[error("`{name}` is in two summands of the bracket")]
     TwoSummands {
@@ -237,6 +245,7 @@ impl SceneProblemCause {
             Self::Duplicate { .. } => "declared before".to_owned(),
             Self::InvalidName { reason, .. } => (*reason).to_owned(),
             Self::BracketKey { .. } => "expected two variables and a comma".to_owned(),
+            Self::CanonicalPair { name, .. } => format!("`{name}` is in no pair"),
             Self::System { .. } => "here".to_owned(),
             Self::TwoSummands { .. } => "in an earlier summand".to_owned(),
             Self::NoSummand { .. } => "of no summand".to_owned(),
@@ -274,8 +283,8 @@ impl SceneProblemCause {
                     .to_owned(),
             ),
             Self::WrongType { key, .. } if key == "bracket" => Some(
-                "write the pairs that do not vanish: bracket = { \"q,p\" = \"1\" } with convention = \"{x,H}\" for \
-                 q' = ∂H/∂p and p' = -∂H/∂q"
+                "bracket = \"canonical\" pairs q with p, for q' = ∂H/∂p and p' = -∂H/∂q; else write the pairs that do not \
+                 vanish: bracket = { \"x,y\" = \"x*y\" }"
                     .to_owned(),
             ),
             Self::NotOne { key, .. } => Some(format!(
@@ -296,8 +305,13 @@ impl SceneProblemCause {
                 ..
             } => Some(format!("did you mean `{name}`?")),
             Self::BracketKey { nearest: None, .. } => Some(
-                "write \"x1,x2\" = \"…\" for {x1, x2}, or one of lie-algebra, log-canonical, \
+                "write \"x1,x2\" = \"…\" for {x1, x2}, or one of canonical, lie-algebra, log-canonical, \
                  magnetic-field, one-form, two-form, sum"
+                    .to_owned(),
+            ),
+            Self::CanonicalPair { .. } => Some(
+                "pairs that are known: q and p, q1 and p1, x and px, theta and L; write others out, the coordinate first: \
+                 bracket = { canonical = [[\"theta\", \"L\"], …] }"
                     .to_owned(),
             ),
             Self::TwoSummands { .. } => Some(
@@ -317,6 +331,17 @@ impl SceneProblemCause {
                     .to_owned(),
             ),
             _ => None,
+        }
+    }
+}
+
+/// Message of a variable that is in no canonical pair.
+fn pair_message(name: &str, partners: &[String]) -> String {
+    match partners {
+        [] => format!("no variable is the momentum or the coordinate of `{name}` by its name"),
+        _ => {
+            let partners: Vec<String> = partners.iter().map(|name| format!("`{name}`")).collect();
+            format!("`{name}` may be paired with {}", partners.join(" or "))
         }
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! - `located`: values that remember where they were written;
 //! - `system`, `bracket`, `method`, `run`, `ensemble`, `sweep`, `plugin`: one table or list of the scene each;
+//! - `canonical`: pairs of a coordinate and its momentum, the bracket of a word;
 //! - `system_section`: the contents of `[system]`, read from the scene, a library or a system without formulas;
 //! - `forces`: forces that move the system beside its Hamiltonian;
 //! - `noise`: channels that move it at random;
@@ -19,6 +20,7 @@
 
 mod assign;
 mod bracket;
+mod canonical;
 mod contradictions;
 mod ensemble;
 mod error;

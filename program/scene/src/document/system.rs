@@ -9,6 +9,7 @@ use leafwise_expression::syntax::Formula;
 use toml::de::DeTable;
 
 use super::bracket::{BracketSpec, read_bracket};
+use super::canonical::Coordinates;
 use super::error::SceneProblemCause;
 use super::families::{
     Families, boundaries, chain_length, check_boundaries, on_axes, read_families,
@@ -291,9 +292,6 @@ fn read_inline(table: &Table<'_>, problems: &mut Problems) -> Option<SystemSecti
             problems,
         );
     }
-    let bracket = table
-        .require("bracket", "bracket = { \"x1,x2\" = \"-x3\" }", problems)
-        .and_then(|item| read_bracket(item, problems).map(|spec| Located::new(spec, item.place())));
     let constraints = match table.get("constraints") {
         Some(item) => item.list_of("a list of formulas", problems, Item::formula),
         None => Some(Vec::new()),
@@ -313,6 +311,17 @@ fn read_inline(table: &Table<'_>, problems: &mut Problems) -> Option<SystemSecti
         }
         None => Some(Convention::default()),
     };
+    let coordinates = Coordinates::of(
+        variables.as_deref().unwrap_or_default(),
+        families.as_ref().unwrap_or(&Families::default()),
+        convention.unwrap_or_default(),
+    );
+    let bracket = table
+        .require("bracket", "bracket = { \"x1,x2\" = \"-x3\" }", problems)
+        .and_then(|item| {
+            let spec = read_bracket(item, &coordinates, problems)?;
+            Some(Located::new(spec, item.place()))
+        });
     let hamiltonian = table
         .require("hamiltonian", "hamiltonian = \"x1^2/2 + x2^2/2\"", problems)
         .and_then(|item| item.formula(problems));

@@ -95,9 +95,9 @@ pub(super) static SYSTEM: [Key; 14] = [
     .default("{}"),
     key(
         "bracket",
-        Shape::Either(&[KIND, table(&SUM, &[&["sum"]]), PAIRS]),
+        Shape::Either(&[CANONICAL, KIND, table(&SUM, &[&["sum"]]), PAIRS]),
         "The Poisson tensor: { \"x,y\" = \"formula\" } for each pair that is not zero, or a \
-         kind by its name",
+         kind by its name, or \"canonical\": q with p, x with px, q' = dH/dp",
     ),
     key(
         "constraints",
@@ -205,9 +205,13 @@ pub(super) static VECTORS: [Key; 2] = [
 ];
 
 /// A kind of bracket by its name.
+/// Pairs by their names.
+const CANONICAL: Shape = Shape::Words(&["canonical"]);
+
 const KIND: Shape = table(
     &BRACKET,
     &[
+        &["canonical"],
         &["lie-algebra"],
         &["log-canonical"],
         &["magnetic-field"],
@@ -234,7 +238,7 @@ pub(super) static SUMMAND: [Key; 3] = [
     ),
     key(
         "bracket",
-        Shape::Either(&[KIND, PAIRS]),
+        Shape::Either(&[CANONICAL, KIND, PAIRS]),
         "The bracket of these variables, whose entries depend on no others",
     ),
     key(
@@ -245,7 +249,13 @@ pub(super) static SUMMAND: [Key; 3] = [
     .default("[]"),
 ];
 
-pub(super) static BRACKET: [Key; 5] = [
+pub(super) static BRACKET: [Key; 6] = [
+    key(
+        "canonical",
+        Shape::List(&Shape::List(&Shape::Text)),
+        "Pairs of a coordinate and its momentum, q' = dH/dp and p' = -dH/dq under either convention: [[\"q\", \"p\"]]",
+    )
+    .not_beside(&[Beside::Note("any other entry of the bracket")]),
     key(
         "lie-algebra",
         Shape::Either(&[

@@ -1,0 +1,211 @@
+//! `bracket = "canonical"`: pairs of a coordinate and its momentum, found by their names or written out.
+
+use super::system_section::Convention;
+
+use super::error::SceneProblemCause;
+use super::families::Families;
+use super::located::{Located, Place};
+use super::reader::{Item, Problems};
+
+/// Beginnings of names of a coordinate and of its momentum, with the same end: `q1` and `p1`, `r.x` and `p.x`.
+const STEMS: [(&str, &[&str]); 14] = [
+    ("q", &["p"]),
+    ("Q", &["P"]),
+    ("x", &["p"]),
+    ("X", &["P"]),
+    ("r", &["p"]),
+    ("theta", &["p", "L", "l", "J", "I"]),
+    ("phi", &["p", "L", "l", "J", "I", "pi"]),
+    ("psi", &["p", "L", "l", "J", "I"]),
+    ("alpha", &["p", "L"]),
+    ("θ", &["p", "L", "l", "J", "I"]),
+    ("φ", &["p", "L", "l", "J", "I", "π"]),
+    ("ϕ", &["p", "L", "l", "J", "I", "π"]),
+    ("ψ", &["p", "L", "l", "J", "I"]),
+    ("α", &["p", "L"]),
+];
+
+/// Names of the letters that a momentum puts before its coordinate's name: `px`, `p_theta`.
+const BEFORE: [&str; 3] = ["p", "p_", "P"];
+
+/// Names of indices of a site.
+const INDICES: [&str; 3] = ["i", "j", "k"];
+
+/// The coordinates that a bracket is of, and the sign of {q, p} with which q' = ∂H/∂p.
+#[derive(Clone)]
+pub(super) struct Coordinates {
+    /// Names, and the numbers of their indices.
+    names: Vec<(String, usize)>,
+    sign: &'static str,
+}
+
+impl Coordinates {
+    /// Single variables and families of a system.
+    pub fn of(variables: &[Located<String>], families: &Families, convention: Convention) -> Self {
+        let variables = variables.iter().map(|name| (name.value.clone(), 0));
+        let scalars = families.scalars.iter();
+        let scalars = scalars.map(|(name, lengths)| (name.value.clone(), lengths.value.len()));
+        Self {
+            names: variables.chain(scalars).collect(),
+            sign: match convention {
+                Convention::HamiltonFirst => "-1",
+                Convention::HamiltonSecond => "1",
+            },
+        }
+    }
+
+    /// Those of a summand, by the names of variables and families.
+    pub fn only(&self, chosen: &[Located<String>]) -> Self {
+        let is_chosen = |(name, _): &&(String, usize)| {
+            let mut chosen = chosen.iter();
+            chosen.any(|of| *name == of.value || is_component(name, &of.value))
+        };
+        Self {
+            names: self.names.iter().filter(is_chosen).cloned().collect(),
+            sign: self.sign,
+        }
+    }
+
+    /// The entries of the pairs that names tell.
+    ///
+    /// Each coordinate has one momentum, and no variable is left.
+    pub fn by_names(&self, place: &Place, problems: &mut Problems) -> Option<Entries> {
+        let mut pairs = Vec::new();
+        for (at, (name, _)) in self.names.iter().enumerate() {
+            let others = (0..self.names.len()).filter(|other| *other != at);
+            let partners: Vec<(usize, bool)> = others
+                .filter_map(|other| {
+                    let other_name = &self.names[other].0;
+                    let is_alike = self.names[at].1 == self.names[other].1;
+                    let (first, second) = (is_pair(name, other_name), is_pair(other_name, name));
+                    (is_alike && (first || second)).then_some((other, first))
+                })
+                .collect();
+            match partners[..] {
+                [(momentum, true)] => pairs.push((at, momentum)),
+                [(_, false)] => {}
+                _ => {
+                    let partners = partners
+                        .iter()
+                        .map(|(other, _)| self.names[*other].0.clone());
+                    let cause = SceneProblemCause::CanonicalPair {
+                        name: name.clone(),
+                        partners: partners.collect(),
+                    };
+                    problems.push(cause, place.clone());
+                    return None;
+                }
+            }
+        }
+        let entry =
+            |(coordinate, momentum): (usize, usize)| self.entry(coordinate, momentum, place);
+        Some(pairs.into_iter().map(entry).collect())
+    }
+
+    /// The entries of pairs that are written out, the coordinate first; of vectors one for each component.
+    pub fn by_pairs(
+        &self,
+        pairs: &[Located<Vec<Located<String>>>],
+        problems: &mut Problems,
+    ) -> Option<Entries> {
+        let (mut entries, mut paired) = (Entries::new(), Vec::new());
+        for pair in pairs {
+            let [coordinate, momentum] = &pair.value[..] else {
+                let cause = SceneProblemCause::Shape {
+                    what: "a pair of `canonical`".to_owned(),
+                    found: format!("{} names", pair.value.len()),
+                    expected: "a coordinate and its momentum, as [\"q\", \"p\"]".to_owned(),
+                };
+                problems.push(cause, pair.place());
+                return None;
+            };
+            let coordinates = self.named(coordinate, problems)?;
+            let momenta = self.named(momentum, problems)?;
+            let are_alike = coordinates.len() == momenta.len()
+                && coordinates
+                    .iter()
+                    .zip(&momenta)
+                    .all(|(q, p)| q != p && self.names[*q].1 == self.names[*p].1);
+            if !are_alike {
+                let cause = SceneProblemCause::Shape {
+                    what: "a pair of `canonical`".to_owned(),
+                    found: format!("`{}` and `{}`", coordinate.value, momentum.value),
+                    expected: "two variables, two families on the same axes, or two vectors of as many components".to_owned(),
+                };
+                problems.push(cause, pair.place());
+                return None;
+            }
+            for (at, name) in [(&coordinates, coordinate), (&momenta, momentum)] {
+                if at.iter().any(|at| paired.contains(at)) {
+                    let name_again = name.value.clone();
+                    problems.push(
+                        SceneProblemCause::Duplicate { name: name_again },
+                        name.place(),
+                    );
+                    return None;
+                }
+                paired.extend(at.iter().copied());
+            }
+            let of = coordinates.into_iter().zip(momenta);
+            entries.extend(of.map(|(q, p)| self.entry(q, p, &pair.place())));
+        }
+        Some(entries)
+    }
+
+    /// The variables of a name: one, or the components of a vector.
+    fn named(&self, name: &Located<String>, problems: &mut Problems) -> Option<Vec<usize>> {
+        let is_meant = |at: &usize| {
+            let known = &self.names[*at].0;
+            *known == name.value || is_component(known, &name.value)
+        };
+        let found: Vec<usize> = (0..self.names.len()).filter(is_meant).collect();
+        if found.is_empty() {
+            let valid = self.names.iter().map(|(known, _)| known.as_str());
+            let cause = SceneProblemCause::unknown("variable", &name.value, valid);
+            problems.push(cause, name.place());
+            return None;
+        }
+        Some(found)
+    }
+
+    fn entry(&self, coordinate: usize, momentum: usize, place: &Place) -> Entry {
+        let written = |at: usize| match &self.names[at] {
+            (name, 0) => name.clone(),
+            (name, indices) => format!("{name}[{}]", INDICES[..*indices].join(",")),
+        };
+        let key = format!("{},{}", written(coordinate), written(momentum));
+        let at = |text: String| Located::new(text, place.clone());
+        (at(key), at(self.sign.to_owned()))
+    }
+}
+
+type Entry = (Located<String>, Located<String>);
+type Entries = Vec<Entry>;
+
+/// `[["q", "p"], ["theta", "L"]]`.
+pub(super) fn read_pairs(
+    item: &Item<'_>,
+    problems: &mut Problems,
+) -> Option<Vec<Located<Vec<Located<String>>>>> {
+    item.list_of("a list of pairs of names", problems, |pair, problems| {
+        let names = pair.list_of("a pair of names", problems, Item::string)?;
+        Some(Located::new(names, pair.place()))
+    })
+}
+
+/// Whether a family is a component of a vector: `r.x` of `r`.
+fn is_component(family: &str, vector: &str) -> bool {
+    let rest = family.strip_prefix(vector);
+    rest.is_some_and(|rest| rest.starts_with('.'))
+}
+
+/// Whether names tell that the second is the momentum of the first.
+fn is_pair(coordinate: &str, momentum: &str) -> bool {
+    let is_before = |letters: &str| momentum.strip_prefix(letters) == Some(coordinate);
+    let have_stems = |(stem, momenta): &(&str, &[&str])| {
+        let end = coordinate.strip_prefix(stem);
+        let mut momenta = momenta.iter();
+        end.is_some_and(|end| momenta.any(|of| momentum.strip_prefix(of) == Some(end)))
+    };
+    BEFORE.into_iter().any(is_before) || STEMS.iter().any(have_stems)
+}
