@@ -284,3 +284,110 @@ fn hamiltons_equations_that_run_backwards_are_reported() {
         assert!(!said.err.contains("backwards"), "{}", said.err);
     }
 }
+
+const TORQUE: &str = r#"[system]
+library = "attitude"
+torque = ["0.1", "0", "0.3*cos(t)"]
+[method]
+realization = "auto"
+dynamics = "one-form"
+time-step = 0.01
+[run]
+steps = 200
+initial = [1.0, 1.5, -0.7, 0.8, 0.0, 0.6, 0.0]
+[run.record]
+observables = [
+    { space1 = "(q0^2 + q1^2 - q2^2 - q3^2)*m1 + 2*(q1*q2 - q0*q3)*m2 + 2*(q1*q3 + q0*q2)*m3" },
+    { space2 = "2*(q1*q2 + q0*q3)*m1 + (q0^2 - q1^2 + q2^2 - q3^2)*m2 + 2*(q2*q3 - q0*q1)*m3" },
+    { space3 = "2*(q1*q3 - q0*q2)*m1 + 2*(q2*q3 + q0*q1)*m2 + (q0^2 - q1^2 - q2^2 + q3^2)*m3" },
+]
+"#;
+
+/// In the body m' gains the components, and q' stays. In space the angular momentum q m q⁻¹ is L(0) + τ t: the method has it to
+/// round-off of 200 steps, since η is a constant times a symmetry's.
+#[test]
+fn a_torque_changes_the_momentum_in_its_frame() {
+    let here = Place::with(TORQUE);
+    let of_scene = || here.leafwise(&["check", "scene.toml", "--json"]).json()["motion"].clone();
+    let motion = of_scene();
+    let torque = "torque = [\"0.1\", \"0\", \"0.3*cos(t)\"]\n";
+    let free = TORQUE.replace(torque, "");
+    here.write("scene.toml", &free.replace("dynamics = \"one-form\"\n", ""));
+    let free = of_scene();
+    for name in ["q0", "q1", "q2", "q3", "m2"] {
+        assert!(
+            free[name].is_string() && motion[name] == free[name],
+            "{name}"
+        );
+    }
+    assert_eq!(motion["m1"], "0.1 + (-1/I2 + 1/I3)*m2*m3");
+    assert_eq!(motion["m3"], "(-1/I1 + 1/I2)*m1*m2 + 0.3*cos(t)");
+    let space = "torque = { space = [0.1, \"-0.2\", 0.05] }\n";
+    here.write("scene.toml", &TORQUE.replace(torque, space));
+    let said = here.leafwise(&["run", "scene.toml"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let samples = here.read("runs/scene/samples.csv");
+    let numbers = |row: &str| -> Vec<f64> {
+        row.split(',')
+            .map(|cell| cell.parse().expect("a number"))
+            .collect()
+    };
+    let rows: Vec<Vec<f64>> = samples.lines().skip(1).map(numbers).collect();
+    assert_eq!(rows.len(), 201);
+    let start = &rows[0];
+    for row in &rows {
+        for (column, torque) in (row.len() - 3..).zip([0.1, -0.2, 0.05]) {
+            let expected = start[column] + torque * row[0];
+            assert!((row[column] - expected).abs() < 1e-13, "{row:?}");
+        }
+    }
+}
+
+/// Brackets of others, a quaternion of length 0, and vectors of other lengths.
+#[test]
+fn a_torque_without_an_attitude_is_refused() {
+    for (from, to, said) in [
+        (
+            "library = \"attitude\"",
+            "library = \"rigid-body\"",
+            "a torque acts on the attitude of a body",
+        ),
+        (
+            "0.8, 0.0, 0.6, 0.0",
+            "0, 0, 0, 0",
+            "a torque needs the bracket of an attitude",
+        ),
+        (
+            "[\"0.1\", \"0\", \"0.3*cos(t)\"]",
+            "{ space = [1, 2] }",
+            "space has 2 components",
+        ),
+        (
+            "[\"0.1\", \"0\", \"0.3*cos(t)\"]",
+            "{}",
+            "torque needs `body`",
+        ),
+    ] {
+        assert!(TORQUE.contains(from));
+        let scene = TORQUE.replace(from, to);
+        let scene = match to.contains("rigid") {
+            true => scene
+                .split("[run.record]")
+                .next()
+                .expect("a scene")
+                .replace("0.8, 0.0, 0.6, 0.0", "")
+                .replace("-0.7, ", "-0.7"),
+            false => scene,
+        };
+        let here = Place::with(&scene);
+        let refused = here.leafwise(&["run", "scene.toml"]);
+        assert_eq!(refused.code, Some(3), "{to}: {}", refused.err);
+        refused.says(&[said]);
+    }
+    // The coordinates' names alone are not enough.
+    let other = "[system]\nvariables = [\"m1\", \"m2\", \"m3\", \"q0\", \"q1\", \"q2\", \"q3\"]\nbracket = { \"m1,q1\" = 1 }\n\
+                 hamiltonian = \"m1^2\"\ntorque = [0, 0, 1]\n[method]\ntime-step = 0.1\n[run]\nsteps = 1\ninitial = [1, 1, 1, 1, 0, 0, 0]\n";
+    let refused = Place::with(other).leafwise(&["run", "scene.toml"]);
+    assert_eq!(refused.code, Some(3), "{}", refused.err);
+    refused.says(&["a torque needs the bracket of an attitude"]);
+}

@@ -10,6 +10,7 @@ use nalgebra::{DMatrix, SymmetricEigen};
 use super::Refusal;
 use super::domain::OutOfDomain;
 use super::names::{check_code, function, parse, refusal, sites_of};
+use super::torque::{add_torque, check_torque};
 use crate::document::{ByCoordinate, Located, MetricSpec, OneFormSpec, SceneDocument};
 
 /// Bound on round-off, relative to the largest entry: a negative or asymmetric part below it is so by round-off.
@@ -40,7 +41,7 @@ pub(super) fn forces(
         by_coordinate(document, scope, entries, &mut formulas[..moving.len()])?;
         Ok(formulas)
     };
-    let one_form = match &spec.one_form {
+    let mut one_form = match &spec.one_form {
         Some(one_form) => match &one_form.value {
             OneFormSpec::All(list) => {
                 let of = "a formula for each, and 0 where there is none, or a table of them by coordinates; a force F on a \
@@ -52,6 +53,9 @@ pub(super) fn forces(
         },
         None => Vec::new(),
     };
+    if let Some(torque) = &spec.torque {
+        add_torque(document, scope, torque, moving, &mut one_form, dimension)?;
+    }
     let damping = match &spec.damping {
         None => None,
         Some(damping) => {
@@ -216,16 +220,17 @@ fn check_count<T>(
     )))
 }
 
-/// Refuses damping whose rate is negative, or whose metric is asymmetric or indefinite at the initial state: it would not damp. A
+/// Refuses a torque without an attitude, and damping whose rate is negative, or whose metric is asymmetric or indefinite at the initial state: it would not damp. A
 /// rate that depends on the state may have either sign: it is feedback.
 ///
 /// # Errors
 /// What is wrong, underlined in the scene.
-pub(super) fn check_damping(
+pub(super) fn check_forces(
     document: &SceneDocument,
     system: &PoissonSystem,
     initial: &[f64],
 ) -> Result<(), Refusal> {
+    check_torque(document, system, initial)?;
     let damping = system
         .expressions()
         .and_then(|f| f.forces().damping.as_ref());

@@ -337,6 +337,11 @@ fn force_reach(
             }
         }
     }
+    if let Some(torque) = &forces.torque {
+        let help = "write the one-form itself by coordinates: forces = { \"q[i]\" = \"0.1*p[i]\" }";
+        let message = "a torque acts on one body with attitude, and this is a lattice";
+        return refuse(torque.place(), message, help);
+    }
     if let Some(damping) = &forces.damping {
         let parsed = parse(document, &damping.rate)?;
         let refused = |error| refusal(document, &damping.rate, &error);

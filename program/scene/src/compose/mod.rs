@@ -3,7 +3,7 @@
 //! - `names`: the names that formulas may refer to, and the errors of formulas placed in the file;
 //! - `definitions`: names for formulas, in an order that lets each use the others;
 //! - `tensor`, `lie_algebra`: the ways to write a bracket;
-//! - `forces`: one-forms beside dH, and damping;
+//! - `forces`: one-forms beside dH, and damping; `torque`: that of a torque on a body with attitude;
 //! - `channels`: Hamiltonians that move the system at random; `noise`: how they enter a step;
 //! - `forms`: tensors by one-forms, two-forms and constraints;
 //! - `geometry`: the lattice of a scene, its families, axes and ends;
@@ -69,6 +69,7 @@ mod tensor;
 #[cfg(test)]
 mod tests;
 mod time;
+mod torque;
 mod values;
 
 pub use channels::{Channel, RunNoise};

@@ -8,7 +8,7 @@ use super::channels::Channel;
 use super::definitions::scope;
 use super::events::{Events, events};
 use super::extended::Extension;
-use super::forces::{check_damping, check_metric_of_sites};
+use super::forces::{check_forces, check_metric_of_sites};
 use super::geometry::geometry;
 use super::initial::initial_state;
 use super::instantiate::instantiate;
@@ -78,7 +78,7 @@ pub fn compose_system(document: &SceneDocument) -> Result<ComposedSystem, Refusa
         let events = events(document, &whole)?;
         events.check(document, &initial, &system.parameter_values())?;
         let near = shortened(&initial, lattice.geometry(), &geometry);
-        check_damping(document, &system, &near)?;
+        check_forces(document, &system, &near)?;
         let at_start = (initial.as_slice(), &*system.parameter_values());
         check_metric_of_sites(document, &whole, at_start, lattice.geometry())?;
         return Ok(ComposedSystem {
@@ -172,7 +172,7 @@ pub(super) fn written_out(document: &SceneDocument) -> Result<ComposedSystem, Re
         check_begin(document, &system, &initial, extension.coordinates)?;
     }
     events.check(document, &initial, &system.parameter_values())?;
-    check_damping(document, &system, &initial)?;
+    check_forces(document, &system, &initial)?;
     let system = system.with_near(&initial).unwrap_or(system);
     let system = forms.apply(document, system)?;
     Ok(ComposedSystem {

@@ -1,7 +1,7 @@
 //! A composed run at other values: of parameters, initial state, step and number of steps.
 
 use super::Refusal;
-use super::forces::check_damping;
+use super::forces::check_forces;
 use super::initial::initial_state;
 use super::run::{ComposedRun, check_times};
 use super::sample_times::sample_times;
@@ -39,7 +39,7 @@ impl ComposedRun {
             None => own,
         };
         self.plan.events.check(document, &initial, &parameters)?;
-        check_damping(document, &system, &initial)?;
+        check_forces(document, &system, &initial)?;
         let mut run = self.clone();
         run.system = system;
         run.near.clone_from(&initial);

@@ -10,9 +10,12 @@ use crate::diagnostic::SceneDiagnostic;
 type PlaceOf = fn(&SceneDocument) -> Option<Place>;
 
 /// The keys that are declared not to stand beside keys of other tables, and these.
-const PLACES: [(&str, PlaceOf); 8] = [
+const PLACES: [(&str, PlaceOf); 9] = [
     ("system.forces", |scene| {
         scene.system.forces.one_form.as_ref().map(Located::place)
+    }),
+    ("system.torque", |scene| {
+        scene.system.forces.torque.as_ref().map(Located::place)
     }),
     ("system.damping", |scene| {
         let damping = scene.system.forces.damping.as_ref();

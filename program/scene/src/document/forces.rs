@@ -1,11 +1,12 @@
-//! `forces = […]` and `damping = { … }`: what moves the system beside its Hamiltonian.
+//! `forces = […]`, `torque = […]` and `damping = { … }`: what moves the system beside its Hamiltonian.
 
 use leafwise_expression::syntax::Formula;
 
+use super::error::SceneProblemCause;
 use super::field::check_sites_once;
 use super::located::Located;
 use super::reader::{Item, Problems, Table};
-use super::system_schema::DAMPING;
+use super::system_schema::{DAMPING, TORQUE};
 
 /// Formulas by the coordinates that they belong to, `"p[i]"` for every site of a family.
 pub type ByCoordinate = Vec<(Located<String>, Located<String>)>;
@@ -34,8 +35,19 @@ impl OneFormSpec {
 pub struct ForcesSpec {
     /// η_i.
     pub one_form: Option<Located<OneFormSpec>>,
+    /// τ.
+    pub torque: Option<Located<TorqueSpec>>,
     /// λ g ẋ_H.
     pub damping: Option<DampingSpec>,
+}
+
+/// A torque on a body with attitude, by its components.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TorqueSpec {
+    /// In the body.
+    pub body: Option<[Located<String>; 3]>,
+    /// In space.
+    pub space: Option<[Located<String>; 3]>,
 }
 
 /// A double bracket.
@@ -86,7 +98,10 @@ impl ForcesSpec {
             let metric = metric.flat_map(|metric| metric.value.formulas());
             std::iter::once(&damping.rate).chain(metric)
         });
-        one_form.chain(damping).collect()
+        let torque = self.torque.iter();
+        let torque = torque.flat_map(|torque| [&torque.value.body, &torque.value.space]);
+        let torque = torque.flatten().flatten();
+        one_form.chain(torque).chain(damping).collect()
     }
 }
 
@@ -113,7 +128,54 @@ pub(super) fn read_forces(
         Some(item) => Some(read_damping(item, problems)?),
         None => known.damping,
     };
-    Some(ForcesSpec { one_form, damping })
+    let torque = match table.get("torque") {
+        Some(item) => Some(Located::new(read_torque(item, problems)?, item.place())),
+        None => known.torque,
+    };
+    Some(ForcesSpec {
+        one_form,
+        torque,
+        damping,
+    })
+}
+
+/// `["0", "0", "0.1"]` in the body, or `{ space = ["0", "0", "0.1"] }`.
+fn read_torque(item: &Item<'_>, problems: &mut Problems) -> Option<TorqueSpec> {
+    if !item.is_table() {
+        let body = Some(read_vector(item, problems)?);
+        return Some(TorqueSpec { body, space: None });
+    }
+    let table = item.table("torque", "three formulas, or a table of them", problems)?;
+    table.only(&TORQUE, problems);
+    let mut of = |key: &str| match table.get(key) {
+        Some(item) => read_vector(item, problems).map(Some),
+        None => Some(None),
+    };
+    let (body, space) = (of("body"), of("space"));
+    let torque = TorqueSpec {
+        body: body?,
+        space: space?,
+    };
+    if torque == TorqueSpec::default() {
+        table.require("body", "body = [\"0\", \"0\", \"0.1\"]", problems);
+        return None;
+    }
+    Some(torque)
+}
+
+fn read_vector(item: &Item<'_>, problems: &mut Problems) -> Option<[Located<String>; 3]> {
+    let formulas = item.list_of("three formulas", problems, Item::formula)?;
+    let count = formulas.len();
+    let vector = formulas.try_into().ok();
+    if vector.is_none() {
+        let cause = SceneProblemCause::Shape {
+            what: item.title.clone(),
+            found: format!("{count} components"),
+            expected: "three formulas".to_owned(),
+        };
+        problems.push(cause, item.place());
+    }
+    vector
 }
 
 /// `{ rate = "0.1", metric = ["1", "1", "2"] }`.

@@ -54,7 +54,7 @@ pub use bracket::{BracketSpec, SummandSpec};
 pub use ensemble::{Distribution, EnsembleSection, FinalStates, InitialDraw, ParameterDraw};
 pub use error::{SceneErrors, SceneProblem, SceneProblemCause};
 pub use field::FieldSpec;
-pub use forces::{ByCoordinate, DampingSpec, ForcesSpec, MetricSpec, OneFormSpec};
+pub use forces::{ByCoordinate, DampingSpec, ForcesSpec, MetricSpec, OneFormSpec, TorqueSpec};
 pub use json_schema::json_schema;
 pub use key_tables::key_tables;
 pub use lie_algebra::{AlgebraSpec, LieAlgebraSpec, Matrix, StructureConstant};

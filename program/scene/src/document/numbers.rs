@@ -53,7 +53,7 @@ pub(super) fn read_numbers(
         problems.conflict("library", item, advice);
         return None;
     }
-    for key in ["casimirs", "forces", "damping", "noise"] {
+    for key in ["casimirs", "forces", "torque", "damping", "noise"] {
         if let Some(item) = table.get(key) {
             let advice = format!(
                 "`{}` computes numbers, and `{key}` stands beside formulas of a system alone",

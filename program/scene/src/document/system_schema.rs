@@ -56,7 +56,7 @@ static NOISE_BESIDE: [Beside; 2] = [
     Beside::Note(NUMBERS_ALONE),
 ];
 
-pub(super) static SYSTEM: [Key; 14] = [
+pub(super) static SYSTEM: [Key; 15] = [
     key(
         "library",
         Shape::System,
@@ -141,6 +141,14 @@ pub(super) static SYSTEM: [Key; 14] = [
     .otherwise("none")
     .not_beside(&[Beside::Note(NUMBERS_ALONE)]),
     key(
+        "torque",
+        Shape::Either(&[VECTOR, table(&TORQUE, &[])]),
+        "A torque on a body with attitude, m1, m2, m3 and q0, q1, q2, q3: three formulas in the body, or { space = [\"0\", \"0\", \
+         \"0.1\"] }",
+    )
+    .otherwise("none")
+    .not_beside(&[Beside::Note(NUMBERS_ALONE), Beside::Note("a long lattice")]),
+    key(
         "damping",
         table(&DAMPING, &[&["rate"]]),
         "A double bracket, under which energy falls and Casimirs stay: { rate = \"0.1\" }",
@@ -168,6 +176,14 @@ pub(super) static NOISE: [Key; 2] = [
         Shape::Formula,
         "A positive formula of the parameters",
     ),
+];
+
+/// The components of a vector.
+const VECTOR: Shape = Shape::List(&Shape::Formula);
+
+pub(super) static TORQUE: [Key; 2] = [
+    key("body", VECTOR, "Its components in the body"),
+    key("space", VECTOR, "Its components in space, which are added"),
 ];
 
 pub(super) static DAMPING: [Key; 2] = [
