@@ -232,11 +232,8 @@ fn the_manifest_says_what_was_compiled() {
         let registry = Registry::with_builtin();
         let composed = compose(&document, &registry).expect("a method");
         let options = RunOptions {
-            directory: root.path().join(format!("{execution:?}")),
-            force: false,
-            allow_non_poisson: false,
             command: "leafwise run top.toml".to_owned(),
-            checkpoint_every: RunOptions::CHECKPOINT_EVERY,
+            ..RunOptions::within(root.path().join(format!("{execution:?}")))
         };
         let job = RunJob::new(&document, &composed, &registry, &options).expect("a job");
         perform(&job, &mut Quiet).expect("a run");

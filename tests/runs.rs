@@ -19,13 +19,7 @@ pub(crate) fn ran(
     let document = document(text, overrides);
     let run = compose(&document, &registry).unwrap_or_else(|refusal| panic!("{refusal}\n{text}"));
     let root = tempfile::tempdir().expect("a directory");
-    let options = RunOptions {
-        directory: root.path().join("run"),
-        force: false,
-        allow_non_poisson: false,
-        command: String::new(),
-        checkpoint_every: RunOptions::CHECKPOINT_EVERY,
-    };
+    let options = RunOptions::within(root.path().join("run"));
     let job = RunJob::new(&document, &run, &registry, &options);
     let report = job
         .and_then(|job| perform(&job, &mut Quiet))

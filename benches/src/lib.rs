@@ -81,11 +81,8 @@ pub fn composed(text: &str) -> ComposedRun {
 /// A run or an ensemble into a directory, whatever is there.
 pub fn options(directory: &Path) -> RunOptions {
     RunOptions {
-        directory: directory.to_owned(),
         force: true,
-        allow_non_poisson: false,
-        command: String::new(),
-        checkpoint_every: RunOptions::CHECKPOINT_EVERY,
+        ..RunOptions::within(directory)
     }
 }
 

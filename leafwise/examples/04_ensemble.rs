@@ -32,11 +32,9 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     let ensemble = compose_ensemble(&document, &registry, ".".as_ref())?;
     let directory = std::env::temp_dir().join(format!("leafwise-04-{}", std::process::id()));
     let options = RunOptions {
-        directory: directory.clone(),
         force: true,
-        allow_non_poisson: false,
         command: "cargo run --example 04_ensemble".to_owned(),
-        checkpoint_every: RunOptions::CHECKPOINT_EVERY,
+        ..RunOptions::within(&directory)
     };
     let (all, workforce) = (Portion::default(), Workforce::default());
     let job = EnsembleJob::new(&document, &ensemble, all, &options, workforce)?;

@@ -120,10 +120,8 @@ pub(crate) fn record_invariants(document: &mut SceneDocument) {
 /// Options of a run in a directory.
 pub(crate) fn options(directory: PathBuf, allow_non_poisson: bool) -> RunOptions {
     RunOptions {
-        directory,
-        force: false,
         allow_non_poisson,
-        command: String::new(),
         checkpoint_every: Duration::MAX,
+        ..RunOptions::within(directory)
     }
 }

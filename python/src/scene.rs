@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use leafwise::core::Registry;
 use leafwise::run::ensemble::{Members, Workforce};
-use leafwise::run::{Asked, Retraced as States, RunOutcome, run_in_memory};
+use leafwise::run::{Asked, Retraced as States, RunOutcome, StateError, run_in_memory};
 use leafwise::scene::{ComposedRun, SceneDocument};
 use leafwise_cli::failure::Failure;
 use leafwise_cli::scene::SceneText;
@@ -14,7 +14,8 @@ use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 
 use crate::ensemble::{Ensemble, Left};
-use crate::error::{exception, is_interruption, of_scene};
+use crate::error::{LeafwiseError, exception, is_interruption, of_scene};
+use crate::functions::Functions;
 use crate::gradient::Map;
 use crate::integrator::Integrator;
 use crate::job::{Origin, unless_interrupted};
@@ -364,6 +365,24 @@ impl Scene {
             let (read, run) = self.composed(&overrides, &parameters)?;
             read.check(&run, allow_non_poisson)?;
             Ok(Integrator::new(&run, read.functions))
+        })
+    }
+
+    /// The estimated error of its run's states: the largest, its time, that at the end, and whether it is large.
+    fn state_error(
+        &self,
+        py: Python<'_>,
+        overrides: Overrides,
+        parameters: Parameters,
+    ) -> PyResult<(f64, f64, f64, bool)> {
+        py.detach(|| {
+            let (read, run) = self.composed(&overrides, &parameters)?;
+            let found = StateError::measured(&run, run.plan.steps);
+            if let Some(raised) = read.functions.as_ref().and_then(Functions::raised) {
+                return Err(raised);
+            }
+            let found = found.map_err(|no| LeafwiseError::new_err(no.to_string()))?;
+            Ok((found.largest, found.time, found.at_end, found.is_large))
         })
     }
 

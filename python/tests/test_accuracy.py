@@ -95,3 +95,20 @@ def test_a_pulse_between_the_steps_is_not_passed_over(at: float, width: float) -
     kick = np.sqrt(np.pi) * width * np.exp(-(width**2) / 4)
     exact = [np.cos(times) + kick * np.sin(times - at), -np.sin(times) + kick * np.cos(times - at)]
     assert found.success and np.abs(found.y - exact).max() < 1e-6
+
+
+def test_the_error_of_a_run_is_estimated() -> None:
+    """A pendulum of order 4 against SciPy's solution; what the estimate leaves out is of the next even order."""
+    system = {"variables": ["q", "p"], "bracket": "canonical", "hamiltonian": "p^2/2 - cos(q)"}
+    method = {"stepper": "splitting", "composition": "blanes-moan-4", "time-step": 0.2}
+    scene = lw.Scene(system=system, method=method, run={"initial": [1.0, 0.0], "steps": 100})
+    exact = solve_ivp(lambda t, x: [x[1], -np.sin(x[0])], (0, 20), [1.0, 0.0], method="DOP853", rtol=1e-13, atol=1e-14).y[:, -1]
+    error = np.abs(scene.run().x[-1] - exact).max()
+    estimate = scene.state_error()
+    assert estimate.at_end == pytest.approx(error, rel=0.05)
+    assert estimate.largest >= estimate.at_end
+    assert not estimate.is_large
+    assert scene.state_error(steps=10).time <= 2.0 + 1e-12
+    noisy = lw.Scene(system=system | {"noise": [{"hamiltonian": "q", "strength": "0.1"}]}, method={"time-step": 0.1}, run={"initial": [1.0, 0.0], "steps": 10})
+    with pytest.raises(lw.LeafwiseError, match="drawn anew"):
+        noisy.state_error()

@@ -115,13 +115,7 @@ fn reported(
         Ok(folder) => folder,
         Err(error) => return Verdict::Refused(format!("no folder: {error}")),
     };
-    let options = RunOptions {
-        directory: folder.path().join("run"),
-        force: false,
-        allow_non_poisson: false,
-        command: String::new(),
-        checkpoint_every: RunOptions::CHECKPOINT_EVERY,
-    };
+    let options = RunOptions::within(folder.path().join("run"));
     let job = RunJob::new(document, composed, registry, &options);
     let report = match job.and_then(|job| perform(&job, &mut Quiet)) {
         Ok(report) => report,

@@ -133,11 +133,8 @@ impl Runs {
 
     fn resume(&self, directory: &Path, progress: &mut dyn Progress) -> Result<RunOutcome, String> {
         let options = RunOptions {
-            directory: directory.to_owned(),
-            force: false,
-            allow_non_poisson: false,
-            command: String::new(),
             checkpoint_every: Duration::ZERO,
+            ..RunOptions::within(directory)
         };
         let job = RunJob::new(&self.document, &self.composed, &self.registry, &options);
         let report = job.and_then(|job| perform(&job, progress));

@@ -198,11 +198,10 @@ impl OutputArguments {
     /// The options of what writes into `directory`; `command` repeats it.
     pub fn options(self, directory: PathBuf, command: String) -> RunOptions {
         RunOptions {
-            directory,
             command,
             force: self.force,
             allow_non_poisson: self.allow_non_poisson,
-            checkpoint_every: RunOptions::CHECKPOINT_EVERY,
+            ..RunOptions::within(directory)
         }
     }
 }
@@ -216,6 +215,9 @@ pub struct RunArguments {
     /// Print what was built: shape, series, operation counts
     #[arg(long)]
     pub explain: bool,
+    /// Estimate the error of the states by a pass with half the step; takes three times the run
+    #[arg(long)]
+    pub error: bool,
     /// The run directory [default: runs/ and the scene's name]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,

@@ -9,6 +9,7 @@ use serde::Serialize;
 use crate::advice::Advice;
 use crate::columns::invariant_name;
 use crate::shadow::ShadowVerdict;
+use crate::state_error::{NoStateError, StateError};
 use leafwise_scene::json::{Double, double, doubles, optional};
 
 /// A step that could not be taken, or a state outside the formulas' domain.
@@ -226,6 +227,8 @@ pub struct RunReport {
     pub is_repeated: bool,
     /// How the energy of the map's shadow was kept, where it is recorded.
     pub shadow: Option<ShadowVerdict>,
+    /// Estimated error of the states, or why there is none, where it was asked for.
+    pub state_error: Option<Result<StateError, NoStateError>>,
     /// Advice on what to change in the scene.
     pub advice: Vec<Advice>,
 }

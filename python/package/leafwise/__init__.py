@@ -27,6 +27,7 @@ from ._parts import closed_form, generating_function
 from ._run import Run
 from ._scene import Scene
 from ._solve import Solution, solve
+from ._state_error import StateError
 from ._sweep import Sweep
 
 __version__ = _version()
@@ -44,6 +45,7 @@ __all__ = [
     "Run",
     "Scene",
     "SceneError",
+    "StateError",
     "Sweep",
     "Tangents",
     "Trajectory",

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use leafwise::core::{Registry, SolverStatistics};
 use leafwise::run::{
     Advice, Failure as StepFailure, InvariantDrift, Kind, RunJob, RunOptions, RunOutcome,
-    RunReport, ShadowVerdict, SolverFields, default_directory, perform,
+    RunReport, ShadowVerdict, SolverFields, StateError, default_directory, perform,
 };
 use leafwise::scene::SceneDocument;
 use leafwise::scene::compose::{ComposedRun, WIDEST_STATE, compose};
@@ -63,6 +63,7 @@ pub fn execute(
         // Longer than any number of seconds that a duration holds is never.
         checkpoint_every: Duration::try_from_secs_f64(arguments.checkpoint_every)
             .unwrap_or(Duration::MAX),
+        estimates_error: arguments.error,
         ..output.options(
             directory.unwrap_or_else(|| default_directory(&document, Kind::Run)),
             repeating("run", file, output.allow_non_poisson, plugins),
@@ -217,6 +218,10 @@ fn summary(
     lines.extend(numbers(&rows));
     lines.push(String::new());
     let rate = report.steps as f64 / report.wall_seconds.max(1e-9);
+    lines.extend(report.state_error.as_ref().map(|error| match error {
+        Ok(error) => format!("  error    {}", error.text()),
+        Err(no) => format!("  error    not estimated: {no}"),
+    }));
     lines.push(format!("  solver   {}", report.statistics.summary()));
     if let Some([least, most]) = report.step_times {
         lines.push(format!("  steps    of t from {least:.3e} to {most:.3e}"));
@@ -346,6 +351,8 @@ struct RunJson<'a> {
     solver: SolverStatistics,
     #[serde(skip_serializing_if = "Option::is_none")]
     shadow: Option<ShadowVerdict>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    state_error: Option<StateError>,
     warnings: &'a [Advice],
     run_directory: String,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -367,6 +374,7 @@ impl<'a> RunJson<'a> {
             invariants: report.named_invariants(),
             solver: report.statistics,
             shadow: report.shadow,
+            state_error: report.state_error.clone().and_then(Result::ok),
             warnings: &report.advice,
             run_directory: options.directory.display().to_string(),
             error: report.outcome.failure(),

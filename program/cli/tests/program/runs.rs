@@ -298,3 +298,46 @@ fn how_much_a_casimir_is_held_by_is_told() {
         serde_json::from_str(&here.read("runs/scene/manifest.json")).expect("JSON");
     assert_eq!(manifest["solver"]["held"], held);
 }
+
+/// A harmonic oscillator by the implicit midpoint rule: q = cos t. The estimate leaves the terms of t⁴ out, a part of t²/4 of the error and of
+/// the next order again; where the step is a tenth, a hundredth of it at most. A method that a tolerance sets has none.
+#[test]
+fn the_error_of_the_states_is_estimated() {
+    let scene = "[system]\nvariables = [\"q\", \"p\"]\nbracket = \"canonical\"\nhamiltonian = \"p^2/2 + q^2/2\"\n\
+                 [method]\nstepper = \"implicit-midpoint\"\ntime-step = 0.1\n[run]\ninitial = [1, 0]\nsteps = 400\n";
+    let here = Place::with(scene);
+    let said = here.leafwise(&["run", "scene.toml", "--error", "--json"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let json = said.json();
+    let number = |value: &serde_json::Value| value.as_f64().expect("a number");
+    let (q, p) = (
+        number(&json["final_state"][0]),
+        number(&json["final_state"][1]),
+    );
+    let exact = (40.0_f64.cos(), -40.0_f64.sin());
+    let error = (q - exact.0).abs().max((p - exact.1).abs());
+    let estimate = &json["state_error"];
+    assert!(
+        (number(&estimate["at_end"]) / error - 1.0).abs() < 0.01,
+        "{estimate} {error}"
+    );
+    assert!(number(&estimate["largest"]) >= number(&estimate["at_end"]));
+    assert_eq!(estimate["is_large"], false);
+    // Said of what had come to its end before, too.
+    here.leafwise(&["run", "scene.toml", "--error"])
+        .says(&["by a pass with half the step"]);
+    let long = here.leafwise(&[
+        "run",
+        "scene.toml",
+        "--error",
+        "--force",
+        "--set",
+        "method.time-step=1.5",
+    ]);
+    assert_eq!(long.code, Some(0), "{}", long.err);
+    long.says(&["error    large"]);
+    let adaptive = "method={ stepper = { name = \"taylor\", tolerance = 1e-9 }, time-step = 0.1 }";
+    let none = here.leafwise(&["run", "scene.toml", "--error", "--force", "--set", adaptive]);
+    assert_eq!(none.code, Some(0), "{}", none.err);
+    none.says(&["not estimated: a tolerance sets this method's error"]);
+}

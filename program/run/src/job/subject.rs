@@ -20,11 +20,25 @@ pub struct RunOptions {
     pub command: String,
     /// How often a checkpoint of a run is written: what a kill costs at most.
     pub checkpoint_every: Duration,
+    /// Estimates the error of a run's states, by a pass with half the step beside another.
+    pub estimates_error: bool,
 }
 
 impl RunOptions {
     /// The usual [`checkpoint_every`](Self::checkpoint_every).
     pub const CHECKPOINT_EVERY: Duration = Duration::from_secs(2);
+
+    /// Options of a job in a directory: nothing there is replaced, and nothing let pass.
+    pub fn within(directory: impl Into<PathBuf>) -> Self {
+        Self {
+            directory: directory.into(),
+            force: false,
+            allow_non_poisson: false,
+            command: String::new(),
+            checkpoint_every: Self::CHECKPOINT_EVERY,
+            estimates_error: false,
+        }
+    }
 
     /// The page to open in a browser.
     pub fn report(&self) -> PathBuf {

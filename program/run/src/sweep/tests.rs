@@ -42,13 +42,7 @@ impl Progress for StopAfter {
 }
 
 fn options(directory: PathBuf) -> RunOptions {
-    RunOptions {
-        directory,
-        force: false,
-        allow_non_poisson: false,
-        command: String::new(),
-        checkpoint_every: RunOptions::CHECKPOINT_EVERY,
-    }
+    RunOptions::within(directory)
 }
 
 fn sweep(

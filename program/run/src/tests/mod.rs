@@ -82,11 +82,9 @@ impl Prepared {
         progress: &mut dyn Progress,
     ) -> Result<RunReport, RunError> {
         let options = RunOptions {
-            directory: directory.to_owned(),
             force,
-            allow_non_poisson: false,
             command: "leafwise run top.toml".to_owned(),
-            checkpoint_every: RunOptions::CHECKPOINT_EVERY,
+            ..RunOptions::within(directory)
         };
         let Self {
             document,

@@ -69,11 +69,8 @@ fn workforce(threads: usize, lanes: usize) -> Workforce {
 
 fn options(directory: &Path) -> RunOptions {
     RunOptions {
-        checkpoint_every: RunOptions::CHECKPOINT_EVERY,
-        directory: directory.to_owned(),
-        force: false,
-        allow_non_poisson: false,
         command: "leafwise ensemble body.toml".to_owned(),
+        ..RunOptions::within(directory)
     }
 }
 

@@ -1,0 +1,124 @@
+//! Estimate of a state's error: two passes, of steps t and t/2.
+//!
+//! A method of order m errs by C tᵐ, so that |x_t − x_{t/2}| is 1 − 2⁻ᵐ of the error of the first pass. The energy does not
+//! show it: an orbit may keep its energy and lag behind in phase.
+
+use leafwise_core::Walk;
+use leafwise_core::solver::judge::larger;
+use leafwise_scene::compose::ComposedRun;
+use serde::Serialize;
+use thiserror::Error;
+
+use crate::short;
+
+/// The part of the way from the start at which two passes have parted.
+const PARTED: f64 = 0.1;
+
+/// Estimated error of the states of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct StateError {
+    /// max |x_k − x(t_k)| over the steps and coordinates.
+    pub largest: f64,
+    /// The time where that is.
+    pub time: f64,
+    /// max |x_N − x(t_N)| over the coordinates, at the last step N.
+    pub at_end: f64,
+    /// Whether the passes part by a tenth of the way that the states go: the error is large, and its size is not known.
+    pub is_large: bool,
+}
+
+/// Why there is no estimate.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum NoStateError {
+    /// The run has noise.
+    #[error("noise is drawn anew for other steps: compare means of ensembles")]
+    Noise,
+    /// The run has a pace.
+    #[error(
+        "with a pace steps of another length end at other times: compare with `leafwise compare`"
+    )]
+    Pace,
+    /// The method has no order.
+    #[error(
+        "a tolerance sets this method's error: run it with a tenth of the tolerance, and compare"
+    )]
+    NoOrder,
+    /// A step of a pass could not be taken.
+    #[error("a pass with steps of {step} fails at t = {time}: {reason}")]
+    Failed {
+        /// Its step, as text.
+        step: String,
+        /// The time of the last state.
+        time: String,
+        /// The solver's error.
+        reason: String,
+    },
+}
+
+impl StateError {
+    /// Estimates it over so many steps of a run from its initial state, at the cost of three times these.
+    ///
+    /// # Errors
+    /// [`NoStateError`]: noise, a pace, a method without an order, and a step that fails.
+    pub fn measured(run: &ComposedRun, steps: u64) -> Result<Self, NoStateError> {
+        let order = run.method.declared_order();
+        match (run.method.noise(), run.pace(), order) {
+            (Some(_), ..) => return Err(NoStateError::Noise),
+            (_, Some(_), _) => return Err(NoStateError::Pace),
+            (.., 0) => return Err(NoStateError::NoOrder),
+            _ => {}
+        }
+        let parameters = run.system.parameter_values();
+        let (epsilon, h, initial) = (run.plan.epsilon, run.plan.h, &run.plan.initial);
+        let walk = |h: f64| Walk::new(run.method.map(), &parameters, epsilon, h, initial);
+        let (mut whole, mut halves) = (walk(h), walk(0.5 * h));
+        let mut found = Self {
+            largest: 0.0,
+            time: 0.0,
+            at_end: 0.0,
+            is_large: false,
+        };
+        let (mut way, mut parted) = (0.0_f64, 0.0_f64);
+        for step in 1..=steps {
+            for (walk, h, times) in [(&mut whole, h, 1), (&mut halves, 0.5 * h, 2)] {
+                walk.advance(times).map_err(|error| NoStateError::Failed {
+                    step: short(epsilon * h),
+                    time: short(epsilon * h * walk.steps() as f64),
+                    reason: error.to_string(),
+                })?;
+            }
+            let (x, finer) = (run.own(whole.state()), run.own(halves.state()));
+            let apart = x.iter().zip(finer);
+            let apart = apart.fold(0.0, |most, (x, finer)| larger(most, (x - finer).abs()));
+            let far = x.iter().zip(run.own(initial));
+            way = far.fold(way, |most, (x, x0)| larger(most, (x - x0).abs()));
+            parted = larger(parted, apart);
+            found.at_end = apart;
+            // A NaN is no small error.
+            if apart.is_nan() || apart > found.largest {
+                (found.largest, found.time) = (apart, epsilon * h * step as f64);
+            }
+        }
+        let part = 1.0 - libm::exp2(-(order as f64));
+        found.largest /= part;
+        found.at_end /= part;
+        found.is_large = parted.is_nan() || parted > PARTED * way;
+        Ok(found)
+    }
+
+    /// In a sentence.
+    pub fn text(&self) -> String {
+        if self.is_large {
+            return format!(
+                "large: a pass with half the step differs by {:.1e} at t = {}; shorter steps, or a higher order",
+                self.largest,
+                short(self.time)
+            );
+        }
+        format!(
+            "about {:.1e} at the end, {:.1e} at most, by a pass with half the step",
+            self.at_end, self.largest
+        )
+    }
+}
