@@ -101,6 +101,8 @@ pub enum Command {
     Stress(StressArguments),
     /// Write a commented scene file to start from
     New(NewArguments),
+    /// Explain a word of a warning, a key of scenes or a subject, by the pages of the guide
+    Explain(ExplainArguments),
     /// Print every key of scenes: a JSON Schema for editors, or tables to read
     Schema(SchemaArguments),
     /// List plugins, or check one
@@ -162,7 +164,10 @@ impl Command {
             Self::Stress(arguments) => arguments.json,
             Self::Plugin(PluginCommand::List(arguments)) => arguments.json,
             Self::Plugin(PluginCommand::Check(arguments)) => arguments.json,
-            Self::Plugin(PluginCommand::Probe { .. }) | Self::New(_) | Self::Schema(_) => false,
+            Self::Plugin(PluginCommand::Probe { .. })
+            | Self::New(_)
+            | Self::Explain(_)
+            | Self::Schema(_) => false,
         }
     }
 }
@@ -534,6 +539,13 @@ pub struct DescribeArguments {
     /// Print one JSON object on standard output
     #[arg(long)]
     pub json: bool,
+}
+
+/// Arguments of `explain`.
+#[derive(Args, Clone, Debug)]
+pub struct ExplainArguments {
+    /// The word, as in `seams`, `time-step` or `forces`; none lists the pages
+    pub words: Vec<String>,
 }
 
 /// Arguments of `evaluate`.

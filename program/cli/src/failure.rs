@@ -16,6 +16,7 @@ use serde::Serialize;
 use thiserror::Error;
 
 use crate::console::Console;
+use crate::guide::page_of;
 
 /// The exit codes of the program.
 pub mod exit {
@@ -173,6 +174,9 @@ impl Failure {
                 for problem in problems {
                     let text = problem.render(console.color);
                     console.prose(&text);
+                }
+                if let Some(last) = problems.last() {
+                    console.prose(&format!("  = more: leafwise explain {}", page_of(last)));
                 }
             }
             Self::Plugin {

@@ -17,6 +17,7 @@ pub mod commands;
 pub mod console;
 pub mod failure;
 pub mod files;
+pub mod guide;
 pub mod interrupt;
 pub mod plugins;
 pub mod pulse;
@@ -131,6 +132,7 @@ fn execute(
         }
         Command::Stress(arguments) => commands::stress::execute(&arguments, console, interrupt),
         Command::New(arguments) => commands::new::execute(&arguments, console),
+        Command::Explain(arguments) => commands::explain_word::execute(&arguments, console),
         Command::Schema(arguments) => commands::schema::execute(&arguments, plugins, console),
         Command::Plugin(command) => commands::plugin::execute(&command, plugins, given, console),
     };

@@ -132,6 +132,7 @@ pub(super) fn print_advice(advice: &[Advice], console: &mut Console<'_>) {
         for line in one.change.lines() {
             console.prose(&format!("  = change: {line}"));
         }
+        console.prose(&format!("  = more: leafwise explain {}", one.kind.word()));
     }
 }
 

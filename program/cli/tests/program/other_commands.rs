@@ -307,3 +307,33 @@ fn auto_is_described() {
         assert!(said.out.contains(piece), "{piece}: {}", said.out);
     }
 }
+
+/// The page that an error names is there, and a warning's word is explained.
+#[test]
+fn errors_and_warnings_name_what_explains_them() {
+    for (from, to, page) in [
+        ("x1^2/(2*I1)", "x1^2/(2*I9)", "formulas"),
+        ("\"x1,x2\" = \"-x3\"", "\"x1\" = \"-x3\"", "define-a-system"),
+        ("karasev-truncated", "karasev", "choose"),
+        ("every = 3", "evry = 3", "keys"),
+    ] {
+        let here = Place::with_body(from, to);
+        let refused = here.leafwise(&["run", "scene.toml"]);
+        assert_eq!(refused.code, Some(3), "{}", refused.err);
+        refused.says(&[&format!("leafwise explain {page}")]);
+        let explained = here.leafwise(&["explain", page]);
+        assert_eq!(explained.code, Some(0), "{}", explained.err);
+        assert!(explained.out.starts_with("# "), "{}", explained.out);
+    }
+    let here = Place::with_body("order = 4", "order = 14");
+    let set = ["--set", "method.time-step=0.01"];
+    let said = here.leafwise(&[&["run", "scene.toml"][..], &set[..]].concat());
+    said.says(&["leafwise explain truncation-order"]);
+    let explained = here.leafwise(&["explain", "truncation-order"]);
+    assert!(explained.out.contains("a smaller n"), "{}", explained.out);
+    let none = here.leafwise(&["explain", "formulaz"]);
+    assert_eq!(none.code, Some(2));
+    none.says(&["did you mean `formulas`?"]);
+    let pages = here.leafwise(&["explain"]);
+    assert!(pages.out.contains("read-the-report"), "{}", pages.out);
+}

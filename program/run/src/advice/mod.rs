@@ -123,6 +123,14 @@ pub enum AdviceKind {
     CasimirDrift,
 }
 
+impl AdviceKind {
+    /// Its word in JSON and in the guide: `coarse-step`.
+    pub fn word(self) -> String {
+        let word = serde_json::to_value(self).unwrap_or_default();
+        word.as_str().unwrap_or_default().to_owned()
+    }
+}
+
 /// The most states that are looked at.
 pub const MOST_STATES: usize = 8;
 

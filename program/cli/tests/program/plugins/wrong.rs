@@ -233,7 +233,7 @@ fn a_run_whose_rounding_a_library_changed_is_no_success() {
     said.says(&[
         "gallery/rounds-later",
         "no number since is to be trusted",
-        "1 steps to t = 0.05",
+        "1 step to t = 0.05",
     ]);
 }
 

@@ -1,0 +1,294 @@
+//! The pages of the guide inside the program: by name, and by what they explain.
+
+use leafwise::scene::SceneDiagnostic;
+
+macro_rules! pages {
+    ($($name:literal),* $(,)?) => {
+        [$(($name, include_str!(concat!("../../../docs/guide/", $name, ".md")))),*]
+    };
+}
+
+/// Names and texts of the pages, in the order of the guide's contents.
+pub const PAGES: [(&str, &str); 28] = pages![
+    "start",
+    "from-scipy",
+    "from-julia",
+    "from-rebound",
+    "from-boris",
+    "from-rust",
+    "define-a-system",
+    "formulas",
+    "products",
+    "tensors-by-forms",
+    "lattices",
+    "time",
+    "forces",
+    "noise",
+    "choose",
+    "choose-a-method",
+    "other-tools",
+    "read-the-report",
+    "events",
+    "ensembles",
+    "sweeps",
+    "clusters",
+    "shadow",
+    "gradients",
+    "own-parts",
+    "theory",
+    "commands",
+    "keys",
+];
+
+/// The title of a page: its first heading.
+pub fn title(text: &str) -> &str {
+    let mut lines = text.lines();
+    lines
+        .find_map(|line| line.strip_prefix("# "))
+        .unwrap_or_default()
+}
+
+/// Parts of the guide that explain a word.
+pub struct Explained {
+    /// The page's name.
+    pub page: &'static str,
+    /// Text of the part, as Markdown.
+    pub text: String,
+}
+
+/// Parts of the pages that explain a word: the page of that name, else rows of tables that begin with the word and
+/// sections whose headings have it.
+pub fn explained(word: &str) -> Vec<Explained> {
+    let word = word.trim().to_lowercase();
+    if let Some((page, text)) = PAGES.into_iter().find(|(name, _)| *name == word) {
+        return vec![Explained {
+            page,
+            text: readable(text),
+        }];
+    }
+    let rows = PAGES.into_iter().filter_map(|(page, text)| {
+        let found = rows(text, &word);
+        (!found.is_empty()).then_some(Explained { page, text: found })
+    });
+    let sections = PAGES.into_iter().flat_map(|(page, text)| {
+        let has_word = |section: &&str| {
+            let heading = section.lines().next().unwrap_or_default().to_lowercase();
+            heading.starts_with('#') && heading.contains(&word)
+        };
+        let found: Vec<Explained> = sections(text)
+            .into_iter()
+            .filter(has_word)
+            .map(|section| Explained {
+                page,
+                text: readable(section),
+            })
+            .collect();
+        found
+    });
+    rows.chain(sections).collect()
+}
+
+/// Rows of tables whose first cell has the word between accents, each with the table's heading as `heading: cell`.
+fn rows(text: &str, word: &str) -> String {
+    let (mut found, mut heads) = (Vec::new(), Vec::new());
+    let mut before = "";
+    for line in text.lines() {
+        if line.starts_with("|---") || line.starts_with("| ---") {
+            heads = cells(before);
+        }
+        let row = cells(line);
+        let is_meant = row.first().is_some_and(|first| {
+            let names = first.split('`').skip(1).step_by(2);
+            names.map(str::to_lowercase).any(|name| name == word)
+        });
+        if is_meant {
+            let rest = row.iter().zip(&heads).filter(|(cell, _)| !cell.is_empty());
+            let lines = rest.map(|(cell, head)| match head.is_empty() {
+                true => plain(cell),
+                false => format!("{}: {}", plain(head), plain(cell)),
+            });
+            found.push(lines.collect::<Vec<_>>().join("\n"));
+        }
+        before = line;
+    }
+    found.join("\n\n")
+}
+
+/// The cells of a table's row; none where the line is no row.
+fn cells(line: &str) -> Vec<String> {
+    let Some(inside) = line
+        .strip_prefix('|')
+        .and_then(|line| line.trim_end().strip_suffix('|'))
+    else {
+        return Vec::new();
+    };
+    let inside = inside.replace("\\|", "\u{0}");
+    let cells = inside.split('|');
+    cells
+        .map(|cell| cell.trim().replace('\u{0}', "|"))
+        .collect()
+}
+
+/// The parts of a page from one heading to the next.
+fn sections(text: &str) -> Vec<&str> {
+    let (mut starts, mut at, mut is_code) = (vec![0], 0, false);
+    for line in text.split_inclusive('\n') {
+        is_code ^= line.trim_start().starts_with("```");
+        if !is_code && line.starts_with('#') && at > 0 {
+            starts.push(at);
+        }
+        at += line.len();
+    }
+    starts.push(text.len());
+    starts
+        .windows(2)
+        .map(|ends| &text[ends[0]..ends[1]])
+        .collect()
+}
+
+/// A part of a page without pictures and the addresses of links.
+fn readable(text: &str) -> String {
+    let mut is_code = false;
+    let lines = text.lines().filter(|line| !line.starts_with("<img"));
+    let lines = lines.map(|line| {
+        let is_fence = line.trim_start().starts_with("```");
+        is_code ^= is_fence;
+        if is_code || is_fence {
+            line.to_owned()
+        } else {
+            plain(line)
+        }
+    });
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+/// A line without the addresses of its links.
+fn plain(line: &str) -> String {
+    let (mut made, mut rest) = (String::new(), line);
+    while let Some(middle) = rest.find("](") {
+        let (head, tail) = rest.split_at(middle);
+        let Some(end) = tail.find(')') else { break };
+        let Some(open) = head.rfind('[') else { break };
+        made.push_str(&head[..open]);
+        made.push_str(&head[open + 1..]);
+        rest = &tail[end + 1..];
+    }
+    (made + rest)
+        .replace("\\[", "[")
+        .replace("\\]", "]")
+        .replace("\\_", "_")
+        .replace("\\*", "*")
+}
+
+/// The page about the key of a scene where a problem stands.
+pub fn page_of(problem: &SceneDiagnostic) -> &'static str {
+    let start = problem.span.start.min(problem.source_text.len());
+    let before = problem.source_text.get(..start).unwrap_or_default();
+    let header = before
+        .lines()
+        .rfind(|line| line.trim_start().starts_with('['));
+    let table = header.unwrap_or_default().trim().trim_matches(['[', ']']);
+    let key = keys_before(&problem.source_text, start).unwrap_or_default();
+    let path = match problem.source_name.as_str() {
+        "--set" => problem
+            .source_text
+            .split('=')
+            .next()
+            .unwrap_or_default()
+            .to_owned(),
+        _ if table.is_empty() => key,
+        _ => format!("{table}.{key}"),
+    };
+    let mut words = path.split('.').map(str::trim);
+    match (
+        words.next().unwrap_or_default(),
+        words.next().unwrap_or_default(),
+    ) {
+        ("system", "hamiltonian" | "define" | "casimirs") => "formulas",
+        ("system", "families" | "boundary") => "lattices",
+        ("system", "forces" | "damping" | "torque") => "forces",
+        ("system", "noise") => "noise",
+        ("system", _) => "define-a-system",
+        ("method", "pace") => "time",
+        ("method", _) => "choose",
+        ("run", "stop" | "section") => "events",
+        ("ensemble", _) => "ensembles",
+        ("sweep", _) => "sweeps",
+        ("plugins", _) => "own-parts",
+        _ => "keys",
+    }
+}
+
+/// The key whose value holds a place: of the last line before it that begins one.
+fn keys_before(text: &str, start: usize) -> Option<String> {
+    let end = text
+        .get(start..)?
+        .find('\n')
+        .map_or(text.len(), |at| start + at);
+    let line = text.get(..end)?.lines().rfind(|line| {
+        let first = line.chars().next();
+        first.is_some_and(|c| c.is_alphabetic() || c == '"') && line.contains('=')
+    })?;
+    Some(line.split('=').next()?.trim().trim_matches('"').to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Pages of the folder that are none of the program's: contents, pictures of scenes, further theory.
+    const OTHERS: [&str; 3] = ["README", "gallery", "more-theory"];
+
+    #[test]
+    fn every_page_of_the_guide_is_there() {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/guide");
+        let mut names: Vec<String> = std::fs::read_dir(folder)
+            .expect("the guide")
+            .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
+            .filter_map(|name| name.strip_suffix(".md").map(str::to_owned))
+            .filter(|name| !OTHERS.contains(&name.as_str()))
+            .collect();
+        let mut known = PAGES.map(|(name, _)| name.to_owned()).to_vec();
+        names.sort();
+        known.sort();
+        assert_eq!(names, known);
+    }
+
+    #[test]
+    fn every_kind_of_advice_is_explained() {
+        let page = PAGES.iter().find(|(name, _)| *name == "read-the-report");
+        let (_, text) = page.expect("a page");
+        let kinds = text.lines().filter_map(|line| {
+            let kind = line.strip_prefix("| `")?.split('`').next()?;
+            line.matches('|').nth(3).map(|_| kind)
+        });
+        let mut count = 0;
+        for kind in kinds {
+            let found = explained(kind);
+            assert!(found.iter().any(|part| part.text.contains(kind)), "{kind}");
+            count += 1;
+        }
+        assert!(count > 20, "{count} rows");
+    }
+
+    #[test]
+    fn words_lead_to_pages_rows_and_sections() {
+        assert_eq!(explained("formulas").len(), 1);
+        let row = explained("backward-time");
+        assert!(
+            row[0].text.contains("the other `convention`"),
+            "{}",
+            row[0].text
+        );
+        let sections = explained("torque");
+        for page in ["forces", "keys"] {
+            assert!(sections.iter().any(|part| part.page == page), "{page}");
+        }
+        assert!(explained("no such word").is_empty());
+        assert_eq!(
+            plain("see [the guide](a/b.md#c) and [x]"),
+            "see the guide and [x]"
+        );
+        assert_eq!(cells("| a | `b \\| c` |"), ["a", "`b | c`"]);
+    }
+}
