@@ -26,7 +26,7 @@ enum Source {
         slopes: Arc<Kernel>,
         curvature: Box<Curvature>,
     },
-    Numbers(Arc<dyn SystemNumbers>),
+    Numbers(SystemNumbers),
 }
 
 impl Field {
@@ -36,7 +36,7 @@ impl Field {
     /// [`BuildError::Algebra`] where an entry has no code.
     pub(super) fn of(system: &PoissonSystem) -> Result<Self, BuildError> {
         let source = match (system.expressions(), system.opaque()) {
-            (None, Some(system)) => Source::Numbers(Arc::clone(&system.numbers)),
+            (None, Some(system)) => Source::Numbers(system.numbers.clone()),
             _ => compiled(system.formulas(NAME)?)?,
         };
         Ok(Self {
@@ -61,7 +61,7 @@ impl Field {
     pub(super) fn has_slopes(&self) -> bool {
         match &self.source {
             Source::Kernels { .. } => true,
-            Source::Numbers(numbers) => numbers.derivatives().tensor,
+            Source::Numbers(numbers) => numbers.derivatives.tensor,
         }
     }
 
@@ -80,7 +80,7 @@ impl Field {
             },
             Source::Numbers(numbers) => Evaluator::Numbers {
                 evaluator: numbers.evaluator(parameters),
-                has_slopes: numbers.derivatives().tensor,
+                has_slopes: numbers.derivatives.tensor,
                 units: DMatrix::identity(d, d).as_slice().to_vec(),
                 columns: vec![0.0; d * d],
             },
