@@ -72,7 +72,7 @@ pub mod walk;
 pub use bisection::{GraphBisection, LagrangianBisection};
 pub use chart::ChartMaps;
 pub use closed_form::{ChartPoint, ClosedForm, ClosedRealization, FormProperties};
-pub use code_evaluators::{RealizationMaps, realization_evaluator};
+pub use code_evaluators::{ChartRatio, RealizationMaps, realization_evaluator};
 pub use compensation::two_sum;
 pub use dynamics::{Correction, DynamicApproximation, DynamicsProperties};
 pub use error::{BuildError, StepError};
@@ -88,7 +88,7 @@ pub use origin::Origin;
 pub use part::{PartInfo, PartKind, PartParameters};
 pub use realization::{
     Abilities, Accuracy, ChartCode, EndMaps, EndNumbers, Ends, MapCode, RealizationData,
-    RealizationEvaluator, SourceRecursion, SourceSeries, SourceTarget, Space, SpaceChart,
+    SourceRecursion, SourceSeries, SourceTarget, Space, SpaceChart,
 };
 pub use registry::{Part, Registry, RegistryError};
 pub use shadow::Shadow;

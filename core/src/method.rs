@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use leafwise_expression::{AlgebraError, Graph, Kernel, StepSize, Term};
 
 use crate::bisection::{LagrangianBisection, PointMaps};
-use crate::code_evaluators::{NO_MAPS, RealizationMaps, guards_series, realization_evaluator};
+use crate::code_evaluators::{ChartRatio, NO_MAPS, RealizationMaps, guards_series};
 use crate::dynamics::{Correction, DynamicApproximation};
 use crate::error::BuildError;
 use crate::evaluator::Evaluator;
@@ -13,9 +13,7 @@ use crate::generating_shadow::shadow_of;
 use crate::lift::LiftedMap;
 use crate::one_form::PointCode;
 use crate::part::PartParameters;
-use crate::realization::{
-    Abilities, Accuracy, MapCode, RealizationData, RealizationEvaluator, SourceTarget,
-};
+use crate::realization::{Abilities, Accuracy, MapCode, RealizationData, SourceTarget};
 use crate::registry::Registry;
 use crate::shadow::Shadow;
 use crate::solution_series::start_of_solves;
@@ -45,9 +43,11 @@ pub struct Method {
 /// A method's two parts as numbers, for fixed parameters, ε and h.
 pub struct MethodEvaluators {
     /// α̂ and β̂.
-    pub maps: Box<dyn RealizationEvaluator>,
+    pub maps: Box<dyn Evaluator>,
     /// y ↦ L(y).
     pub points: Box<dyn Evaluator>,
+    /// How far a point reaches into the chart of maps that are code.
+    pub chart: Option<ChartRatio>,
 }
 
 /// The reason where y ↦ L(y) cannot be evaluated.
@@ -286,8 +286,10 @@ impl Method {
             realization: self.realization.describe(),
             reason: NO_POINTS.to_owned(),
         })?;
+        let maps = RealizationMaps::new(self.realization.as_ref(), parameters.len())?;
         Ok(MethodEvaluators {
-            maps: realization_evaluator(self.realization.as_ref(), parameters, epsilon)?,
+            chart: maps.chart_ratio(parameters, epsilon),
+            maps: maps.evaluator(parameters, epsilon),
             points: points.evaluator(parameters, epsilon, h),
         })
     }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use leafwise_expression::{DifferentialAlgebra, Graph, Ring, Term};
 
-use crate::error::{BuildError, StepError};
+use crate::error::BuildError;
 use crate::evaluator::Evaluator;
 use crate::lattice::StageCode;
 use crate::lift::Lift;
@@ -146,21 +146,36 @@ pub struct EndNumbers {
     /// then share an evaluator.
     pub is_pointwise: bool,
     make: Arc<MakeEnds>,
+    has_hessian: Option<Arc<dyn Fn() -> bool + Send + Sync>>,
 }
 
-type MakeEnds = dyn Fn(&[f64], f64) -> Box<dyn RealizationEvaluator> + Send + Sync;
+type MakeEnds = dyn Fn(&[f64], f64) -> Box<dyn Evaluator> + Send + Sync;
 
 impl EndNumbers {
     /// Maps whose evaluators `make` makes, one a thread, of parameters and ε.
     pub fn new(
         has_jacobian: bool,
-        make: impl Fn(&[f64], f64) -> Box<dyn RealizationEvaluator> + Send + Sync + 'static,
+        make: impl Fn(&[f64], f64) -> Box<dyn Evaluator> + Send + Sync + 'static,
     ) -> Self {
         Self {
             has_jacobian,
             is_pointwise: true,
             make: Arc::new(make),
+            has_hessian: None,
         }
+    }
+
+    /// The same with [Hessians](Evaluator::hessian), which exact tangents of collective integrators need. The closure
+    /// tells whether there are: the code of second derivatives may be long, and is written where they are needed.
+    #[must_use]
+    pub fn with_hessian(mut self, offered: impl Fn() -> bool + Send + Sync + 'static) -> Self {
+        self.has_hessian = Some(Arc::new(offered));
+        self
+    }
+
+    /// Whether Hessians are offered.
+    pub fn has_hessian(&self) -> bool {
+        self.has_hessian.as_ref().is_some_and(|offered| offered())
     }
 
     /// The same of evaluators that belong to one trajectory: what they return depends on what they evaluated before.
@@ -171,7 +186,7 @@ impl EndNumbers {
     }
 
     /// An evaluator for fixed parameters and ε.
-    pub fn evaluator(&self, parameters: &[f64], epsilon: f64) -> Box<dyn RealizationEvaluator> {
+    pub fn evaluator(&self, parameters: &[f64], epsilon: f64) -> Box<dyn Evaluator> {
         (self.make)(parameters, epsilon)
     }
 }
@@ -228,6 +243,10 @@ pub struct SourceTarget {
 }
 
 /// α̂ and β̂ at one point of S: β̂ = base + offset, α̂ = β̂ + increment, d numbers each.
+///
+/// These 3d numbers are what an evaluator of a realization's maps writes at a point z of d_S numbers. Its Jacobians
+/// are Dβ̂ and D(α̂ − β̂), row-major d × d_S each, its [Hessian](Evaluator::hessian) that of λ·α̂. At the point of the
+/// last call nothing is computed twice.
 #[derive(Clone, Copy, Debug)]
 pub struct Ends<'a> {
     /// A point near both ends.
@@ -239,7 +258,7 @@ pub struct Ends<'a> {
 }
 
 impl<'a> Ends<'a> {
-    /// The parts of what a [`RealizationEvaluator`] writes at a point, 3d numbers.
+    /// The parts of what an evaluator writes at a point, 3d numbers.
     ///
     /// # Panics
     /// When the length is no multiple of 3.
@@ -261,36 +280,6 @@ impl<'a> Ends<'a> {
     /// α̂_i.
     pub fn source(&self, i: usize) -> f64 {
         self.target(i) + self.increment[i]
-    }
-}
-
-/// One thread's evaluator of a realization's maps z ↦ (β̂, α̂ − β̂), for fixed parameters and ε.
-///
-/// Its values at a point z of d_S numbers are base, β̂ − base and α̂ − β̂, 3d numbers: see [`Ends`]. Its Jacobians are
-/// Dβ̂ and D(α̂ − β̂), row-major d × d_S each. At the point of the last call nothing is computed twice.
-pub trait RealizationEvaluator: Evaluator {
-    /// The Hessian of z ↦ λ·α̂(z), row-major d_S × d_S, for a covector λ of d numbers.
-    ///
-    /// # Errors
-    /// [`StepError::NoTangent`] where it is not offered; as [`Evaluator::values`].
-    fn source_hessian(
-        &mut self,
-        z: &[f64],
-        covector: &[f64],
-        hessian: &mut [f64],
-    ) -> Result<(), StepError> {
-        let _ = (z, covector, hessian);
-        Err(StepError::NoTangent)
-    }
-    /// Whether [`source_hessian`](Self::source_hessian) is offered: exact tangents of collective
-    /// integrators need it.
-    fn has_source_hessian(&self) -> bool {
-        false
-    }
-    /// Ratio by which the point of the last call reaches into the chart. [`StepError::LeftChart`] tells it from 1 on.
-    /// For a truncated series it is the last term over the first. Maps that hold everywhere or do not say have `None`.
-    fn chart_ratio(&self) -> Option<f64> {
-        None
     }
 }
 

@@ -418,7 +418,7 @@ fn build(
 fn build_on_lattice(
     source: &dyn LatticeSource,
     parameters: &PartParameters,
-) -> Result<Arc<dyn LatticeMap>, BuildError> {
+) -> Result<LatticeMap, BuildError> {
     parameters.refuse_unknown(&INFO)?;
     if bodies(parameters)? == Bodies::Whole {
         return Err(BuildError::DoesNotFit {
@@ -430,10 +430,10 @@ fn build_on_lattice(
     }
     let splitting = LatticeSplitting::new(source)?;
     let order = named_order(&INFO, parameters, splitting.pieces())?;
-    Ok(Arc::new(match order {
-        Some(order) => splitting.in_order(order),
-        None => splitting,
-    }))
+    Ok(match order {
+        Some(order) => splitting.in_order(order).into(),
+        None => splitting.into(),
+    })
 }
 
 leafwise_core::built_in!(StepperPart::new(&INFO, build).with_sweeps(build_on_lattice));

@@ -2,7 +2,6 @@
 
 use crate::error::StepError;
 use crate::evaluator::Evaluator;
-use crate::realization::RealizationEvaluator;
 use crate::runge_kutta::batch::batch;
 use crate::solver::{StepReport, product};
 
@@ -17,7 +16,7 @@ pub(super) enum By {
 
 /// Two evaluators and room for what they compute, one point behind the other.
 pub(super) struct Evaluation {
-    realization: Box<dyn RealizationEvaluator>,
+    realization: Box<dyn Evaluator>,
     bisection: Box<dyn Evaluator>,
     dimension: usize,
     space: usize,
@@ -35,7 +34,7 @@ pub(super) struct Evaluation {
 impl Evaluation {
     /// For at most `count` points: of several by evaluators that are pointwise.
     pub(super) fn new(
-        (realization, bisection): (Box<dyn RealizationEvaluator>, Box<dyn Evaluator>),
+        (realization, bisection): (Box<dyn Evaluator>, Box<dyn Evaluator>),
         (dimension, space): (usize, usize),
         count: usize,
     ) -> Self {

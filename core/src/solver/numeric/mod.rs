@@ -17,7 +17,6 @@ use super::{Branch, CorrectionMethod, StepReport, Trajectories};
 use crate::dynamics::Correction;
 use crate::error::StepError;
 use crate::evaluator::Evaluator;
-use crate::realization::RealizationEvaluator;
 
 /// Solves β̂(L(y)) = x with evaluators of a realization and a bisection.
 ///
@@ -44,7 +43,7 @@ impl NumericSolver {
     /// For `count` trajectories in M of `dimension` d, by points of S of `space` coordinates: of several
     /// by evaluators that are pointwise.
     pub(crate) fn new(
-        (realization, bisection): (Box<dyn RealizationEvaluator>, Box<dyn Evaluator>),
+        (realization, bisection): (Box<dyn Evaluator>, Box<dyn Evaluator>),
         (dimension, space): (usize, usize),
         (correction, corrections): (Correction, CorrectionMethod),
         count: usize,

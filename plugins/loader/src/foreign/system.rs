@@ -4,7 +4,9 @@ use std::collections::HashSet;
 use std::sync::Arc;
 
 use leafwise_core::part::ParameterSetting;
-use leafwise_core::system::{Derivatives, OpaqueSystem, Parameter, SystemEvaluator, SystemFunction, SystemNumbers};
+use leafwise_core::system::{
+    Derivatives, OpaqueSystem, Parameter, SystemEvaluator, SystemFunction, SystemNumbers,
+};
 use leafwise_core::{BuildError, PartParameters, PoissonSystem, StepError};
 use leafwise_expression::syntax::Scope;
 use leafwise_plugin_abi::LwSystem;
@@ -242,11 +244,9 @@ impl SystemEvaluator for ForeignEvaluator {
             SystemFunction::Casimirs => ("casimirs", table.casimirs, casimirs),
             SystemFunction::TensorTangent(..) => ("tensor_tangent", table.tensor_tangent, d),
             SystemFunction::Hessian(_) => ("hessian", table.hessian, d),
-            SystemFunction::CasimirGradients => (
-                "casimir_gradients",
-                table.casimir_gradients,
-                casimirs * d,
-            ),
+            SystemFunction::CasimirGradients => {
+                ("casimir_gradients", table.casimir_gradients, casimirs * d)
+            }
         };
         if results == 0 {
             return Ok(());

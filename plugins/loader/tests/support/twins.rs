@@ -8,8 +8,7 @@ use leafwise_core::system::{
 };
 use leafwise_core::{
     Abilities, Accuracy, EndMaps, EndNumbers, Evaluator, MapProperties, PoissonSystem,
-    RealizationData, RealizationEvaluator, SolverStatistics, StepError, StepMap, Stepper,
-    Structure,
+    RealizationData, SolverStatistics, StepError, StepMap, Stepper, Structure,
 };
 use leafwise_example_plugin::Rodrigues;
 use leafwise_plugin_sdk::ChartRealization;
@@ -67,8 +66,6 @@ impl RodriguesEvaluator {
     }
 }
 
-impl RealizationEvaluator for RodriguesEvaluator {}
-
 impl Evaluator for RodriguesEvaluator {
     fn values(&mut self, z: &[f64], ends: &mut [f64]) -> Result<(), StepError> {
         for (z, ends) in z.chunks_exact(6).zip(ends.chunks_exact_mut(9)) {
@@ -85,6 +82,10 @@ impl Evaluator for RodriguesEvaluator {
             self.jacobian(z, target, increment);
         }
         Ok(())
+    }
+
+    fn operations(&self) -> Option<u64> {
+        None
     }
 }
 

@@ -143,8 +143,7 @@ impl<'a> NoisySteps<'a> {
                 let channel = terms.channel();
                 let lattice = lattice.with_flow(terms);
                 let flow = exact_flow(registry, |part| {
-                    let map = part.build_on_lattice(&lattice, &PartParameters::new())?;
-                    Ok(map as Arc<dyn StepMap>)
+                    Ok(part.build_on_lattice(&lattice, &PartParameters::new())?.map)
                 });
                 self.single(document, channel, flow)
             };

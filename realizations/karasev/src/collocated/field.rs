@@ -65,6 +65,14 @@ impl Field {
         }
     }
 
+    /// Whether its evaluators offer [curvatures](FieldEvaluator::curvatures), whose code is then there.
+    pub(super) fn has_curvatures(&self) -> bool {
+        match &self.source {
+            Source::Kernels { curvature, .. } => curvature.is_offered(),
+            Source::Numbers(_) => false,
+        }
+    }
+
     pub(super) fn evaluator(&self, parameters: &[f64]) -> FieldEvaluator {
         let d = self.dimension;
         let evaluator = match &self.source {
@@ -234,14 +242,6 @@ impl FieldEvaluator {
                 transpose(columns, by_p, self.dimension);
                 Ok(())
             }
-        }
-    }
-
-    /// Whether [`curvatures`](Self::curvatures) are offered.
-    pub(super) fn has_curvatures(&self) -> bool {
-        match &self.evaluator {
-            Evaluator::Kernels { curvature, .. } => curvature.is_offered(),
-            Evaluator::Numbers { .. } => false,
         }
     }
 
