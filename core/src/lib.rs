@@ -93,8 +93,8 @@ pub use realization::{
 pub use registry::{Part, Registry, RegistryError};
 pub use shadow::Shadow;
 pub use solver::{
-    ByTangents, Differential, Factored, Inverse, MapProperties, Pieces, SolverStatistics, StepMap,
-    Stepper, Structure, WithoutPoles,
+    ByTangents, Differential, Factored, Inverse, MapAbilities, MapProperties, Pieces, Setting,
+    SolverStatistics, StepMap, Stepper, Structure, WithoutPoles,
 };
 pub use system::{Convention, PoissonSystem, SystemBuilder, SystemFormulas, SystemNumbers};
 pub use walk::Walk;

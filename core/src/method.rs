@@ -15,14 +15,13 @@ use crate::one_form::PointCode;
 use crate::part::PartParameters;
 use crate::realization::{Abilities, Accuracy, MapCode, RealizationData, SourceTarget};
 use crate::registry::Registry;
-use crate::shadow::Shadow;
 use crate::solution_series::start_of_solves;
 use crate::solver::{
-    ByTangents, Checked, CorrectionMethod, Differential, Lanes, MakeCheck, MapProperties,
-    NewtonKernel, NewtonStepper, NumericSolver, Poles, Solved, StepMap, Stepper, Structure,
-    Uncoupled, by_parameters, check_variables, keeping_signs, kept_signs,
+    ByTangents, Checked, CorrectionMethod, Differential, Lanes, MakeCheck, MapAbilities,
+    MapProperties, NewtonKernel, NewtonStepper, NumericSolver, Poles, ShadowTerms, Solved, StepMap,
+    Stepper, Structure, Uncoupled, by_parameters, check_variables, keeping_signs, kept_signs,
 };
-use crate::system::{PoissonSystem, SystemFormulas};
+use crate::system::PoissonSystem;
 
 /// φ̂_{ε,h} = α̂_ε ∘ (β̂_ε|_L)⁻¹ (paper, Definition 2.4 and Algorithm 1): given x_k, find y with
 /// β̂(L(y)) = x_k and return x_{k+1} = x_k + (α̂ − β̂)(L(y)).
@@ -418,8 +417,8 @@ impl StepMap for Method {
         )
     }
 
-    fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
-        match &self.path {
+    fn abilities(&self) -> MapAbilities<'_> {
+        let kernels = match &self.path {
             Path::Code(newton, uncoupled) => {
                 let parts = match uncoupled {
                     None => vec![newton],
@@ -427,25 +426,22 @@ impl StepMap for Method {
                 };
                 parts.into_iter().flat_map(NewtonKernel::kernels).collect()
             }
-            Path::Fused(map) => map.kernels(),
+            Path::Fused(map) => map.abilities().kernels,
             Path::Evaluators { maps, points, .. } => {
                 maps.kernels().into_iter().chain(points.kernel()).collect()
             }
-        }
-    }
-
-    fn shadow(
-        &self,
-        _: &SystemFormulas,
-        last: usize,
-        products: u64,
-    ) -> Result<Option<Shadow>, BuildError> {
+        };
         let generating = self.bisection.generating_function();
-        match (generating, self.realization.abilities().series) {
-            (Some(generating), Some(series)) => {
-                shadow_of(generating, series, self.dimension(), last, products)
-            }
-            _ => Ok(None),
+        let shadow = generating.zip(self.realization.abilities().series).map(
+            |(generating, series)| -> ShadowTerms<'_> {
+                let d = self.dimension();
+                Box::new(move |_, last, products| shadow_of(generating, series, d, last, products))
+            },
+        );
+        MapAbilities {
+            kernels,
+            shadow,
+            factored: None,
         }
     }
 

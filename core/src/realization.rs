@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use leafwise_expression::{DifferentialAlgebra, Graph, Ring, Term};
+use leafwise_expression::{Arithmetic, Graph, Ring, Term};
 
 use crate::error::BuildError;
 use crate::evaluator::Evaluator;
@@ -295,20 +295,20 @@ pub trait SourceSeries {
         &self,
         ring: &mut Ring,
         coordinates: &[usize],
-    ) -> Result<Box<dyn SourceRecursion<Ring>>, BuildError>;
+    ) -> Result<SourceRecursion<Ring>, BuildError>;
     /// As straight-line code.
     fn in_graph(
         &self,
         graph: &mut Graph,
         coordinates: &[usize],
-    ) -> Result<Box<dyn SourceRecursion<Graph>>, BuildError>;
+    ) -> Result<SourceRecursion<Graph>, BuildError>;
 }
 
-/// One order of [`SourceSeries`] after the other.
-pub trait SourceRecursion<A: DifferentialAlgebra> {
-    /// Given pₖ (d components; k = 1 at the first call), the coefficient αₖ of hᵏ in α(x, p(h)).
-    ///
-    /// # Errors
-    /// [`BuildError::Algebra`] where the tensor is outside the algebra.
-    fn push(&mut self, algebra: &mut A, p: Vec<A::Element>) -> Result<Vec<A::Element>, BuildError>;
-}
+/// One order of [`SourceSeries`] after the other: of an algebra and pₖ (d components; k = 1 at the first call) the
+/// coefficient αₖ of hᵏ in α(x, p(h)).
+///
+/// It fails with [`BuildError::Algebra`] where the tensor is outside the algebra.
+pub type SourceRecursion<A> =
+    Box<dyn FnMut(&mut A, Elements<A>) -> Result<Elements<A>, BuildError>>;
+
+type Elements<A> = Vec<<A as Arithmetic>::Element>;

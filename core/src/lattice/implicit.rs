@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use leafwise_expression::{Kernel, StepSize, Term};
+use leafwise_expression::{StepSize, Term};
 
 use super::differential::SolvedSweeps;
 use super::geometry::Proxy;
@@ -14,7 +14,7 @@ use super::source::LatticeSource;
 use super::stages::{MethodFields, StageBuilder, StageEnds};
 use super::stepper::LatticeTrajectory;
 use crate::error::BuildError;
-use crate::solver::{Differential, Lanes, MapProperties, StepMap, Stepper};
+use crate::solver::{Differential, Lanes, MapAbilities, MapProperties, StepMap, Stepper};
 use crate::system::PoissonSystem;
 
 /// x ↦ x₊ with x = y + offset(y), x₊ = x + increment(y), on a lattice. The linear iteration
@@ -121,11 +121,12 @@ impl StepMap for ImplicitSweeps {
         self.description.clone()
     }
 
-    fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
-        self.program
-            .kernels()
-            .map(|kernel| ("a site", kernel))
-            .collect()
+    fn abilities(&self) -> MapAbilities<'_> {
+        let kernels = self.program.kernels();
+        MapAbilities {
+            kernels: kernels.map(|kernel| ("a site", kernel)).collect(),
+            ..MapAbilities::default()
+        }
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {

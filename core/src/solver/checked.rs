@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{SolverStatistics, StepCheck, Stepper};
+use super::{Setting, SolverStatistics, StepCheck, Stepper};
 use crate::error::StepError;
 
 /// Maker of step checks for so many lanes with these parameters, a structure of arrays.
@@ -87,17 +87,15 @@ impl Stepper for Checked {
         self.stepper.restart();
     }
 
-    fn resize(&mut self, h: f64) -> bool {
-        let is_offered = self.stepper.resize(h);
-        if is_offered {
+    fn set(&mut self, setting: Setting<'_>) -> bool {
+        if let Setting::Parameters(parameters) = setting {
+            self.check.set_parameters(parameters);
+        }
+        let is_offered = self.stepper.set(setting);
+        if is_offered && matches!(setting, Setting::StepSize(_)) {
             self.failures = 0;
         }
         is_offered
-    }
-
-    fn set_parameters(&mut self, parameters: &[f64]) -> bool {
-        self.check.set_parameters(parameters);
-        self.stepper.set_parameters(parameters)
     }
 
     fn evaluations(&self) -> u64 {

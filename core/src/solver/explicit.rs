@@ -5,7 +5,9 @@ use std::sync::{Arc, OnceLock};
 use leafwise_expression::{Graph, Kernel, OperationCount, Term, Workspace};
 
 use super::{ByTangents, Differential, Explicit, Inverse, in_reverse};
-use super::{MapProperties, SolverStatistics, StepCheck, StepMap, Stepper, add};
+use super::{
+    MapAbilities, MapProperties, Setting, SolverStatistics, StepCheck, StepMap, Stepper, add,
+};
 use crate::error::{BuildError, StepError};
 
 /// x ↦ x + f_{ε,h}(x), f given by code.
@@ -159,8 +161,11 @@ impl StepMap for CodeStepMap {
         self.description.clone()
     }
 
-    fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
-        vec![("step", self.map.kernel())]
+    fn abilities(&self) -> MapAbilities<'_> {
+        MapAbilities {
+            kernels: vec![("step", self.map.kernel())],
+            ..MapAbilities::default()
+        }
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
@@ -311,15 +316,15 @@ impl Stepper for ExplicitStepper {
 
     fn restart(&mut self) {}
 
-    fn resize(&mut self, h: f64) -> bool {
-        self.step_sizes.1.fill(h);
-        self.statistics = SolverStatistics::default();
-        self.prepare();
-        true
-    }
-
-    fn set_parameters(&mut self, parameters: &[f64]) -> bool {
-        self.parameters.copy_from_slice(parameters);
+    fn set(&mut self, setting: Setting<'_>) -> bool {
+        match setting {
+            Setting::StepSize(h) => {
+                self.step_sizes.1.fill(h);
+                self.statistics = SolverStatistics::default();
+            }
+            Setting::Parameters(parameters) => self.parameters.copy_from_slice(parameters),
+            Setting::Members(_) => return false,
+        }
         self.prepare();
         true
     }

@@ -48,7 +48,7 @@ pub use properties::{MapProperties, Pieces, Structure};
 pub use signs::{keeping_signs, kept_signs};
 pub use statistics::SolverStatistics;
 pub(crate) use stepper::add;
-pub use stepper::{StepCheck, Stepper};
+pub use stepper::{Setting, StepCheck, Stepper};
 use stepper::{one_by_one, restore_each};
 
 use std::sync::Arc;
@@ -75,11 +75,6 @@ pub trait StepMap: Send + Sync {
     fn properties(&self) -> MapProperties;
     /// One line for reports: names and orders.
     fn describe(&self) -> String;
-    /// The kernels that its steps evaluate and what each computes, for reports; none where the
-    /// steps are numbers from elsewhere.
-    fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
-        Vec::new()
-    }
     /// A stepper of `lanes` trajectories at once with these parameters (a structure of
     /// arrays over the lanes) and step sizes.
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper>;
@@ -88,25 +83,30 @@ pub trait StepMap: Send + Sync {
         let stepper = self.stepper(1, parameters, epsilon, h);
         Box::new(ByTangents::new(stepper, self.dimension()))
     }
-    /// [`Shadow`] Hamiltonian of this map of a system, its terms F_1 to F_`last`. Returns `None` where there is no
-    /// formula of it. It also does so where that takes more than `products` products of terms.
-    ///
-    /// # Errors
-    /// [`BuildError::Algebra`] where the tensor or the Hamiltonian is outside the exact algebra.
-    fn shadow(
-        &self,
-        system: &SystemFormulas,
-        last: usize,
-        products: u64,
-    ) -> Result<Option<Shadow>, BuildError> {
-        let _ = (system, last, products);
-        Ok(None)
-    }
-    /// The map as a product of two factors, where it is one.
-    fn factored(&self) -> Option<Factored<'_>> {
-        None
+    /// What it offers beside its steps: `MapAbilities { kernels, ..MapAbilities::default() }`.
+    fn abilities(&self) -> MapAbilities<'_> {
+        MapAbilities::default()
     }
 }
+
+/// Abilities of a step map beside its steps. By default nothing is offered.
+#[derive(Default)]
+pub struct MapAbilities<'a> {
+    /// The kernels that its steps evaluate and what each computes, for reports; none where the steps are numbers from
+    /// elsewhere.
+    pub kernels: Vec<(&'static str, &'a Kernel)>,
+    /// Its [`Shadow`] Hamiltonian, where there is a formula of it.
+    pub shadow: Option<ShadowTerms<'a>>,
+    /// The map as a product of two factors, where it is one.
+    pub factored: Option<Factored<'a>>,
+}
+
+/// Terms F_1 to F_last of the [`Shadow`] Hamiltonian of a map of a system: of the system, last, and the most products of
+/// terms that they may take. It returns `None` where they take more.
+///
+/// It fails with [`BuildError::Algebra`] where the tensor or the Hamiltonian is outside the exact algebra.
+pub type ShadowTerms<'a> =
+    Box<dyn Fn(&SystemFormulas, usize, u64) -> Result<Option<Shadow>, BuildError> + 'a>;
 
 /// Φ_h = χ*_{h/2} ∘ χ_{h/2} of a map χ of order 1 and its adjoint, χ*_h = χ_{−h}⁻¹.
 pub struct Factored<'a> {
@@ -129,8 +129,24 @@ pub type FactorProduct<'a> = Box<dyn Fn(&[f64]) -> Option<Arc<dyn StepMap>> + 'a
 pub type Arranged<'a> = Box<dyn Fn(Pieces) -> Result<Arc<dyn StepMap>, BuildError> + 'a>;
 
 impl dyn StepMap + '_ {
-    /// How many pieces its [factors](StepMap::factored) are products of; 0 where it is no product.
+    /// How many pieces its [factors](MapAbilities::factored) are products of; 0 where it is no product.
     pub fn pieces(&self) -> usize {
-        self.factored().map_or(0, |own| own.pieces)
+        self.abilities().factored.map_or(0, |own| own.pieces)
+    }
+
+    /// The [`ShadowTerms`] of this map of a system; `None` where there is no formula of them.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where the tensor or the Hamiltonian is outside the exact algebra.
+    pub fn shadow(
+        &self,
+        system: &SystemFormulas,
+        last: usize,
+        products: u64,
+    ) -> Result<Option<Shadow>, BuildError> {
+        match self.abilities().shadow {
+            Some(terms) => terms(system, last, products),
+            None => Ok(None),
+        }
     }
 }

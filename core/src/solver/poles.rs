@@ -12,10 +12,9 @@ use super::Differential;
 use super::checked::{Checked, MakeCheck};
 use super::crossing::{Crossing, looks};
 use super::stepper::StepCheck;
-use super::{Factored, MapProperties, StepMap, Stepper};
+use super::{Factored, MapAbilities, MapProperties, StepMap, Stepper};
 use crate::error::{BuildError, StepError};
-use crate::shadow::Shadow;
-use crate::system::{PoissonSystem, SystemFormulas};
+use crate::system::PoissonSystem;
 
 /// Longest text of a denominator in a message.
 const MOST_PARTS: usize = 60;
@@ -213,29 +212,20 @@ impl StepMap for WithoutPoles {
         self.map.describe()
     }
 
-    fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
-        self.map.kernels()
-    }
-
-    fn factored(&self) -> Option<Factored<'_>> {
-        let own = self.map.factored()?;
+    fn abilities(&self) -> MapAbilities<'_> {
         let checked = |map| Self::checked(map, Arc::clone(&self.poles));
-        Some(Factored {
-            factors: own.factors.map(checked),
-            pieces: own.pieces,
-            arranged: None,
-            // Factors go one after the other, each checked: a pole that one crosses and another crosses back is seen.
-            product: Box::new(|_| None),
-        })
-    }
-
-    fn shadow(
-        &self,
-        system: &SystemFormulas,
-        last: usize,
-        products: u64,
-    ) -> Result<Option<Shadow>, BuildError> {
-        self.map.shadow(system, last, products)
+        let own = self.map.abilities();
+        MapAbilities {
+            factored: own.factored.map(|own| Factored {
+                factors: own.factors.map(checked),
+                pieces: own.pieces,
+                arranged: None,
+                // Factors go one after the other, each checked: a pole that one crosses and another crosses back is
+                // seen.
+                product: Box::new(|_| None),
+            }),
+            ..own
+        }
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {

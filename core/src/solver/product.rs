@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{SolverStatistics, StepMap, Stepper, restore_each};
+use super::{Setting, SolverStatistics, StepMap, Stepper, restore_each};
 use crate::compensation::Compensated;
 use crate::error::StepError;
 
@@ -118,19 +118,19 @@ impl Stepper for ProductStepper {
         self.stages.iter_mut().for_each(|stage| stage.restart());
     }
 
-    fn resize(&mut self, h: f64) -> bool {
+    fn set(&mut self, setting: Setting<'_>) -> bool {
         let mut stages = self.stages.iter_mut().zip(&self.parts);
         // Stages are of one kind: the first says for all whether they can.
-        let is_offered = stages.all(|(stage, part)| stage.resize(part * h));
-        if is_offered {
+        let is_offered = stages.all(|(stage, part)| {
+            stage.set(match setting {
+                Setting::StepSize(h) => Setting::StepSize(part * h),
+                other => other,
+            })
+        });
+        if is_offered && matches!(setting, Setting::StepSize(_)) {
             (self.steps, self.failures) = (0, 0);
         }
         is_offered
-    }
-
-    fn set_parameters(&mut self, parameters: &[f64]) -> bool {
-        let mut stages = self.stages.iter_mut();
-        stages.all(|stage| stage.set_parameters(parameters))
     }
 
     /// Steps and failures are those of whole steps; evaluations are summed over the stages, and so

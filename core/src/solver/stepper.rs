@@ -6,6 +6,20 @@ use super::statistics::SolverStatistics;
 use crate::compensation::two_sum;
 use crate::error::StepError;
 
+/// Setting of a [`Stepper`] that may change between steps.
+#[derive(Clone, Copy, Debug)]
+pub enum Setting<'a> {
+    /// Step size h, with which earlier steps and their work are forgotten: later ones have the bits of those of a new
+    /// stepper, and so has what is counted.
+    StepSize(f64),
+    /// Parameters, a structure of arrays over the lanes. Steps have the bits of those of a stepper made with them, up to
+    /// where a solve starts.
+    Parameters(&'a [f64]),
+    /// Members of an ensemble that the lanes are: steps with [noise](crate::noise) draw their numbers. Without it lane w
+    /// is member w.
+    Members(&'a [u64]),
+}
+
 /// One thread's stepper of a [`StepMap`](super::StepMap).
 pub trait Stepper: Send {
     /// Φ(x + low) − (x + low) for each lane, where `low` carries what the compensated state holds
@@ -45,23 +59,11 @@ pub trait Stepper: Send {
     }
     /// Forgets earlier steps: the next solve starts cold.
     fn restart(&mut self);
-    /// Takes another step size h and forgets earlier steps and their work: later ones have the bits of those of a new
-    /// stepper, and so has what is counted. Returns whether that is offered; where it is not, nothing has changed.
-    fn resize(&mut self, h: f64) -> bool {
-        let _ = h;
+    /// Takes another setting for the steps that follow; nothing is allocated. Returns whether that is offered; where it is
+    /// not, nothing has changed.
+    fn set(&mut self, setting: Setting<'_>) -> bool {
+        let _ = setting;
         false
-    }
-    /// Takes other parameters, a structure of arrays over the lanes, for the steps that follow. These have the bits
-    /// of those of a stepper made with them, up to where a solve starts, and nothing is allocated. Returns whether
-    /// that is offered; where it is not, nothing has changed.
-    fn set_parameters(&mut self, parameters: &[f64]) -> bool {
-        let _ = parameters;
-        false
-    }
-    /// Tells which member of an ensemble each lane is: steps with [noise](crate::noise) draw that member's numbers. Without
-    /// it lane w is member w.
-    fn follow(&mut self, members: &[u64]) {
-        let _ = members;
     }
     /// Work done so far.
     fn statistics(&self) -> SolverStatistics;

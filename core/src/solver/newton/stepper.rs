@@ -3,7 +3,7 @@
 use super::block::{Columns, LaneBlock, lane_block};
 use super::kernel::NewtonKernel;
 use crate::error::StepError;
-use crate::solver::{SolverStatistics, StepCheck, Stepper, tangent_of_map};
+use crate::solver::{Setting, SolverStatistics, StepCheck, Stepper, tangent_of_map};
 
 /// The lanes of a wide block, as many as a kernel evaluates at once.
 const WIDE: usize = 8;
@@ -178,25 +178,28 @@ impl Stepper for NewtonStepper {
         blocks.for_each(|block| block.restart());
     }
 
-    fn resize(&mut self, h: f64) -> bool {
-        let blocks = self.wide.iter_mut().chain(&mut self.single);
-        blocks.for_each(|block| block.resize(h));
-        (self.statistics, self.jacobians) = (SolverStatistics::default(), 0);
-        true
-    }
-
-    fn set_parameters(&mut self, parameters: &[f64]) -> bool {
+    fn set(&mut self, setting: Setting<'_>) -> bool {
         let mut from = Columns {
             lane: 0,
             lanes: self.lanes,
         };
-        for block in &mut self.wide {
-            block.set_parameters(from, parameters);
-            from.lane += WIDE;
-        }
-        for block in &mut self.single {
-            block.set_parameters(from, parameters);
-            from.lane += 1;
+        match setting {
+            Setting::StepSize(h) => {
+                let blocks = self.wide.iter_mut().chain(&mut self.single);
+                blocks.for_each(|block| block.resize(h));
+                (self.statistics, self.jacobians) = (SolverStatistics::default(), 0);
+            }
+            Setting::Parameters(parameters) => {
+                for block in &mut self.wide {
+                    block.set_parameters(from, parameters);
+                    from.lane += WIDE;
+                }
+                for block in &mut self.single {
+                    block.set_parameters(from, parameters);
+                    from.lane += 1;
+                }
+            }
+            Setting::Members(_) => return false,
         }
         true
     }

@@ -8,7 +8,7 @@ use super::kernel::{NewtonKernel, StartCode};
 use super::stepper::{NewtonStepper, Standing};
 use crate::error::{BuildError, StepError};
 use crate::realization::SourceTarget;
-use crate::solver::{SolverStatistics, StepCheck, Stepper, one_by_one, restore_each};
+use crate::solver::{Setting, SolverStatistics, StepCheck, Stepper, one_by_one, restore_each};
 
 /// A step β̂(L(y)) = x that is several, each of coordinates of its own: the step of a direct sum whose Hamiltonian is a sum of
 /// functions of the summands. D(β̂∘L) is block diagonal, in whatever order the coordinates stand.
@@ -344,15 +344,12 @@ impl Stepper for UncoupledStepper {
         parts.for_each(|part| part.stepper.restart());
     }
 
-    fn resize(&mut self, h: f64) -> bool {
-        (self.steps, self.failures) = (0, 0);
+    fn set(&mut self, setting: Setting<'_>) -> bool {
+        if let Setting::StepSize(_) = setting {
+            (self.steps, self.failures) = (0, 0);
+        }
         let mut parts = self.parts.iter_mut();
-        parts.all(|part| part.stepper.resize(h))
-    }
-
-    fn set_parameters(&mut self, parameters: &[f64]) -> bool {
-        let mut parts = self.parts.iter_mut();
-        parts.all(|part| part.stepper.set_parameters(parameters))
+        parts.all(|part| part.stepper.set(setting))
     }
 
     /// Evaluations are those of the part that takes most, operations those of all.

@@ -6,7 +6,7 @@ use leafwise_core::lattice::{
     Cells, Field, LatticeMap, LatticeProgram, LatticeSlopes, LatticeSource, PerAxis, Proxy,
     StageBuilder, TemplateReach,
 };
-use leafwise_core::solver::{Factored, MapProperties, StepMap, Stepper, Structure};
+use leafwise_core::solver::{Factored, MapAbilities, MapProperties, StepMap, Stepper, Structure};
 use leafwise_core::{BuildError, Differential};
 use leafwise_expression::syntax::AXES;
 use leafwise_expression::{Arithmetic, Ring, StepSize};
@@ -257,13 +257,16 @@ impl StepMap for LatticeSplitting {
         self.passes_differential(&STRANG, parameters, epsilon, h)
     }
 
-    fn factored(&self) -> Option<Factored<'_>> {
-        Some(Factored {
-            factors: Product::factors(self),
-            pieces: self.pieces(),
-            arranged: None,
-            product: Box::new(|parts| Some(Arc::new(Product::new(self, parts)))),
-        })
+    fn abilities(&self) -> MapAbilities<'_> {
+        MapAbilities {
+            factored: Some(Factored {
+                factors: Product::factors(self),
+                pieces: self.pieces(),
+                arranged: None,
+                product: Box::new(|parts| Some(Arc::new(Product::new(self, parts)))),
+            }),
+            ..MapAbilities::default()
+        }
     }
 }
 

@@ -112,7 +112,7 @@ impl<'a> NoisySteps<'a> {
             seed,
             channels,
         } = &self.noise;
-        let map = NoisyMap::new(map, *way, channels.len(), Arc::new(*seed));
+        let map = NoisyMap::new(map, *way, channels.len(), (*seed).into());
         Ok(Stepping::Map(MapStepping {
             map: Arc::new(map.clone()),
             method,
@@ -151,7 +151,7 @@ impl<'a> NoisySteps<'a> {
             map = Arc::new(SplitNoise::new(map, flows));
         }
         let groups = groups(document, &stepping.geometry)?;
-        Ok(NoisyMap::of_sites(map, *way, groups, Arc::new(*seed)))
+        Ok(NoisyMap::of_sites(map, *way, groups, (*seed).into()))
     }
 
     /// The flow of a channel, where it is one.
