@@ -12,6 +12,7 @@ use crate::one_form::OneForm;
 use crate::runge_kutta::SmoothMap;
 use crate::solver::{MapProperties, StepMap};
 use crate::system::PoissonSystem;
+pub use leafwise_solver::SourceTarget;
 
 /// How well R̂_ε approximates realization data of (M, επ).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -222,25 +223,6 @@ pub type MapCode<'a> =
 /// It fails with [`BuildError::Algebra`] where the chart has no code.
 pub type ChartCode<'a> =
     Box<dyn Fn(&mut Graph, &Term, &[Term], &[Term]) -> Result<Vec<Term>, BuildError> + 'a>;
-
-/// β̂ = base + offset and α̂ = β̂ + increment, each a list of d terms.
-///
-/// The split keeps round-off small: offset and increment are of the size of a step and are formed
-/// without cancellation.
-#[derive(Clone, Debug)]
-pub struct SourceTarget {
-    /// A point near both ends: x in a chart of T*M.
-    pub base: Vec<Term>,
-    /// β̂ − base.
-    pub offset: Vec<Term>,
-    /// α̂ − β̂.
-    pub increment: Vec<Term>,
-    /// Guard of the chart: first and last term of a truncated series, or the radius of a closed form's chart and how
-    /// far the point reaches in it. Where the last is not the smaller one, the point is outside the chart. Both lists
-    /// have equal lengths and are compared by their largest entries. Where these say outside, terms of series are
-    /// compared also coordinate by coordinate, in units of their own. Closed forms that hold everywhere have `None`.
-    pub guard: Option<(Vec<Term>, Vec<Term>)>,
-}
 
 /// α̂ and β̂ at one point of S: β̂ = base + offset, α̂ = β̂ + increment, d numbers each.
 ///
