@@ -9,7 +9,7 @@ use crate::evaluator::{Evaluator, is_same, one_by_one};
 use crate::one_form::PointCode;
 use crate::point_kernel::PointKernel;
 use crate::realization::{Accuracy, EndMaps, EndNumbers, MapCode, RealizationData};
-use crate::solver::judge::{at_most, inside_chart, larger, ratio_in_own_units};
+use leafwise_solver::judge::{at_most, inside_chart, larger, ratio_in_own_units};
 
 /// The reason where α̂ and β̂ cannot be evaluated.
 pub(crate) const NO_MAPS: &str = "it offers neither code nor numbers for its maps";

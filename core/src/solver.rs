@@ -7,10 +7,10 @@ pub use crate::step_map::{
 };
 pub use leafwise_solver::{
     Anderson, Branch, ByTangents, Compensated, CorrectionMethod, CorrectionSize, DenseFactors,
-    Differential, ExplicitMap, Extrapolation, Inverse, Iteration, Lanes, LinearIteration,
-    MOST_EQUATIONS, MOST_VARIABLES, MapProperties, NewtonKernel, NewtonStepper, Pieces, Setting,
-    SolverStatistics, StepCheck, StepReport, Stepper, Structure, Trajectories, check_equations,
-    check_variables, elimination_operations, judge, product, substitution_operations,
+    Differential, ExplicitMap, Extrapolation, Inverse, Iteration, Lanes, MOST_EQUATIONS,
+    MOST_VARIABLES, MapProperties, NewtonKernel, NewtonStepper, Pieces, Setting, SolverStatistics,
+    StepCheck, StepReport, Stepper, Structure, Trajectories, check_equations, check_variables,
+    elimination_operations, judge, product, substitution_operations,
 };
 pub(crate) use leafwise_solver::{
     Checked, Crossing, NumericSolver, Solved, StartCode, Uncoupled, add, by_parameters, looks,

@@ -104,7 +104,7 @@ impl Iteration {
     /// round-off of the others [leaves](super::judge::settled) in it.
     #[inline(always)]
     pub fn scale(&self, row: usize, state: f64, change: f64, put_in: f64) -> f64 {
-        state.abs() + self.allowed[row].scale(change) + put_in
+        self.allowed[row].scale(state, change, put_in)
     }
 
     /// Takes in one row of a correction.

@@ -51,7 +51,7 @@ pub use explicit::ExplicitMap;
 pub use extrapolation::Extrapolation;
 pub use hint::Hint;
 pub use iteration::{CorrectionMethod, Iteration};
-pub use judge::{CorrectionSize, LinearIteration};
+pub use judge::CorrectionSize;
 pub use lanes::{Lanes, StepReport, Trajectories};
 pub use linear::{
     DenseFactors, MOST_EQUATIONS, MOST_VARIABLES, check_equations, check_variables,

@@ -1,7 +1,7 @@
 //! Step maps by code.
 
 use super::{MapAbilities, StepMap};
-use crate::solver::{Differential, ExplicitMap, Inverse, MapProperties, Stepper};
+use leafwise_solver::{Differential, ExplicitMap, Inverse, MapProperties, Stepper};
 
 /// An explicit map as a [`StepMap`].
 #[derive(Clone, Debug)]

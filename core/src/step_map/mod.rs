@@ -40,7 +40,7 @@ pub trait StepMap: Send + Sync {
         let stepper = self.stepper(1, parameters, epsilon, h);
         Box::new(ByTangents::new(stepper, self.dimension()))
     }
-    /// What it offers beside its steps: `MapAbilities { kernels, ..MapAbilities::default() }`.
+    /// Abilities beside its steps: `MapAbilities { kernels, ..MapAbilities::default() }`.
     fn abilities(&self) -> MapAbilities<'_> {
         MapAbilities::default()
     }

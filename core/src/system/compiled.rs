@@ -8,7 +8,7 @@ use super::formulas::SystemFormulas;
 use super::numbers::{Derivatives, SystemEvaluator, SystemFunction, SystemNumbers, vector};
 use crate::error::{BuildError, StepError};
 use crate::point_kernel::PointKernel;
-use crate::solver::check_variables;
+use leafwise_solver::check_variables;
 
 /// Kernels of Π(y)v, H, ∇H, the Casimirs and their derivatives.
 #[derive(Clone, Debug)]

@@ -101,7 +101,7 @@ impl Sizes {
 /// roundoff, judged by the observed rates. It also ends where the corrections are round-off: component by component,
 /// or as a whole where small components are the round-off of larger ones.
 #[derive(Clone, Copy, Debug)]
-pub struct LinearIteration {
+pub(crate) struct LinearIteration {
     components: Sizes,
     whole: Sizes,
     evaluations: usize,

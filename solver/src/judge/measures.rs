@@ -1,6 +1,7 @@
 //! Sizes of corrections, and what they are measured against.
 
 use super::ROUND_OFF;
+use super::numbers::{Doubles, relative_size, scale_beside};
 
 /// max that keeps NaN.
 #[inline(always)]
@@ -20,15 +21,10 @@ pub fn at_most(a: f64, b: f64) -> f64 {
     if b < a { b } else { a }
 }
 
-/// Beside this a few of the smallest numbers, which have no digits, are a negligible remainder: components that die out pass
-/// through them to 0.
-pub(crate) const SMALLEST_SCALE: f64 = 1e-303;
-
 /// |size|/(scale + |size|), 0 for 0: a component that has no scale yet counts as 1.
 #[inline(always)]
 pub fn relative(size: f64, scale: f64) -> f64 {
-    let size = size.abs();
-    size / (scale + size + SMALLEST_SCALE)
+    relative_size(&mut Doubles, &size, &scale)
 }
 
 /// max_i |b_i|/s_i over max_i |a_i|/s_i with the size s_i = |x_i| + |a_i| of each coordinate. A pair holds the first
@@ -81,10 +77,6 @@ pub fn largest(values: &[f64]) -> f64 {
     lanes.into_iter().chain(rest).fold(0.0, larger)
 }
 
-/// How many times the size of a state what a step adds to it may be and still serve as a scale. A
-/// correction that is negligible beside it is below an ulp of the state.
-pub(crate) const MOST_GROWTH: f64 = 1024.0;
-
 /// The size of a state and of what is added to it, as far as a solve's iterates agree on it.
 ///
 /// Corrections are judged against the state and its change. An iterate that is far off may have a change so large
@@ -124,10 +116,10 @@ impl Allowed {
         self.size
     }
 
-    /// |change|, as far as it serves as a scale.
+    /// |state| + |change| + `reached`, the change as far as it serves as a scale.
     #[inline(always)]
-    pub fn scale(&self, change: f64) -> f64 {
-        at_most(MOST_GROWTH * self.size, change.abs())
+    pub fn scale(&self, state: f64, change: f64, reached: f64) -> f64 {
+        scale_beside(&mut Doubles, [&state, &change.abs(), &self.size, &reached])
     }
 }
 
@@ -267,13 +259,14 @@ mod tests {
         let mut allowed = Allowed::new(2.0);
         for change in [0.5, 1e30, 1e25] {
             allowed.take(change);
-            assert!(allowed.scale(change) <= 2048.0, "{}", allowed.scale(change));
+            let scale = allowed.scale(0.0, change, 0.0);
+            assert!(scale <= 2048.0, "{scale}");
         }
         // Where two iterates agree on a change that is larger than the state, it is the scale.
         let mut allowed = Allowed::new(1e-20);
         allowed.take(0.1);
         allowed.take(0.1);
-        assert_eq!(allowed.scale(0.1), 0.1);
+        assert_eq!(allowed.scale(0.0, 0.1, 0.0), 0.1);
     }
 
     #[test]

@@ -3,18 +3,21 @@
 //! A solve ends where the remainder of its last correction is negligible, or where corrections no
 //! longer shrink because they are round-off. The two are told apart by all corrections so far: a slow
 //! linear iteration falls below its smallest correction again and again, round-off does not, however
-//! regularly it repeats.
+//! regularly it repeats. Solves come here by an [`Iteration`](crate::Iteration); Newton's method by kernels
+//! predicts remainders instead (`newton/convergence.rs`), from sizes that are measured here.
 
 mod linear;
 mod measures;
+mod numbers;
 mod watch;
 
-pub use linear::{LinearIteration, Verdict};
+pub(crate) use linear::LinearIteration;
+pub use linear::Verdict;
 pub use measures::{
     Allowed, CorrectionSize, at_least, at_most, is_between, larger, largest, ratio_in_own_units,
     reach, relative, settled,
 };
-pub(super) use measures::{MOST_GROWTH, SMALLEST_SCALE};
+pub(crate) use numbers::{Doubles, Numbers, SMALLEST_SCALE, relative_size, scale_beside};
 pub(super) use watch::WANDERING;
 pub use watch::Watch;
 

@@ -3,7 +3,7 @@
 use leafwise_expression::Kernel;
 use leafwise_expression::kernel::{Sequence, Value};
 
-use crate::judge::{MOST_GROWTH, SMALLEST_SCALE};
+use crate::judge::{Numbers, relative_size, scale_beside};
 
 /// Kernel of a whole step from x + low: a Newton correction, then further corrections by the same Jacobian. The
 /// Newton correction takes the `start` of its solve and the kernel of an iteration. Each further one takes the kernel
@@ -56,9 +56,10 @@ pub(super) fn at_once(start: &Kernel, full: &Kernel, further: &[&Kernel], bases:
             let smallest = own.each([&grown, &sizes], Sequence::smaller);
             allowed = own.each([&allowed, &smallest], Sequence::larger);
         }
-        let scale = own.scale([&x, &sizes, &allowed, &reached]);
+        let scale = scale_beside(&mut own, [&x, &sizes, &allowed, &reached]);
         before = Some(sizes);
-        let size = own.relative(&correction, &scale);
+        let size = relative_size(&mut own, &correction, &scale);
+        let size = own.largest(&size);
         let solution = own.each([&y, &correction], Sequence::add);
         let first_order = own.product(change, &correction);
         let increment = own.each([increment, &first_order], Sequence::add);
@@ -125,6 +126,35 @@ impl<'own, const W: usize> Corrected<'own, W> {
 /// Vectors and matrices of a sequence.
 struct Writer(Sequence);
 
+/// Vectors, component by component.
+impl Numbers for Writer {
+    type Number = Vec<Value>;
+
+    fn known(&mut self, value: f64, beside: &Vec<Value>) -> Vec<Value> {
+        vec![self.0.number(value); beside.len()]
+    }
+
+    fn magnitude(&mut self, a: &Vec<Value>) -> Vec<Value> {
+        self.sizes(a)
+    }
+
+    fn add(&mut self, a: &Vec<Value>, b: &Vec<Value>) -> Vec<Value> {
+        self.each([a, b], Sequence::add)
+    }
+
+    fn multiply(&mut self, a: &Vec<Value>, b: &Vec<Value>) -> Vec<Value> {
+        self.each([a, b], Sequence::multiply)
+    }
+
+    fn divide(&mut self, a: &Vec<Value>, b: &Vec<Value>) -> Vec<Value> {
+        self.each([a, b], Sequence::divide)
+    }
+
+    fn smaller(&mut self, a: &Vec<Value>, b: &Vec<Value>) -> Vec<Value> {
+        self.each([a, b], Sequence::smaller)
+    }
+}
+
 type Binary = fn(&mut Sequence, Value, Value) -> Value;
 
 impl Writer {
@@ -152,16 +182,6 @@ impl Writer {
         largest.unwrap_or_else(|| self.0.number(0.0))
     }
 
-    /// The largest |size|/(scale + |size|), as [`relative`](crate::judge::relative) forms it.
-    fn relative(&mut self, sizes: &[Value], scale: &[Value]) -> Value {
-        let sizes = self.sizes(sizes);
-        let smallest = self.0.number(SMALLEST_SCALE);
-        let sums = self.each([scale, &sizes], Sequence::add);
-        let sums = self.each([&sums, &vec![smallest; sums.len()]], Sequence::add);
-        let quotients = self.each([&sizes, &sums], Sequence::divide);
-        self.largest(&quotients)
-    }
-
     /// |D − 1|.
     fn slope(&mut self, target: &[Value]) -> Vec<Value> {
         let (zero, one) = (self.0.number(0.0), self.0.number(1.0));
@@ -171,16 +191,6 @@ impl Writer {
             .collect();
         let rest = self.each([target, &unit], Sequence::subtract);
         self.sizes(&rest)
-    }
-
-    /// |x| + min(`MOST_GROWTH` · allowed, changes) + reached: the scale that corrections are judged against.
-    fn scale(&mut self, [x, changes, allowed, reached]: [&[Value]; 4]) -> Vec<Value> {
-        let growth = vec![self.0.number(MOST_GROWTH); x.len()];
-        let most = self.each([&growth, allowed], Sequence::multiply);
-        let x = self.sizes(x);
-        let changes = self.each([&most, changes], Sequence::smaller);
-        let own = self.each([&x, &changes], Sequence::add);
-        self.each([&own, reached], Sequence::add)
     }
 
     /// Σ 0·v: 0 where all are finite.

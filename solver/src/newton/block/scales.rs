@@ -3,7 +3,9 @@
 use super::Block;
 use super::masks::{Row, select};
 use crate::elimination::{Rows, dimension};
-use crate::judge::{MOST_GROWTH, ROUND_OFF, at_least, at_most, larger, relative, settled};
+use crate::judge::{
+    Doubles, ROUND_OFF, at_least, at_most, larger, relative, scale_beside, settled,
+};
 
 /// Over so many components at most a motion is followed to where it reaches.
 const MOST_HANDS: usize = 8;
@@ -49,8 +51,8 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
                         *known = at_least(*known, *least);
                     }
                 }
-                let change = at_most(MOST_GROWTH * allowed[i][w], change);
-                judged[w] = x[i][w].abs() + change + reach[w];
+                let beside = [&x[i][w], &change, &allowed[i][w], &reach[w]];
+                judged[w] = scale_beside(&mut Doubles, beside);
             }
             select(active, &mut scale[i], &judged);
             reached[i] = reach;
