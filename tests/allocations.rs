@@ -180,7 +180,7 @@ fn a_gradient_holds_as_much_for_a_hundred_times_the_steps() {
             measured.bytes_max as f64
         };
         // What compiles kernels is not measured.
-        for (_, kernel) in method.kernels() {
+        for (_, kernel) in method.abilities().kernels {
             kernel.workspace_for(1, Execution::Compiled);
         }
         held(1_000);

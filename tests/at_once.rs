@@ -274,7 +274,12 @@ fn a_check_is_asked_of_the_parts_that_it_reads() {
 fn a_small_step_is_made_at_once() {
     for (system, realization, initial) in problems() {
         let method = method(&system, realization, 4);
-        let names: Vec<&str> = method.kernels().iter().map(|(name, _)| *name).collect();
+        let names: Vec<&str> = method
+            .abilities()
+            .kernels
+            .iter()
+            .map(|(name, _)| *name)
+            .collect();
         assert!(
             names.contains(&"step of one evaluation"),
             "{realization}: {names:?}"

@@ -1,6 +1,6 @@
 //! A run that stops and continues from its checkpoint has the same bits as one that does not.
 
-use leafwise::core::{Registry, Stepper, Walk};
+use leafwise::core::{Registry, Setting, Stepper, Walk};
 use leafwise::scene::SceneDocument;
 use leafwise::scene::compose::{ComposedRun, compose};
 use leafwise_tests::{library, method};
@@ -135,14 +135,14 @@ fn a_stepper_of_another_step_size_has_the_bits_of_a_new_one() {
         let mut kept = new(1.0);
         let whole = increment(kept.as_mut());
         for part in [0.5, 0.37, 1e-9, 0.0, 0.999, 1.0] {
-            assert!(kept.resize(part), "{method}");
+            assert!(kept.set(Setting::StepSize(part)), "{method}");
             let expected = increment(new(part).as_mut());
             // Whatever came between.
             assert_eq!(increment(kept.as_mut()), expected, "{method}, {part}");
             assert!(part == 1.0 || expected != whole);
             increment(kept.as_mut());
         }
-        assert!(kept.resize(1.0));
+        assert!(kept.set(Setting::StepSize(1.0)));
         assert_eq!(kept.statistics(), new(1.0).statistics(), "{method}");
         assert_eq!(increment(kept.as_mut()), whole, "{method}");
     }

@@ -380,7 +380,7 @@ fn second_derivatives_are_exact_through_the_curve() {
                 .expect("numbers");
         let mut hessian = vec![0.0; 4 * d * d];
         evaluator
-            .source_hessian(&z, &covector, &mut hessian)
+            .hessian(&z, &covector, &mut hessian)
             .expect("second derivatives");
         let mut gradient = |at: usize, shift: f64| -> Vec<f64> {
             let mut moved = z.clone();

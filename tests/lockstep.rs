@@ -4,7 +4,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use leafwise::core::system::{Derivatives, OpaqueSystem, SystemEvaluator, SystemNumbers};
+use leafwise::core::system::{OpaqueSystem, SystemEvaluator, SystemFunction, SystemNumbers};
 use leafwise::core::{
     Method, PartParameters, PoissonSystem, Registry, StepError, StepMap, Stepper,
 };
@@ -13,13 +13,6 @@ use leafwise_tests::opaque::{values_only, with_derivatives};
 use proptest::prelude::*;
 
 /// A system of numbers that counts its calls and is defined where x1 < `edge`.
-#[derive(Debug)]
-struct Watched {
-    inner: Arc<dyn SystemNumbers>,
-    calls: Arc<AtomicU64>,
-    edge: f64,
-}
-
 struct WatchedEvaluator {
     inner: Box<dyn SystemEvaluator>,
     calls: Arc<AtomicU64>,
@@ -29,67 +22,35 @@ struct WatchedEvaluator {
 fn watched(system: &PoissonSystem, edge: f64) -> (PoissonSystem, Arc<AtomicU64>) {
     let calls = Arc::new(AtomicU64::new(0));
     let opaque = system.opaque().expect("a system of numbers");
-    let numbers = Watched {
-        inner: Arc::clone(&opaque.numbers),
-        calls: Arc::clone(&calls),
-        edge,
-    };
+    let (inner, counted) = (opaque.numbers.clone(), Arc::clone(&calls));
+    let numbers = SystemNumbers::new(inner.derivatives, move |parameters| {
+        Box::new(WatchedEvaluator {
+            inner: inner.evaluator(parameters),
+            calls: Arc::clone(&counted),
+            edge,
+        })
+    });
     let system = OpaqueSystem {
-        numbers: Arc::new(numbers),
+        numbers,
         ..opaque.clone()
     };
     (system.into(), calls)
 }
 
-impl SystemNumbers for Watched {
-    fn derivatives(&self) -> Derivatives {
-        self.inner.derivatives()
-    }
-    fn evaluator(&self, parameters: &[f64]) -> Box<dyn SystemEvaluator> {
-        Box::new(WatchedEvaluator {
-            inner: self.inner.evaluator(parameters),
-            calls: Arc::clone(&self.calls),
-            edge: self.edge,
-        })
-    }
-}
-
-impl WatchedEvaluator {
-    fn watch(&mut self, y: &[f64]) -> Result<&mut dyn SystemEvaluator, StepError> {
+impl SystemEvaluator for WatchedEvaluator {
+    fn evaluate(
+        &mut self,
+        function: SystemFunction<'_>,
+        y: &[f64],
+        out: &mut [f64],
+    ) -> Result<(), StepError> {
         self.calls.fetch_add(1, Ordering::Relaxed);
         match y.iter().step_by(3).find(|x| **x >= self.edge) {
             Some(x) => Err(StepError::LeftChart {
                 ratio: x / self.edge,
             }),
-            None => Ok(self.inner.as_mut()),
+            None => self.inner.evaluate(function, y, out),
         }
-    }
-}
-
-impl SystemEvaluator for WatchedEvaluator {
-    fn tensor(&mut self, y: &[f64], v: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        self.watch(y)?.tensor(y, v, out)
-    }
-    fn hamiltonian(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        self.watch(y)?.hamiltonian(y, out)
-    }
-    fn gradient(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        self.watch(y)?.gradient(y, out)
-    }
-    fn casimirs(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        self.watch(y)?.casimirs(y, out)
-    }
-    fn tensor_tangent(
-        &mut self,
-        y: &[f64],
-        v: &[f64],
-        w: &[f64],
-        out: &mut [f64],
-    ) -> Result<(), StepError> {
-        self.watch(y)?.tensor_tangent(y, v, w, out)
-    }
-    fn hessian(&mut self, y: &[f64], v: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        self.watch(y)?.hessian(y, v, out)
     }
     fn operations(&self) -> Option<u64> {
         self.inner.operations()

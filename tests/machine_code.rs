@@ -163,7 +163,7 @@ fn steps(text: &str, execution: Execution) -> (u64, Vec<u64>) {
         }
     }
     // A step takes some of a solver's kernels and not others.
-    let kernels = run.method.map().kernels();
+    let kernels = run.method.map().abilities().kernels;
     let mut kernels = kernels.iter();
     let is_compiled = kernels.any(|(_, kernel)| !kernel.machine_code().is_empty());
     assert_eq!(is_compiled, execution != Execution::Interpreted, "{text}");

@@ -176,17 +176,13 @@ impl Nodes {
     }
 }
 
-impl Normals for Nodes {
-    fn normal(&self, member: u64, channel: u32, _: u64) -> f64 {
-        if channel == self.channels {
-            return if member < self.members() / 2 {
-                1.0
-            } else {
-                -1.0
-            };
-        }
-        self.node(member, channel).0
-    }
+fn normals(nodes: &Arc<Nodes>) -> Normals {
+    let nodes = Arc::clone(nodes);
+    Arc::new(move |member, channel, _| match channel == nodes.channels {
+        true if member < nodes.members() / 2 => 1.0,
+        true => -1.0,
+        false => nodes.node(member, channel).0,
+    })
 }
 
 /// How far means of m and m ⊗ m are off after one step.
@@ -197,7 +193,7 @@ fn one_step(channels: u32, method: &str, step: f64) -> f64 {
         rule: hermite(10),
         channels,
     });
-    let map = noisy(&run).with_normals(nodes.clone());
+    let map = noisy(&run).with_normals(normals(&nodes));
     let members = after(&run, &map, nodes.members(), 1);
     let (mut first, mut second) = (vec![0.0; 3], vec![0.0; 9]);
     for (member, m) in members.iter().enumerate() {
@@ -253,18 +249,13 @@ fn means_are_of_weak_order_one_and_split_of_two() {
     }
 }
 
-/// Coarse increments are sums of fine ones.
-struct Path {
-    fine: Seed,
-    each: u64,
-}
-
-impl Normals for Path {
-    fn normal(&self, member: u64, channel: u32, step: u64) -> f64 {
-        let from = step * self.each;
-        let fine = (from..from + self.each).map(|at| self.fine.normal(member, channel, at));
-        fine.sum::<f64>() / libm::sqrt(self.each as f64)
-    }
+/// Coarse increments are sums of `each` fine ones.
+fn path(fine: Seed, each: u64) -> Normals {
+    Arc::new(move |member, channel, step| {
+        let from = step * each;
+        let fine = (from..from + each).map(|at| fine.normal(member, channel, at));
+        fine.sum::<f64>() / libm::sqrt(each as f64)
+    })
 }
 
 /// Root mean squares over 400 members of the distance from steps 64 times finer than the finest here; their own error of
@@ -282,11 +273,8 @@ fn paths_are_of_strong_order_one_half_and_of_one_with_one_channel() {
         let ends = |steps: u64| {
             let text = scene(channels, method, 1.0 / steps as f64);
             let run = composed(&text.replace("B = 1.0", field));
-            let path = Path {
-                fine: Seed { seed: 11, first: 0 },
-                each: finest / steps,
-            };
-            let map = noisy(&run).with_normals(Arc::new(path));
+            let path = path(Seed { seed: 11, first: 0 }, finest / steps);
+            let map = noisy(&run).with_normals(path);
             after(&run, &map, 400, steps)
         };
         let exact = ends(finest);
@@ -385,7 +373,7 @@ fn a_step_is_a_poisson_map_at_its_noise() {
     for method in methods {
         for seed in 0..8 {
             let run = spin(THREE, method, 0.3);
-            let map = noisy(&run).with_normals(Arc::new(Seed { seed, first: 0 }));
+            let map = noisy(&run).with_normals(Seed { seed, first: 0 }.into());
             let values = run.system.parameter_values();
             let mut defect =
                 TensorDefect::new(&run.system, &map, &values, 1.0, 0.3).expect("a tensor");
@@ -461,19 +449,13 @@ fn other_seeds_draw_other_numbers() {
 /// H_w = H + w σ H_1 for a step: the bits of a scene with that Hamiltonian, as near as kernels round alike.
 #[test]
 fn a_step_is_that_of_the_hamiltonian_it_draws() {
-    struct Always(f64);
-    impl Normals for Always {
-        fn normal(&self, _: u64, _: u32, _: u64) -> f64 {
-            self.0
-        }
-    }
     for method in [
         "dynamics = { name = \"hamilton-jacobi\", order = 4 }",
         "stepper = \"gauss\"",
         "stepper = \"dop853\"",
     ] {
         let run = spin(ONE, method, 0.25);
-        let map = noisy(&run).with_normals(Arc::new(Always(0.7)));
+        let map = noisy(&run).with_normals(Arc::new(|_, _, _| 0.7));
         let values = run.system.parameter_values();
         let mut drawn = Walk::new(&map, &values, 1.0, 0.25, &START);
         // w = ξ/√t = 1.4, σ = 0.5.
@@ -500,12 +482,6 @@ fn damping_does_not_follow_the_noise() {
             "[system]\n{damped}\nnoise = [{ONE}]\n[method]\n{method}\ntime-step = 0.001\n[run]\ninitial = {START:?}\nsteps = 1\n"
         )
     };
-    struct Large;
-    impl Normals for Large {
-        fn normal(&self, _: u64, _: u32, _: u64) -> f64 {
-            5.0
-        }
-    }
     // −Π(dH + λ ẋ_H) + w σ {m_x, m} over a step.
     let w = 5.0 / libm::sqrt(0.001);
     let m = Vector3::from(START);
@@ -514,7 +490,7 @@ fn damping_does_not_follow_the_noise() {
     let field = free + damping + generator(0) * m * (0.5 * w);
     for method in ["realization = \"auto\"", "stepper = \"rk4\""] {
         let run = composed(&text(method));
-        let map = noisy(&run).with_normals(Arc::new(Large));
+        let map = noisy(&run).with_normals(Arc::new(|_, _, _| 5.0));
         let moved = after(&run, &map, 1, 1);
         let moved = (Vector3::from_column_slice(&moved[0]) - m) / 0.001;
         // The noise moves by 0.08, and the next order is half of its square.

@@ -6,8 +6,7 @@ use std::sync::Arc;
 use leafwise::core::{
     Abilities, Accuracy, BuildError, ChartMaps, DynamicApproximation, DynamicsProperties, EndMaps,
     EndNumbers, Evaluator, LagrangianBisection, Method, PartParameters, PoissonSystem,
-    RealizationData, RealizationEvaluator, RealizationMaps, Registry, Space, SpaceChart, StepError,
-    StepMap, Structure,
+    RealizationData, RealizationMaps, Registry, Space, SpaceChart, StepError, StepMap, Structure,
 };
 use leafwise_tests::library;
 use leafwise_tests::numbers::distance;
@@ -82,11 +81,9 @@ impl RealizationData for Numbers {
 }
 
 struct InnerEvaluator {
-    inner: Box<dyn RealizationEvaluator>,
+    inner: Box<dyn Evaluator>,
     has_tangents: bool,
 }
-
-impl RealizationEvaluator for InnerEvaluator {}
 
 impl Evaluator for InnerEvaluator {
     fn values(&mut self, z: &[f64], ends: &mut [f64]) -> Result<(), StepError> {
@@ -97,6 +94,10 @@ impl Evaluator for InnerEvaluator {
             return Err(StepError::NoTangent);
         }
         self.inner.jacobians(z, tangents)
+    }
+
+    fn operations(&self) -> Option<u64> {
+        None
     }
 }
 

@@ -79,7 +79,7 @@ fn check_springs(
         "offset {offset} on {sites} sites, {boundary}, {method}: {error:.1e} off, not {bound:.1e}"
     );
     match &run.method {
-        Stepping::Lattice(lattice) => lattice.base.map().proxy_geometry().length() < sites,
+        Stepping::Lattice(lattice) => lattice.base.map().proxy_geometry.length() < sites,
         _ => false,
     }
 }

@@ -3,7 +3,9 @@
 use leafwise::core::diagnostics::{
     Inconsistency, TensorDefect, Verdict, check_casimir, check_jacobi, find_inconsistency,
 };
-use leafwise::core::system::{Derivatives, OpaqueSystem, SystemEvaluator, SystemNumbers};
+use leafwise::core::system::{
+    Derivatives, OpaqueSystem, SystemEvaluator, SystemFunction, SystemNumbers,
+};
 use leafwise::core::{PartParameters, PoissonSystem, Registry, StepError, StepMap};
 use leafwise::systems::all;
 use leafwise_tests::systems::from_formulas;
@@ -91,34 +93,11 @@ enum Wrong {
 }
 
 /// The values of another system, of which some are wrong by a part.
-#[derive(Debug)]
-struct WrongNumbers {
-    right: Arc<dyn SystemNumbers>,
-    wrong: Wrong,
-    part: f64,
-    /// The size of Π.
-    size: f64,
-}
-
-impl SystemNumbers for WrongNumbers {
-    fn derivatives(&self) -> Derivatives {
-        Derivatives::default()
-    }
-
-    fn evaluator(&self, parameters: &[f64]) -> Box<dyn SystemEvaluator> {
-        Box::new(WrongEvaluator {
-            right: self.right.evaluator(parameters),
-            wrong: self.wrong,
-            part: self.part,
-            size: self.size,
-        })
-    }
-}
-
 struct WrongEvaluator {
     right: Box<dyn SystemEvaluator>,
     wrong: Wrong,
     part: f64,
+    /// The size of Π.
     size: f64,
 }
 
@@ -127,33 +106,28 @@ fn magnitude(x: f64) -> f64 {
 }
 
 impl SystemEvaluator for WrongEvaluator {
-    fn tensor(&mut self, y: &[f64], v: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        self.right.tensor(y, v, out)?;
-        match self.wrong {
-            Wrong::Symmetric => {
+    fn evaluate(
+        &mut self,
+        function: SystemFunction<'_>,
+        y: &[f64],
+        out: &mut [f64],
+    ) -> Result<(), StepError> {
+        self.right.evaluate(function, y, out)?;
+        match (self.wrong, function) {
+            (Wrong::Symmetric, SystemFunction::Tensor(v)) => {
                 for (out, v) in out.iter_mut().zip(v) {
                     *out += self.part * self.size * v;
                 }
             }
-            Wrong::Nonlinear => {
+            (Wrong::Nonlinear, SystemFunction::Tensor(v)) => {
                 let norm = libm::sqrt(v.iter().map(|v| v * v).sum::<f64>());
                 let factor = 1.0 + self.part * libm::log(norm);
                 out.iter_mut().for_each(|out| *out *= factor);
             }
-            _ => {}
-        }
-        Ok(())
-    }
-
-    fn hamiltonian(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        self.right.hamiltonian(y, out)
-    }
-
-    fn gradient(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        self.right.gradient(y, out)?;
-        match self.wrong {
-            Wrong::Gradient => out.iter_mut().for_each(|g| *g *= 1.0 + self.part),
-            Wrong::OneDerivative(at) => {
+            (Wrong::Gradient, SystemFunction::Gradient) => {
+                out.iter_mut().for_each(|g| *g *= 1.0 + self.part);
+            }
+            (Wrong::OneDerivative(at), SystemFunction::Gradient) => {
                 let at = at % out.len();
                 let all: f64 = out
                     .iter()
@@ -167,8 +141,8 @@ impl SystemEvaluator for WrongEvaluator {
         Ok(())
     }
 
-    fn casimirs(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        self.right.casimirs(y, out)
+    fn operations(&self) -> Option<u64> {
+        None
     }
 }
 
@@ -193,12 +167,15 @@ fn values_of_no_poisson_system_are_found() {
         let mut image = ones.clone();
         right.numbers.evaluator(&values).tensor(&problem.initial, &ones, &mut image).expect("values");
         let size = image.iter().fold(0.0, |size: f64, x| size.max(x.abs()));
+        let source = right.numbers.clone();
         let system: PoissonSystem = OpaqueSystem {
-            numbers: Arc::new(WrongNumbers {
-                right: Arc::clone(&right.numbers),
-                wrong,
-                part,
-                size: if size == 0.0 { 1.0 } else { size },
+            numbers: SystemNumbers::new(Derivatives::default(), move |parameters| {
+                Box::new(WrongEvaluator {
+                    right: source.evaluator(parameters),
+                    wrong,
+                    part,
+                    size: if size == 0.0 { 1.0 } else { size },
+                })
             }),
             ..right.clone()
         }

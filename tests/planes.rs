@@ -163,7 +163,7 @@ fn end(run: &ComposedRun) -> (f64, Vec<f64>, Vec<f64>) {
 fn is_cut(run: &ComposedRun) -> bool {
     match &run.method {
         Stepping::Lattice(lattice) => {
-            lattice.base.map().proxy_geometry() != lattice.base.map().geometry()
+            lattice.base.map().proxy_geometry != lattice.base.map().geometry
         }
         _ => false,
     }

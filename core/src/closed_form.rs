@@ -52,20 +52,8 @@ pub trait ClosedForm: Send + Sync + std::fmt::Debug + 'static {
         algebra: &mut A,
         at: &ChartPoint<'_, A::Element>,
     ) -> Result<Vec<A::Element>, AlgebraError>;
-    /// β_ε(x, p) as code.
-    ///
-    /// # Errors
-    /// [`AlgebraError`] where an operation has no value.
-    fn target(
-        &self,
-        graph: &mut Graph,
-        at: &ChartPoint<'_, Term>,
-    ) -> Result<Vec<Term>, AlgebraError> {
-        let minus: Vec<Term> = at.p.iter().map(|p| graph.negate(p)).collect();
-        self.source(graph, &ChartPoint { p: &minus, ..*at })
-    }
-    /// Offset β − x and increment α − β as code. By default x drops out of sums. A form in which x stands in a product
-    /// writes the differences itself. So does one whose parts odd and even in p both ends share.
+    /// Offset β − x and increment α − β as code. By default β(x, p) = α(x, −p) and x [drops out](StageEnds::between) of
+    /// sums. A form in which x stands in a product writes the differences itself. So does one whose parts odd and even in p both ends share.
     ///
     /// # Errors
     /// [`AlgebraError`] where an operation has no value.
@@ -75,17 +63,9 @@ pub trait ClosedForm: Send + Sync + std::fmt::Debug + 'static {
         at: &ChartPoint<'_, Term>,
     ) -> Result<StageEnds, AlgebraError> {
         let alpha = self.source(graph, at)?;
-        let beta = self.target(graph, at)?;
-        let mut offset = Vec::with_capacity(alpha.len());
-        let mut increment = Vec::with_capacity(alpha.len());
-        for ((alpha, beta), x) in alpha.iter().zip(&beta).zip(at.x) {
-            let below = graph.summands_beside(beta, x);
-            let mut between = graph.summands_beside(alpha, x);
-            between.extend(below.iter().map(|(factor, term)| (-factor, term.clone())));
-            offset.push(graph.combine(&below));
-            increment.push(graph.combine(&between));
-        }
-        Ok(StageEnds { offset, increment })
+        let minus: Vec<Term> = at.p.iter().map(|p| graph.negate(p)).collect();
+        let beta = self.source(graph, &ChartPoint { p: &minus, ..*at })?;
+        Ok(StageEnds::between(graph, at.x, &alpha, &beta))
     }
     /// The chart's radius and how far a point reaches in it, as [`SourceTarget::guard`].
     ///
@@ -224,25 +204,26 @@ impl<F: ClosedForm> SourceSeries for ClosedRealization<F> {
         &self,
         ring: &mut Ring,
         coordinates: &[usize],
-    ) -> Result<Box<dyn SourceRecursion<Ring>>, BuildError> {
-        Ok(Box::new(self.start(ring, coordinates)?))
+    ) -> Result<SourceRecursion<Ring>, BuildError> {
+        self.start(ring, coordinates)
     }
 
     fn in_graph(
         &self,
         graph: &mut Graph,
         coordinates: &[usize],
-    ) -> Result<Box<dyn SourceRecursion<Graph>>, BuildError> {
-        Ok(Box::new(self.start(graph, coordinates)?))
+    ) -> Result<SourceRecursion<Graph>, BuildError> {
+        self.start(graph, coordinates)
     }
 }
 
 impl<F: ClosedForm> ClosedRealization<F> {
+    /// [hᵏ] α_1(x, Σ_{k≥1} pₖ hᵏ), one order after the other.
     fn start<A: DifferentialAlgebra>(
         &self,
         algebra: &mut A,
         coordinates: &[usize],
-    ) -> Result<Recursion<A::Element>, BuildError> {
+    ) -> Result<SourceRecursion<A>, BuildError> {
         let d = self.form.dimension();
         let x = coordinates.iter().map(|at| algebra.coordinate(*at));
         let mut constants: Vec<A::Element> = x.collect();
@@ -260,38 +241,17 @@ impl<F: ClosedForm> ClosedRealization<F> {
         let alpha = self.form.source(&mut tape, &at)?;
         let mut state = TaylorState::new(&tape);
         state.extend(&tape, algebra, |_, index| constants[index].clone())?;
-        Ok(Recursion {
-            momenta: d..2 * d,
-            tape,
-            state,
-            alpha,
-            order: 0,
-        })
-    }
-}
-
-/// [hᵏ] α_1(x, Σ_{k≥1} pₖ hᵏ), one order after the other.
-struct Recursion<E> {
-    /// The variables that are p.
-    momenta: std::ops::Range<usize>,
-    tape: Tape,
-    state: TaylorState<E>,
-    alpha: Vec<TapeIndex>,
-    /// The last known order.
-    order: usize,
-}
-
-impl<A: DifferentialAlgebra> SourceRecursion<A> for Recursion<A::Element> {
-    fn push(&mut self, algebra: &mut A, p: Vec<A::Element>) -> Result<Vec<A::Element>, BuildError> {
-        let momenta = self.momenta.clone();
-        self.state.extend(&self.tape, algebra, |algebra, index| {
-            match momenta.contains(&index) {
-                true => p[index - momenta.start].clone(),
-                false => algebra.zero(),
-            }
-        })?;
-        self.order += 1;
-        let coefficient = |index: &TapeIndex| self.state.coefficient(*index, self.order).clone();
-        Ok(self.alpha.iter().map(coefficient).collect())
+        let (momenta, mut order) = (d..2 * d, 0);
+        Ok(Box::new(move |algebra, p| {
+            state.extend(&tape, algebra, |algebra, index| {
+                match momenta.contains(&index) {
+                    true => p[index - momenta.start].clone(),
+                    false => algebra.zero(),
+                }
+            })?;
+            order += 1;
+            let coefficient = |index: &TapeIndex| state.coefficient(*index, order).clone();
+            Ok(alpha.iter().map(coefficient).collect())
+        }))
     }
 }

@@ -8,10 +8,8 @@ use crate::error::{BuildError, StepError};
 use crate::evaluator::{Evaluator, is_same, one_by_one};
 use crate::one_form::PointCode;
 use crate::point_kernel::PointKernel;
-use crate::realization::{
-    Accuracy, EndMaps, EndNumbers, MapCode, RealizationData, RealizationEvaluator,
-};
-use crate::solver::judge::{at_most, inside_chart, larger, ratio_in_own_units};
+use crate::realization::{Accuracy, EndMaps, EndNumbers, MapCode, RealizationData};
+use leafwise_solver::judge::{at_most, inside_chart, larger, ratio_in_own_units};
 
 /// The reason where α̂ and β̂ cannot be evaluated.
 pub(crate) const NO_MAPS: &str = "it offers neither code nor numbers for its maps";
@@ -24,7 +22,7 @@ pub fn realization_evaluator(
     realization: &dyn RealizationData,
     parameters: &[f64],
     epsilon: f64,
-) -> Result<Box<dyn RealizationEvaluator>, BuildError> {
+) -> Result<Box<dyn Evaluator>, BuildError> {
     Ok(RealizationMaps::new(realization, parameters.len())?.evaluator(parameters, epsilon))
 }
 
@@ -88,6 +86,14 @@ impl RealizationMaps {
         }
     }
 
+    /// Whether their [Hessians](Evaluator::hessian) are offered, as [`EndNumbers::has_hessian`].
+    pub fn has_hessian(&self) -> bool {
+        match &self.ends {
+            CompiledEnds::Code(_) => false,
+            CompiledEnds::Numbers(numbers) => numbers.has_hessian(),
+        }
+    }
+
     /// Whether trajectories may share an evaluator, as [`EndNumbers::is_pointwise`].
     pub(crate) fn is_pointwise(&self) -> bool {
         match &self.ends {
@@ -105,11 +111,31 @@ impl RealizationMaps {
     }
 
     /// An evaluator for fixed parameters and ε.
-    pub fn evaluator(&self, parameters: &[f64], epsilon: f64) -> Box<dyn RealizationEvaluator> {
+    pub fn evaluator(&self, parameters: &[f64], epsilon: f64) -> Box<dyn Evaluator> {
         match &self.ends {
             CompiledEnds::Code(code) => code.evaluator(parameters, epsilon),
             CompiledEnds::Numbers(numbers) => numbers.evaluator(parameters, epsilon),
         }
+    }
+
+    /// The way to the edge of the chart; `None` for maps of numbers, which say it where they fail.
+    pub fn chart_ratio(&self, parameters: &[f64], epsilon: f64) -> Option<ChartRatio> {
+        match &self.ends {
+            CompiledEnds::Code(code) => Some(ChartRatio(code.made(parameters, epsilon))),
+            CompiledEnds::Numbers(_) => None,
+        }
+    }
+}
+
+/// How far a point reaches into a realization's chart, by its code.
+pub struct ChartRatio(CodeRealizationEvaluator);
+
+impl ChartRatio {
+    /// The ratio at z, 1 at the edge: of a truncated series the last term over the first. Maps that hold everywhere have
+    /// `None`.
+    pub fn at(&mut self, z: &[f64]) -> Option<f64> {
+        self.0.evaluate(z);
+        self.0.chart_ratio()
     }
 }
 
@@ -174,19 +200,19 @@ impl CodeRealization {
         ]
     }
 
-    pub(crate) fn evaluator(
-        &self,
-        parameters: &[f64],
-        epsilon: f64,
-    ) -> Box<dyn RealizationEvaluator> {
-        Box::new(CodeRealizationEvaluator {
+    pub(crate) fn evaluator(&self, parameters: &[f64], epsilon: f64) -> Box<dyn Evaluator> {
+        Box::new(self.made(parameters, epsilon))
+    }
+
+    fn made(&self, parameters: &[f64], epsilon: f64) -> CodeRealizationEvaluator {
+        CodeRealizationEvaluator {
             ends: prepared(&self.ends, parameters, epsilon, 1.0),
             tangents: PointKernel::new(&self.tangents, parameters, epsilon, 1.0),
             x: vec![0.0; self.dimension],
             work: self.ends.step_operations().work(),
             operations: 0,
             code: self.clone(),
-        })
+        }
     }
 }
 
@@ -213,17 +239,41 @@ struct CodeRealizationEvaluator {
     operations: u64,
 }
 
+impl CodeRealizationEvaluator {
+    /// Evaluates the ends at z.
+    fn evaluate(&mut self, z: &[f64]) {
+        write_input(&mut self.ends, z);
+        let d = self.x.len();
+        self.x.copy_from_slice(&z[..d]);
+        self.code.ends.evaluate_in_place(&mut self.ends);
+        self.operations += self.work;
+    }
+
+    /// The ratio at the point of the last evaluation.
+    fn chart_ratio(&self) -> Option<f64> {
+        let from = 3 * self.code.dimension;
+        let half = (self.code.ends.outputs() - from) / 2;
+        let output = |index: usize| self.code.ends.output(&self.ends, index)[0];
+        let size = |from: usize| (from..from + half).fold(0.0, |m, i| larger(m, output(i).abs()));
+        let ratio = match (size(from), size(from + half)) {
+            _ if half == 0 => return None,
+            (_, 0.0) => 0.0,
+            (first, last) => last / first,
+        };
+        if ratio < 1.0 || !self.code.guards_series || half != self.x.len() {
+            return Some(ratio);
+        }
+        let pairs = (0..half).map(|i| [output(from + i), output(from + half + i)]);
+        Some(at_most(ratio, ratio_in_own_units(&self.x, pairs)))
+    }
+}
+
 impl Evaluator for CodeRealizationEvaluator {
     fn values(&mut self, z: &[f64], ends: &mut [f64]) -> Result<(), StepError> {
         one_by_one(self.code.ends.inputs(), z, ends, |z, ends| {
-            write_input(&mut self.ends, z);
-            let d = self.x.len();
-            self.x.copy_from_slice(&z[..d]);
-            let kernel = &self.code.ends;
-            kernel.evaluate_in_place(&mut self.ends);
-            self.operations += self.work;
+            self.evaluate(z);
             for (index, end) in ends.iter_mut().enumerate() {
-                *end = kernel.output(&self.ends, index)[0];
+                *end = self.code.ends.output(&self.ends, index)[0];
             }
             self.chart_ratio().map_or(Ok(()), inside_chart)?;
             if ends.iter().any(|end| !end.is_finite()) {
@@ -242,25 +292,6 @@ impl Evaluator for CodeRealizationEvaluator {
 
     fn operations(&self) -> Option<u64> {
         Some(self.operations + self.tangents.operations())
-    }
-}
-
-impl RealizationEvaluator for CodeRealizationEvaluator {
-    fn chart_ratio(&self) -> Option<f64> {
-        let from = 3 * self.code.dimension;
-        let half = (self.code.ends.outputs() - from) / 2;
-        let output = |index: usize| self.code.ends.output(&self.ends, index)[0];
-        let size = |from: usize| (from..from + half).fold(0.0, |m, i| larger(m, output(i).abs()));
-        let ratio = match (size(from), size(from + half)) {
-            _ if half == 0 => return None,
-            (_, 0.0) => 0.0,
-            (first, last) => last / first,
-        };
-        if ratio < 1.0 || !self.code.guards_series || half != self.x.len() {
-            return Some(ratio);
-        }
-        let pairs = (0..half).map(|i| [output(from + i), output(from + half + i)]);
-        Some(at_most(ratio, ratio_in_own_units(&self.x, pairs)))
     }
 }
 
@@ -390,10 +421,12 @@ mod tests {
         let code: MapCode<'_> = Box::new(guarded);
         let code = CodeRealization::compile(&code, [2, 4], 0, false).expect("a kernel");
         let mut evaluator = code.evaluator(&[], 1.0);
+        let mut ratio = ChartRatio(code.made(&[], 1.0));
         let mut ends = [0.0; 6];
         let mut at = |reach: f64, radius: f64| {
-            let found = evaluator.values(&[3.0, 5.0, reach, radius], &mut ends);
-            (found, evaluator.chart_ratio().expect("a guard"))
+            let z = [3.0, 5.0, reach, radius];
+            let found = evaluator.values(&z, &mut ends);
+            (found, ratio.at(&z).expect("a guard"))
         };
         assert_eq!(at(1.0, 4.0), (Ok(()), 0.5));
         assert_eq!(at(0.0, 0.0), (Ok(()), 0.0));

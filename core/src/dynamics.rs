@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+pub use leafwise_solver::Correction;
+
 use crate::bisection::LagrangianBisection;
 use crate::error::BuildError;
 pub use crate::generating_function::{Generating, GeneratingCode, GeneratingFunction};
@@ -56,13 +58,4 @@ impl DynamicsProperties {
             correction: Correction::Bisection,
         }
     }
-}
-
-/// Treatment of the equation β̂(L(y)) = x_k by a method.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Correction {
-    /// Solves it: the map is α̂ ∘ (β̂|_L)⁻¹, Poisson over an exact realization.
-    Bisection,
-    /// Takes y = x_k (paper, Algorithm 2): Poisson to the order of the integrator only.
-    None,
 }

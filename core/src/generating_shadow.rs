@@ -203,7 +203,7 @@ impl Orders {
         &self,
         energy: &Expression,
         algebra: &mut A,
-        mut source: Box<dyn SourceRecursion<A>>,
+        mut source: SourceRecursion<A>,
         time: &impl Time<A>,
     ) -> Result<Vec<A::Element>, BuildError> {
         let d = self.dimension;
@@ -242,7 +242,7 @@ impl Orders {
                 return Err(refusal.clone().into());
             }
             if n < self.last {
-                alpha.push(source.push(algebra, gradient)?);
+                alpha.push(source(algebra, gradient)?);
             }
         }
         Ok(coefficients)

@@ -34,17 +34,13 @@ pub mod bisection;
 pub mod chart;
 pub mod closed_form;
 mod code_evaluators;
-mod compensation;
 pub mod diagnostics;
 mod dimensions;
 pub mod dynamics;
-pub mod error;
-pub mod evaluator;
 pub mod formulas;
 mod generating_function;
 mod generating_shadow;
 pub mod gradient;
-mod hint;
 mod instead;
 pub mod lattice;
 pub mod lift;
@@ -66,19 +62,18 @@ pub mod runge_kutta;
 pub mod shadow;
 mod solution_series;
 pub mod solver;
+mod step_map;
 pub mod system;
 pub mod walk;
 
 pub use bisection::{GraphBisection, LagrangianBisection};
 pub use chart::ChartMaps;
 pub use closed_form::{ChartPoint, ClosedForm, ClosedRealization, FormProperties};
-pub use code_evaluators::{RealizationMaps, realization_evaluator};
-pub use compensation::two_sum;
+pub use code_evaluators::{ChartRatio, RealizationMaps, realization_evaluator};
 pub use dynamics::{Correction, DynamicApproximation, DynamicsProperties};
-pub use error::{BuildError, StepError};
-pub use evaluator::Evaluator;
-pub use hint::Hint;
 pub use lattice::LatticeMethod;
+use leafwise_solver::compensation;
+pub use leafwise_solver::{BuildError, Evaluator, Hint, StepError, error, evaluator, two_sum};
 pub use lift::Lift;
 pub use lifted_realization::LiftedRealization;
 pub use method::{Method, MethodEvaluators};
@@ -88,13 +83,13 @@ pub use origin::Origin;
 pub use part::{PartInfo, PartKind, PartParameters};
 pub use realization::{
     Abilities, Accuracy, ChartCode, EndMaps, EndNumbers, Ends, MapCode, RealizationData,
-    RealizationEvaluator, SourceRecursion, SourceSeries, SourceTarget, Space, SpaceChart,
+    SourceRecursion, SourceSeries, SourceTarget, Space, SpaceChart,
 };
 pub use registry::{Part, Registry, RegistryError};
 pub use shadow::Shadow;
 pub use solver::{
-    ByTangents, Differential, Factored, Inverse, MapProperties, Pieces, SolverStatistics, StepMap,
-    Stepper, Structure, WithoutPoles,
+    ByTangents, Differential, Factored, Inverse, MapAbilities, MapProperties, Pieces, Setting,
+    SolverStatistics, StepMap, Stepper, Structure, WithoutPoles,
 };
 pub use system::{Convention, PoissonSystem, SystemBuilder, SystemFormulas, SystemNumbers};
 pub use walk::Walk;

@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use leafwise_expression::{AlgebraError, Graph, Kernel, StepSize, Term};
 
 use crate::bisection::{LagrangianBisection, PointMaps};
-use crate::code_evaluators::{NO_MAPS, RealizationMaps, guards_series, realization_evaluator};
+use crate::code_evaluators::{ChartRatio, NO_MAPS, RealizationMaps, guards_series};
 use crate::dynamics::{Correction, DynamicApproximation};
 use crate::error::BuildError;
 use crate::evaluator::Evaluator;
@@ -13,18 +13,15 @@ use crate::generating_shadow::shadow_of;
 use crate::lift::LiftedMap;
 use crate::one_form::PointCode;
 use crate::part::PartParameters;
-use crate::realization::{
-    Abilities, Accuracy, MapCode, RealizationData, RealizationEvaluator, SourceTarget,
-};
+use crate::realization::{Abilities, Accuracy, MapCode, RealizationData, SourceTarget};
 use crate::registry::Registry;
-use crate::shadow::Shadow;
 use crate::solution_series::start_of_solves;
 use crate::solver::{
-    ByTangents, Checked, CorrectionMethod, Differential, Lanes, MakeCheck, MapProperties,
-    NewtonKernel, NewtonStepper, NumericSolver, Poles, Solved, StepMap, Stepper, Structure,
-    Uncoupled, by_parameters, check_variables, keeping_signs, kept_signs,
+    ByTangents, Checked, CorrectionMethod, Differential, Lanes, MakeCheck, MapAbilities,
+    MapProperties, NewtonKernel, NewtonStepper, NumericSolver, Poles, ShadowTerms, Solved, StepMap,
+    Stepper, Structure, Uncoupled, by_parameters, check_variables, keeping_signs, kept_signs,
 };
-use crate::system::{PoissonSystem, SystemFormulas};
+use crate::system::PoissonSystem;
 
 /// φ̂_{ε,h} = α̂_ε ∘ (β̂_ε|_L)⁻¹ (paper, Definition 2.4 and Algorithm 1): given x_k, find y with
 /// β̂(L(y)) = x_k and return x_{k+1} = x_k + (α̂ − β̂)(L(y)).
@@ -45,9 +42,11 @@ pub struct Method {
 /// A method's two parts as numbers, for fixed parameters, ε and h.
 pub struct MethodEvaluators {
     /// α̂ and β̂.
-    pub maps: Box<dyn RealizationEvaluator>,
+    pub maps: Box<dyn Evaluator>,
     /// y ↦ L(y).
     pub points: Box<dyn Evaluator>,
+    /// How far a point reaches into the chart of maps that are code.
+    pub chart: Option<ChartRatio>,
 }
 
 /// The reason where y ↦ L(y) cannot be evaluated.
@@ -286,8 +285,10 @@ impl Method {
             realization: self.realization.describe(),
             reason: NO_POINTS.to_owned(),
         })?;
+        let maps = RealizationMaps::new(self.realization.as_ref(), parameters.len())?;
         Ok(MethodEvaluators {
-            maps: realization_evaluator(self.realization.as_ref(), parameters, epsilon)?,
+            chart: maps.chart_ratio(parameters, epsilon),
+            maps: maps.evaluator(parameters, epsilon),
             points: points.evaluator(parameters, epsilon, h),
         })
     }
@@ -416,8 +417,8 @@ impl StepMap for Method {
         )
     }
 
-    fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
-        match &self.path {
+    fn abilities(&self) -> MapAbilities<'_> {
+        let kernels = match &self.path {
             Path::Code(newton, uncoupled) => {
                 let parts = match uncoupled {
                     None => vec![newton],
@@ -425,25 +426,22 @@ impl StepMap for Method {
                 };
                 parts.into_iter().flat_map(NewtonKernel::kernels).collect()
             }
-            Path::Fused(map) => map.kernels(),
+            Path::Fused(map) => map.abilities().kernels,
             Path::Evaluators { maps, points, .. } => {
                 maps.kernels().into_iter().chain(points.kernel()).collect()
             }
-        }
-    }
-
-    fn shadow(
-        &self,
-        _: &SystemFormulas,
-        last: usize,
-        products: u64,
-    ) -> Result<Option<Shadow>, BuildError> {
+        };
         let generating = self.bisection.generating_function();
-        match (generating, self.realization.abilities().series) {
-            (Some(generating), Some(series)) => {
-                shadow_of(generating, series, self.dimension(), last, products)
-            }
-            _ => Ok(None),
+        let shadow = generating.zip(self.realization.abilities().series).map(
+            |(generating, series)| -> ShadowTerms<'_> {
+                let d = self.dimension();
+                Box::new(move |_, last, products| shadow_of(generating, series, d, last, products))
+            },
+        );
+        MapAbilities {
+            kernels,
+            shadow,
+            factored: None,
         }
     }
 

@@ -17,19 +17,16 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use leafwise_expression::Kernel;
-
 use crate::error::StepError;
 use crate::random::Random;
 use crate::solver::Differential;
-use crate::solver::{MapProperties, ProductStepper, SolverStatistics, StepMap, Stepper};
+use crate::solver::{
+    MapAbilities, MapProperties, ProductStepper, Setting, SolverStatistics, StepMap, Stepper,
+};
 
-/// Where standard normal numbers ξ come from: ΔW = √t ξ.
-pub trait Normals: Send + Sync {
-    /// ξ of a member's step, counted from 0, and a channel. Of a [split](Noise::Split) step the channel behind the last
-    /// tells by its sign which pass the flows take.
-    fn normal(&self, member: u64, channel: u32, step: u64) -> f64;
-}
+/// Standard normal numbers ξ, ΔW = √t ξ, of a member, a channel and a step, counted from 0. Of a [split](Noise::Split) step
+/// the channel behind the last tells by its sign which pass the flows take.
+pub type Normals = Arc<dyn Fn(u64, u32, u64) -> f64 + Send + Sync>;
 
 /// By Philox: what a member draws depends on the seed, its number, the channel and the step alone. |ξ| is at most
 /// [`LARGEST_NORMAL`](crate::random::LARGEST_NORMAL).
@@ -41,9 +38,16 @@ pub struct Seed {
     pub first: u64,
 }
 
-impl Normals for Seed {
-    fn normal(&self, member: u64, channel: u32, step: u64) -> f64 {
+impl Seed {
+    /// ξ of a member's step and a channel.
+    pub fn normal(&self, member: u64, channel: u32, step: u64) -> f64 {
         Random::of_step(self.seed, self.first + member, channel, step).normal()
+    }
+}
+
+impl From<Seed> for Normals {
+    fn from(seed: Seed) -> Self {
+        Arc::new(move |member, channel, step| seed.normal(member, channel, step))
     }
 }
 
@@ -111,9 +115,12 @@ impl StepMap for SplitNoise {
         )
     }
 
-    fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
+    fn abilities(&self) -> MapAbilities<'_> {
         let maps = self.stages[1..].iter();
-        maps.flat_map(|(map, _)| map.kernels()).collect()
+        MapAbilities {
+            kernels: maps.flat_map(|(map, _)| map.abilities().kernels).collect(),
+            ..MapAbilities::default()
+        }
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
@@ -149,17 +156,12 @@ pub struct NoisyMap {
     /// Channels that enter together, each with as many places as it has sites: one without a lattice.
     groups: Vec<SiteNoise>,
     entry: Entry,
-    normals: Arc<dyn Normals>,
+    normals: Normals,
 }
 
 impl NoisyMap {
     /// Steps of `map`, whose last [parameters](Noise::parameters) are those of `channels` of noise.
-    pub fn new(
-        map: Arc<dyn StepMap>,
-        noise: Noise,
-        channels: usize,
-        normals: Arc<dyn Normals>,
-    ) -> Self {
+    pub fn new(map: Arc<dyn StepMap>, noise: Noise, channels: usize, normals: Normals) -> Self {
         let alone = SiteNoise {
             sites: 1,
             apart: None,
@@ -179,7 +181,7 @@ impl NoisyMap {
         map: Arc<dyn StepMap>,
         noise: Noise,
         groups: Vec<SiteNoise>,
-        normals: Arc<dyn Normals>,
+        normals: Normals,
     ) -> Self {
         Self {
             map,
@@ -191,7 +193,7 @@ impl NoisyMap {
     }
 
     /// The same with other numbers: of paths that are given, or of a quadrature.
-    pub fn with_normals(&self, normals: Arc<dyn Normals>) -> Self {
+    pub fn with_normals(&self, normals: Normals) -> Self {
         Self {
             normals,
             ..self.clone()
@@ -254,8 +256,11 @@ impl StepMap for NoisyMap {
         format!("{} with noise of {channels}", self.map.describe())
     }
 
-    fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
-        self.map.kernels()
+    fn abilities(&self) -> MapAbilities<'_> {
+        MapAbilities {
+            kernels: self.map.abilities().kernels,
+            ..MapAbilities::default()
+        }
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
@@ -363,7 +368,7 @@ impl NoisyStepper {
         };
         let (all, last) = (self.map.channels(), groups.len().saturating_sub(1));
         for (lane, member) in self.members.iter().enumerate() {
-            let normal = |channel: usize| normals.normal(*member, channel as u32, self.step);
+            let normal = |channel: usize| normals(*member, channel as u32, self.step);
             let is_second = *noise == Noise::Split && groups.len() > 1 && normal(all) < 0.0;
             let mut channel = 0;
             for (at, group) in groups.iter().enumerate() {
@@ -398,7 +403,7 @@ impl NoisyStepper {
 
     /// The stepper with these parameters; a new one where it takes no other ones.
     fn renew(&mut self) {
-        if self.stepper.set_parameters(&self.parameters) {
+        if self.stepper.set(Setting::Parameters(&self.parameters)) {
             return;
         }
         self.spent = self.spent.and(self.stepper.statistics());
@@ -466,23 +471,22 @@ impl Stepper for NoisyStepper {
         self.stepper.restart();
     }
 
-    fn resize(&mut self, h: f64) -> bool {
-        let is_offered = self.stepper.resize(h);
-        if is_offered {
-            (self.step, self.spent) = (0, SolverStatistics::default());
-            self.step_sizes.1 = h;
-        }
-        is_offered
-    }
-
-    fn follow(&mut self, members: &[u64]) {
-        self.members.copy_from_slice(members);
-    }
-
-    fn set_parameters(&mut self, parameters: &[f64]) -> bool {
-        self.parameters[..self.own].copy_from_slice(parameters);
-        if matches!(self.map.entry, Entry::Coordinates) {
-            self.renew();
+    fn set(&mut self, setting: Setting<'_>) -> bool {
+        match setting {
+            Setting::StepSize(h) => {
+                if !self.stepper.set(setting) {
+                    return false;
+                }
+                (self.step, self.spent) = (0, SolverStatistics::default());
+                self.step_sizes.1 = h;
+            }
+            Setting::Members(members) => self.members.copy_from_slice(members),
+            Setting::Parameters(parameters) => {
+                self.parameters[..self.own].copy_from_slice(parameters);
+                if matches!(self.map.entry, Entry::Coordinates) {
+                    self.renew();
+                }
+            }
         }
         true
     }

@@ -18,8 +18,7 @@ type MakeDynamics =
     dyn Fn(&PartParameters) -> Result<Arc<dyn DynamicApproximation>, BuildError> + Send + Sync;
 type MakeStepper =
     dyn Fn(&PoissonSystem, &PartParameters) -> Result<Arc<dyn StepMap>, BuildError> + Send + Sync;
-type MakeSweeps =
-    fn(&dyn LatticeSource, &PartParameters) -> Result<Arc<dyn LatticeMap>, BuildError>;
+type MakeSweeps = fn(&dyn LatticeSource, &PartParameters) -> Result<LatticeMap, BuildError>;
 type MakeComposition =
     dyn Fn(Arc<dyn StepMap>, &PartParameters) -> Result<Arc<dyn StepMap>, BuildError> + Send + Sync;
 
@@ -193,7 +192,7 @@ impl StepperPart {
         &self,
         source: &dyn LatticeSource,
         parameters: &PartParameters,
-    ) -> Result<Arc<dyn LatticeMap>, BuildError> {
+    ) -> Result<LatticeMap, BuildError> {
         match self.sweeps {
             Some(make) => make(source, parameters),
             None => Err(BuildError::DoesNotFit {

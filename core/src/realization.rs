@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use leafwise_expression::{DifferentialAlgebra, Graph, Ring, Term};
+use leafwise_expression::{Arithmetic, Graph, Ring, Term};
 
-use crate::error::{BuildError, StepError};
+use crate::error::BuildError;
 use crate::evaluator::Evaluator;
 use crate::lattice::StageCode;
 use crate::lift::Lift;
@@ -12,6 +12,7 @@ use crate::one_form::OneForm;
 use crate::runge_kutta::SmoothMap;
 use crate::solver::{MapProperties, StepMap};
 use crate::system::PoissonSystem;
+pub use leafwise_solver::SourceTarget;
 
 /// How well R̂_ε approximates realization data of (M, επ).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -146,21 +147,36 @@ pub struct EndNumbers {
     /// then share an evaluator.
     pub is_pointwise: bool,
     make: Arc<MakeEnds>,
+    has_hessian: Option<Arc<dyn Fn() -> bool + Send + Sync>>,
 }
 
-type MakeEnds = dyn Fn(&[f64], f64) -> Box<dyn RealizationEvaluator> + Send + Sync;
+type MakeEnds = dyn Fn(&[f64], f64) -> Box<dyn Evaluator> + Send + Sync;
 
 impl EndNumbers {
     /// Maps whose evaluators `make` makes, one a thread, of parameters and ε.
     pub fn new(
         has_jacobian: bool,
-        make: impl Fn(&[f64], f64) -> Box<dyn RealizationEvaluator> + Send + Sync + 'static,
+        make: impl Fn(&[f64], f64) -> Box<dyn Evaluator> + Send + Sync + 'static,
     ) -> Self {
         Self {
             has_jacobian,
             is_pointwise: true,
             make: Arc::new(make),
+            has_hessian: None,
         }
+    }
+
+    /// The same with [Hessians](Evaluator::hessian), which exact tangents of collective integrators need. The closure
+    /// tells whether there are: the code of second derivatives may be long, and is written where they are needed.
+    #[must_use]
+    pub fn with_hessian(mut self, offered: impl Fn() -> bool + Send + Sync + 'static) -> Self {
+        self.has_hessian = Some(Arc::new(offered));
+        self
+    }
+
+    /// Whether Hessians are offered.
+    pub fn has_hessian(&self) -> bool {
+        self.has_hessian.as_ref().is_some_and(|offered| offered())
     }
 
     /// The same of evaluators that belong to one trajectory: what they return depends on what they evaluated before.
@@ -171,7 +187,7 @@ impl EndNumbers {
     }
 
     /// An evaluator for fixed parameters and ε.
-    pub fn evaluator(&self, parameters: &[f64], epsilon: f64) -> Box<dyn RealizationEvaluator> {
+    pub fn evaluator(&self, parameters: &[f64], epsilon: f64) -> Box<dyn Evaluator> {
         (self.make)(parameters, epsilon)
     }
 }
@@ -208,26 +224,11 @@ pub type MapCode<'a> =
 pub type ChartCode<'a> =
     Box<dyn Fn(&mut Graph, &Term, &[Term], &[Term]) -> Result<Vec<Term>, BuildError> + 'a>;
 
-/// β̂ = base + offset and α̂ = β̂ + increment, each a list of d terms.
-///
-/// The split keeps round-off small: offset and increment are of the size of a step and are formed
-/// without cancellation.
-#[derive(Clone, Debug)]
-pub struct SourceTarget {
-    /// A point near both ends: x in a chart of T*M.
-    pub base: Vec<Term>,
-    /// β̂ − base.
-    pub offset: Vec<Term>,
-    /// α̂ − β̂.
-    pub increment: Vec<Term>,
-    /// Guard of the chart: first and last term of a truncated series, or the radius of a closed form's chart and how
-    /// far the point reaches in it. Where the last is not the smaller one, the point is outside the chart. Both lists
-    /// have equal lengths and are compared by their largest entries. Where these say outside, terms of series are
-    /// compared also coordinate by coordinate, in units of their own. Closed forms that hold everywhere have `None`.
-    pub guard: Option<(Vec<Term>, Vec<Term>)>,
-}
-
 /// α̂ and β̂ at one point of S: β̂ = base + offset, α̂ = β̂ + increment, d numbers each.
+///
+/// These 3d numbers are what an evaluator of a realization's maps writes at a point z of d_S numbers. Its Jacobians
+/// are Dβ̂ and D(α̂ − β̂), row-major d × d_S each, its [Hessian](Evaluator::hessian) that of λ·α̂. At the point of the
+/// last call nothing is computed twice.
 #[derive(Clone, Copy, Debug)]
 pub struct Ends<'a> {
     /// A point near both ends.
@@ -239,7 +240,7 @@ pub struct Ends<'a> {
 }
 
 impl<'a> Ends<'a> {
-    /// The parts of what a [`RealizationEvaluator`] writes at a point, 3d numbers.
+    /// The parts of what an evaluator writes at a point, 3d numbers.
     ///
     /// # Panics
     /// When the length is no multiple of 3.
@@ -264,36 +265,6 @@ impl<'a> Ends<'a> {
     }
 }
 
-/// One thread's evaluator of a realization's maps z ↦ (β̂, α̂ − β̂), for fixed parameters and ε.
-///
-/// Its values at a point z of d_S numbers are base, β̂ − base and α̂ − β̂, 3d numbers: see [`Ends`]. Its Jacobians are
-/// Dβ̂ and D(α̂ − β̂), row-major d × d_S each. At the point of the last call nothing is computed twice.
-pub trait RealizationEvaluator: Evaluator {
-    /// The Hessian of z ↦ λ·α̂(z), row-major d_S × d_S, for a covector λ of d numbers.
-    ///
-    /// # Errors
-    /// [`StepError::NoTangent`] where it is not offered; as [`Evaluator::values`].
-    fn source_hessian(
-        &mut self,
-        z: &[f64],
-        covector: &[f64],
-        hessian: &mut [f64],
-    ) -> Result<(), StepError> {
-        let _ = (z, covector, hessian);
-        Err(StepError::NoTangent)
-    }
-    /// Whether [`source_hessian`](Self::source_hessian) is offered: exact tangents of collective
-    /// integrators need it.
-    fn has_source_hessian(&self) -> bool {
-        false
-    }
-    /// Ratio by which the point of the last call reaches into the chart. [`StepError::LeftChart`] tells it from 1 on.
-    /// For a truncated series it is the last term over the first. Maps that hold everywhere or do not say have `None`.
-    fn chart_ratio(&self) -> Option<f64> {
-        None
-    }
-}
-
 /// Exact (untruncated) series of α∘χ along p(h) = Σ_{k≥1} pₖ hᵏ at ε = 1. Here χ is a cotangent chart with
 /// χ(x, 0) = σ(x) and inv(x, p) = (x, −p).
 ///
@@ -306,20 +277,20 @@ pub trait SourceSeries {
         &self,
         ring: &mut Ring,
         coordinates: &[usize],
-    ) -> Result<Box<dyn SourceRecursion<Ring>>, BuildError>;
+    ) -> Result<SourceRecursion<Ring>, BuildError>;
     /// As straight-line code.
     fn in_graph(
         &self,
         graph: &mut Graph,
         coordinates: &[usize],
-    ) -> Result<Box<dyn SourceRecursion<Graph>>, BuildError>;
+    ) -> Result<SourceRecursion<Graph>, BuildError>;
 }
 
-/// One order of [`SourceSeries`] after the other.
-pub trait SourceRecursion<A: DifferentialAlgebra> {
-    /// Given pₖ (d components; k = 1 at the first call), the coefficient αₖ of hᵏ in α(x, p(h)).
-    ///
-    /// # Errors
-    /// [`BuildError::Algebra`] where the tensor is outside the algebra.
-    fn push(&mut self, algebra: &mut A, p: Vec<A::Element>) -> Result<Vec<A::Element>, BuildError>;
-}
+/// One order of [`SourceSeries`] after the other: of an algebra and pₖ (d components; k = 1 at the first call) the
+/// coefficient αₖ of hᵏ in α(x, p(h)).
+///
+/// It fails with [`BuildError::Algebra`] where the tensor is outside the algebra.
+pub type SourceRecursion<A> =
+    Box<dyn FnMut(&mut A, Elements<A>) -> Result<Elements<A>, BuildError>>;
+
+type Elements<A> = Vec<<A as Arithmetic>::Element>;

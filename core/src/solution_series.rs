@@ -59,7 +59,7 @@ pub(crate) fn start_of_solves(
     };
     let mut start = None;
     for terms in 1..=MOST.min(known) {
-        if !solution.extend(generating, source.as_mut()) {
+        if !solution.extend(generating, &mut source) {
             break;
         }
         // Every further term makes the sum longer.
@@ -105,7 +105,7 @@ impl SolutionSeries {
     fn extend(
         &mut self,
         generating: &GeneratingFunction,
-        source: &mut dyn SourceRecursion<Ring>,
+        source: &mut SourceRecursion<Ring>,
     ) -> bool {
         let last = 2 * self.odd.len() + 1;
         while self.velocity.len() < last {
@@ -115,7 +115,7 @@ impl SolutionSeries {
                 Some(gradient) if n % 2 == 1 => gradient.clone(),
                 _ => vec![self.ring.zero(); self.ring.variables()],
             };
-            let alpha = source.push(&mut self.ring, gradient);
+            let alpha = source(&mut self.ring, gradient);
             let formed = alpha.is_ok_and(|alpha| self.extend_by(&alpha).is_ok());
             if !formed || self.ring.refusal().is_some() {
                 return false;

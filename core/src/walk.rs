@@ -2,7 +2,7 @@
 
 use crate::compensation::two_sum;
 use crate::error::StepError;
-use crate::solver::{SolverStatistics, StepMap, Stepper};
+use crate::solver::{Setting, SolverStatistics, StepMap, Stepper};
 use crate::system::PoissonSystem;
 
 /// Trajectories of one step map, x_{k+1} = x_k + Δ_k, in one lane or in several side by side: a lane has the bits that it
@@ -91,7 +91,7 @@ impl Walk {
     pub fn start_again(&mut self, map: &dyn StepMap, (parameters, initial): (&[f64], &[f64])) {
         let (epsilon, h) = self.step_sizes;
         let stepper = &mut self.stepper;
-        if !(stepper.set_parameters(parameters) && stepper.resize(h)) {
+        if !(stepper.set(Setting::Parameters(parameters)) && stepper.set(Setting::StepSize(h))) {
             *stepper = map.stepper(self.lanes, parameters, epsilon, h);
         }
         self.state.copy_from_slice(initial);
@@ -135,9 +135,9 @@ impl Walk {
         Self::side_by_side(map, initial.len(), (&own.0, &own.1), 1.0, time_step)
     }
 
-    /// Says which member of an ensemble each lane is: [`Stepper::follow`].
+    /// Says which member of an ensemble each lane is: [`Setting::Members`].
     pub fn follow(&mut self, members: &[u64]) {
-        self.stepper.follow(members);
+        self.stepper.set(Setting::Members(members));
     }
 
     /// x_k of the lanes that live.

@@ -40,7 +40,7 @@ const POINTS: [f64; 6] = [1.0, 2.0, 4.0, 3.0, -1.0, 0.5];
 fn compiled_values_are_those_of_the_formulas_at_every_point_of_a_batch() {
     let numbers = system().numbers().expect("code");
     assert_eq!(
-        numbers.derivatives(),
+        numbers.derivatives,
         Derivatives {
             tensor: true,
             hamiltonian: true,

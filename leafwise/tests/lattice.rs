@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use crate::chain::Chain;
-use leafwise::core::lattice::{LatticeMap, LatticeMethod, LatticeObservables};
+use leafwise::core::Observe;
+use leafwise::core::lattice::{LatticeMethod, LatticeObservables};
 use leafwise::core::{BuildError, Method, PartParameters, Registry, Walk};
-use leafwise::core::{Observe, StepMap};
 use proptest::prelude::{Just, ProptestConfig, Strategy, any, prop_assert, prop_oneof, proptest};
 
 /// {x[i], x[i+1]} = x[i] x[i+1] on the first family, {x[i], y[i+1]} = 1 + x[i] y[i+1] where there
@@ -66,7 +66,7 @@ fn assert_agrees(chain: &Chain, n: i64, m: i64) {
         .collect();
     let lattice = compose(chain, n, m).expect("a lattice method");
     let method = written_out(chain, n, m);
-    let mut a = Walk::new(&lattice, &[], 1.0, 0.02, &initial);
+    let mut a = Walk::new(lattice.map().map.as_ref(), &[], 1.0, 0.02, &initial);
     let mut b = Walk::new(&method, &[], 1.0, 0.02, &initial);
     for _ in 0..20 {
         a.step().expect("a step");
@@ -215,7 +215,7 @@ proptest! {
     fn far_templates_equal_their_written_out_form(far in far()) {
         let chain = far.chain();
         let lattice = compose(&chain, 2, far.order).expect("a lattice method");
-        prop_assert!(lattice.proxy_geometry().length() < chain.geometry.length());
+        prop_assert!(lattice.map().proxy_geometry.length() < chain.geometry.length());
         assert_agrees(&chain, 2, far.order);
     }
 }
@@ -253,8 +253,8 @@ fn a_million_sites_are_built_as_quickly_as_a_hundred() {
     let operations = |sites| {
         let chain = volterra(&[sites], true, "sum(i, x[i])");
         let method = compose(&chain, 2, 2).expect("a lattice method");
-        assert_eq!(method.dimension(), sites);
-        method.operations()
+        assert_eq!(method.map().map.dimension(), sites);
+        method.map().operations
     };
     assert_eq!(operations(1_000_000), 10_000 * operations(100));
 }

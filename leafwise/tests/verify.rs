@@ -6,8 +6,8 @@ use std::num::NonZeroUsize;
 use std::sync::Arc;
 
 use leafwise::core::{
-    BuildError, MapProperties, Method, Origin, Part, PartParameters, Registry, Shadow,
-    SolverStatistics, StepError, StepMap, Stepper, Structure, SystemFormulas,
+    MapAbilities, MapProperties, Method, Origin, Part, PartParameters, Registry, SolverStatistics,
+    StepError, StepMap, Stepper, Structure,
 };
 use leafwise::scene::SceneDocument;
 use leafwise::verify::{
@@ -148,13 +148,11 @@ impl StepMap for Shadowed {
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
         self.0.stepper(lanes, parameters, epsilon, h)
     }
-    fn shadow(
-        &self,
-        system: &SystemFormulas,
-        last: usize,
-        products: u64,
-    ) -> Result<Option<Shadow>, BuildError> {
-        self.1.shadow(system, last, products)
+    fn abilities(&self) -> MapAbilities<'_> {
+        MapAbilities {
+            shadow: self.1.abilities().shadow,
+            ..MapAbilities::default()
+        }
     }
 }
 

@@ -9,7 +9,7 @@ use leafwise::core::part::{
 };
 use leafwise::core::registry::SystemPart;
 use leafwise::core::system::{
-    Derivatives, OpaqueSystem, Parameter, SystemEvaluator, SystemNumbers,
+    Derivatives, OpaqueSystem, Parameter, SystemEvaluator, SystemFunction, SystemNumbers,
 };
 use leafwise::core::{Origin, PoissonSystem, Registry, StepError};
 use numpy::{PyArray1, PyReadonlyArray1};
@@ -95,7 +95,7 @@ impl Functions {
                     .map(|(name, value)| Parameter { name, value })
                     .collect(),
                 casimirs: of("casimirs")?.extract()?,
-                numbers: Arc::new(self.clone()),
+                numbers: self.numbers(),
             };
             PyResult::Ok((info, system))
         })?;
@@ -125,25 +125,19 @@ impl Functions {
     }
 }
 
-impl SystemNumbers for Functions {
-    fn derivatives(&self) -> Derivatives {
-        Derivatives::default()
-    }
-
-    fn evaluator(&self, parameters: &[f64]) -> Box<dyn SystemEvaluator> {
-        Box::new(FunctionsEvaluator {
-            functions: self.clone(),
-            parameters: parameters.to_vec(),
-            is_on_trial: false,
-        })
-    }
-
-    fn evaluator_on_trial(&self, parameters: &[f64]) -> Box<dyn SystemEvaluator> {
-        Box::new(FunctionsEvaluator {
-            functions: self.clone(),
-            parameters: parameters.to_vec(),
-            is_on_trial: true,
-        })
+impl Functions {
+    fn numbers(&self) -> SystemNumbers {
+        let evaluator = |functions: Self, is_on_trial| {
+            move |parameters: &[f64]| -> Box<dyn SystemEvaluator> {
+                Box::new(FunctionsEvaluator {
+                    functions: functions.clone(),
+                    parameters: parameters.to_vec(),
+                    is_on_trial,
+                })
+            }
+        };
+        SystemNumbers::new(Derivatives::default(), evaluator(self.clone(), false))
+            .with_trials(evaluator(self.clone(), true))
     }
 }
 
@@ -198,19 +192,23 @@ impl FunctionsEvaluator {
 }
 
 impl SystemEvaluator for FunctionsEvaluator {
-    fn tensor(&mut self, y: &[f64], v: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        self.values("tensor", y, Some(v), out)
+    fn evaluate(
+        &mut self,
+        function: SystemFunction<'_>,
+        y: &[f64],
+        out: &mut [f64],
+    ) -> Result<(), StepError> {
+        match function {
+            SystemFunction::Tensor(v) => self.values("tensor", y, Some(v), out),
+            SystemFunction::Hamiltonian => self.values("hamiltonian", y, None, out),
+            SystemFunction::Gradient => self.values("gradient", y, None, out),
+            SystemFunction::Casimirs => self.values("casimirs", y, None, out),
+            _ => Err(StepError::NoTangent),
+        }
     }
 
-    fn hamiltonian(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        self.values("hamiltonian", y, None, out)
-    }
-
-    fn gradient(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        self.values("gradient", y, None, out)
-    }
-
-    fn casimirs(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        self.values("casimirs", y, None, out)
+    /// Python does not count them.
+    fn operations(&self) -> Option<u64> {
+        None
     }
 }

@@ -8,7 +8,7 @@ use leafwise::scene::ComposedRun;
 use leafwise_tests::scenes::composed;
 use nalgebra::{DMatrix, DVector};
 
-use super::{Nodes, SPIN, START, gauss, hermite, moved, noisy};
+use super::{Nodes, SPIN, START, gauss, hermite, moved, noisy, normals};
 
 /// A damped spin in a bath, x = B/kT = 2 λB/σ² = 2.
 fn bath(method: &str, step: f64) -> ComposedRun {
@@ -66,7 +66,7 @@ fn equilibrium(method: &str, step: f64) -> f64 {
         rule: hermite(6),
         channels: 3,
     });
-    let map = noisy(&run).with_normals(nodes.clone());
+    let map = noisy(&run).with_normals(normals(&nodes));
     let count = (DEGREE + 1) * (DEGREE + 1);
     let mut a = DMatrix::zeros(count, count);
     let turns = 2 * DEGREE + 2;

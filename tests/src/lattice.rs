@@ -124,5 +124,6 @@ pub fn by_templates_and_written_out(
         }
         walk.state().to_vec()
     };
-    (run(&lattice.expect("a lattice method")), run(&dense))
+    let lattice = lattice.expect("a lattice method");
+    (run(lattice.map().map.as_ref()), run(&dense))
 }

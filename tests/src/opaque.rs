@@ -1,8 +1,8 @@
 //! Systems of numbers: what a library would offer.
 
-use std::sync::Arc;
-
-use leafwise_core::system::{Derivatives, OpaqueSystem, SystemEvaluator, SystemNumbers};
+use leafwise_core::system::{
+    Derivatives, OpaqueSystem, SystemEvaluator, SystemFunction, SystemNumbers,
+};
 use leafwise_core::{PoissonSystem, StepError};
 
 /// The same system as numbers, with every derivative.
@@ -20,43 +20,36 @@ pub fn with_derivatives(system: &PoissonSystem) -> PoissonSystem {
 pub fn values_only(system: &PoissonSystem) -> PoissonSystem {
     let all = with_derivatives(system);
     let opaque = all.opaque().expect("a system of numbers");
+    let all = opaque.numbers.clone();
+    let numbers = SystemNumbers::new(Derivatives::default(), move |parameters| {
+        Box::new(ValuesEvaluator(all.evaluator(parameters)))
+    });
     OpaqueSystem {
         name: "test/values".to_owned(),
-        numbers: Arc::new(ValuesOnly(Arc::clone(&opaque.numbers))),
+        numbers,
         ..opaque.clone()
     }
     .into()
 }
 
-#[derive(Debug)]
-struct ValuesOnly(Arc<dyn SystemNumbers>);
-
-impl SystemNumbers for ValuesOnly {
-    fn derivatives(&self) -> Derivatives {
-        Derivatives::default()
-    }
-
-    fn evaluator(&self, parameters: &[f64]) -> Box<dyn SystemEvaluator> {
-        Box::new(ValuesEvaluator(self.0.evaluator(parameters)))
-    }
-}
-
 struct ValuesEvaluator(Box<dyn SystemEvaluator>);
 
 impl SystemEvaluator for ValuesEvaluator {
-    fn tensor(&mut self, y: &[f64], v: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        self.0.tensor(y, v, out)
+    fn evaluate(
+        &mut self,
+        function: SystemFunction<'_>,
+        y: &[f64],
+        out: &mut [f64],
+    ) -> Result<(), StepError> {
+        match function {
+            SystemFunction::TensorTangent(..)
+            | SystemFunction::Hessian(_)
+            | SystemFunction::CasimirGradients => Err(StepError::NoTangent),
+            value => self.0.evaluate(value, y, out),
+        }
     }
 
-    fn hamiltonian(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        self.0.hamiltonian(y, out)
-    }
-
-    fn gradient(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        self.0.gradient(y, out)
-    }
-
-    fn casimirs(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        self.0.casimirs(y, out)
+    fn operations(&self) -> Option<u64> {
+        None
     }
 }

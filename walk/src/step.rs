@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use leafwise_core::walk::column;
-use leafwise_core::{StepError, StepMap, Stepper, Walk, two_sum};
+use leafwise_core::{Setting, StepError, StepMap, Stepper, Walk, two_sum};
 use serde::{Deserialize, Serialize};
 
 /// Steps that are tried for one that ends where a function of the state is zero.
@@ -205,7 +205,7 @@ impl<'a> LastStep<'a> {
         let is_ready = self
             .stepper
             .as_mut()
-            .is_some_and(|stepper| stepper.resize(h));
+            .is_some_and(|stepper| stepper.set(Setting::StepSize(h)));
         if !is_ready {
             self.stepper = None;
         }

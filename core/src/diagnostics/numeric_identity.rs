@@ -55,7 +55,7 @@ pub(super) fn casimir(
 ) -> IdentityCheck {
     let (d, count) = (near.len(), system.casimirs.len());
     let mut evaluator = system.numbers.evaluator_on_trial(parameters);
-    let is_exact = system.numbers.derivatives().casimirs;
+    let is_exact = system.numbers.derivatives.casimirs;
     let mut check = Check::new(near, !is_exact);
     for state in sample_states(near) {
         let gradient = if is_exact {
@@ -157,7 +157,7 @@ impl Bracket {
     fn new(system: &OpaqueSystem, parameters: &[f64], d: usize) -> Self {
         Self {
             evaluator: system.numbers.evaluator_on_trial(parameters),
-            derivatives: system.numbers.derivatives(),
+            derivatives: system.numbers.derivatives,
             images: [vec![0.0; d], vec![0.0; d], vec![0.0; d]],
             slope: vec![0.0; d],
             point: vec![0.0; d],

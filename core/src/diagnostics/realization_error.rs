@@ -10,7 +10,7 @@ use crate::chart::ChartMaps;
 use crate::code_evaluators::RealizationMaps;
 use crate::error::{BuildError, StepError};
 use crate::evaluator::Evaluator;
-use crate::realization::{Ends, RealizationData, RealizationEvaluator};
+use crate::realization::{Ends, RealizationData};
 use crate::system::{PoissonSystem, TensorMatrix};
 
 /// ε Π(α̂) − {α̂, α̂}_ω and {α̂_i, β̂_j}_ω at points χ(x, p) of a cotangent chart about the section. Derivatives are
@@ -69,7 +69,7 @@ struct Tangents {
 
 /// Both maps through the chart.
 struct Charted {
-    realization: Box<dyn RealizationEvaluator>,
+    realization: Box<dyn Evaluator>,
     chart: Box<dyn Evaluator>,
     has_tangents: bool,
     z: Vec<f64>,

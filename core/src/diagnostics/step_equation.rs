@@ -1,10 +1,11 @@
 //! The equation of a step, β̂(L(y)) = x, at one state: its solutions and their place in the chart.
 
+use crate::code_evaluators::ChartRatio;
 use crate::dynamics::Correction;
 use crate::error::{BuildError, StepError};
 use crate::evaluator::Evaluator;
 use crate::method::{Method, MethodEvaluators};
-use crate::realization::{Ends, RealizationEvaluator};
+use crate::realization::Ends;
 use crate::solver::DenseFactors;
 
 /// Newton iterations from one start.
@@ -18,8 +19,9 @@ const SAME: f64 = 1e-6;
 
 /// β̂(L(y)) = x for one method and one step size, by Newton's method from any start.
 pub struct StepEquation {
-    maps: Box<dyn RealizationEvaluator>,
+    maps: Box<dyn Evaluator>,
     points: Box<dyn Evaluator>,
+    chart: Option<ChartRatio>,
     correction: Correction,
     dimension: usize,
     space: usize,
@@ -49,10 +51,15 @@ impl StepEquation {
         epsilon: f64,
         h: f64,
     ) -> Result<Self, BuildError> {
-        let MethodEvaluators { maps, points } = method.evaluators(parameters, epsilon, h)?;
+        let MethodEvaluators {
+            maps,
+            points,
+            chart,
+        } = method.evaluators(parameters, epsilon, h)?;
         Ok(Self {
             maps,
             points,
+            chart,
             correction: method.dynamics().properties().correction,
             dimension: method.realization().dimension(),
             space: method.realization().space_dimension(),
@@ -96,11 +103,12 @@ impl StepEquation {
                 other => other?,
             }
             if is_solved {
+                let chart = self.chart.as_mut();
                 return Ok(StepSolution {
                     y,
-                    point,
                     increment: ends.increment.to_vec(),
-                    chart_ratio: self.maps.chart_ratio(),
+                    chart_ratio: chart.and_then(|chart| chart.at(&point)),
+                    point,
                 });
             }
             self.points.jacobians(&y, &mut tangent)?;

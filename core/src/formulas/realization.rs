@@ -3,6 +3,7 @@
 use leafwise_expression::{AlgebraError, Arithmetic, Expression, Graph, Term};
 
 use crate::closed_form::{ChartPoint, ClosedForm, FormProperties};
+use crate::lattice::StageEnds;
 use crate::realization::Accuracy;
 
 /// α̂, β̂ and the domain by formulas of x_1 … x_d, p_1 … p_d and ε, which are their variables in this order, and of
@@ -161,16 +162,20 @@ impl ClosedForm for FormulaRealization {
         write(&self.formulas.alpha, algebra, at)
     }
 
-    fn target(
+    fn ends(
         &self,
         graph: &mut Graph,
         at: &ChartPoint<'_, Term>,
-    ) -> Result<Vec<Term>, AlgebraError> {
-        if let Some(beta) = &self.formulas.beta {
-            return write(beta, graph, at);
-        }
-        let minus: Vec<Term> = at.p.iter().map(|p| graph.negate(p)).collect();
-        self.source(graph, &ChartPoint { p: &minus, ..*at })
+    ) -> Result<StageEnds, AlgebraError> {
+        let alpha = self.source(graph, at)?;
+        let beta = match &self.formulas.beta {
+            Some(beta) => write(beta, graph, at)?,
+            None => {
+                let minus: Vec<Term> = at.p.iter().map(|p| graph.negate(p)).collect();
+                self.source(graph, &ChartPoint { p: &minus, ..*at })?
+            }
+        };
+        Ok(StageEnds::between(graph, at.x, &alpha, &beta))
     }
 
     fn guard(

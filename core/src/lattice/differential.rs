@@ -16,7 +16,7 @@ use super::slopes::{LatticeSlopes, SlopesAlong};
 use super::stages::MethodFields;
 use crate::error::StepError;
 use crate::solver::judge::Verdict;
-use crate::solver::{CorrectionSize, Differential, LinearIteration, Stepper, one_step};
+use crate::solver::{CorrectionMethod, Differential, Iteration, Stepper, one_step};
 
 /// The budget of a solve: a rate of 24/25 comes to round-off.
 const MOST_ITERATIONS: usize = 1000;
@@ -41,6 +41,7 @@ pub(super) struct SolvedSweeps {
     /// u, or z.
     solution: Vec<f64>,
     slopes: Vec<f64>,
+    iteration: Iteration,
 }
 
 impl SolvedSweeps {
@@ -62,6 +63,7 @@ impl SolvedSweeps {
             solution: vec![0.0; moved.get(fields.y).len()],
             moved,
             slopes: vec![0.0; parameters.len()],
+            iteration: Iteration::new(CorrectionMethod::Residual, 0),
         }
     }
 
@@ -92,18 +94,19 @@ impl SolvedSweeps {
             fields,
             moved,
             solution,
+            iteration,
             ..
         } = self;
         let along = along.as_mut().ok_or(StepError::NoTangent)?;
         solution.copy_from_slice(tangent);
-        let mut iteration = LinearIteration::new(MOST_ITERATIONS);
+        iteration.begin(MOST_ITERATIONS, |_| 0.0);
         loop {
             moved.clear();
             moved.get_mut(fields.y).copy_from_slice(solution);
             along.push(moved, mu);
             let next = tangent.iter().zip(moved.get(fields.offset));
             let next = next.map(|(v, offset)| v - offset);
-            if take(&mut iteration, solution, tangent, next)? == Verdict::Converged {
+            if take(iteration, solution, tangent, next)? == Verdict::Converged {
                 break;
             }
         }
@@ -127,6 +130,7 @@ impl SolvedSweeps {
             moved,
             solution,
             slopes,
+            iteration,
             ..
         } = self;
         let along = along.as_mut().ok_or(StepError::NoTangent)?;
@@ -140,12 +144,12 @@ impl SolvedSweeps {
             }
         };
         solution.fill(0.0);
-        let mut iteration = LinearIteration::new(MOST_ITERATIONS);
+        iteration.begin(MOST_ITERATIONS, |_| 0.0);
         loop {
             begin(moved, solution);
             along.pull(moved, &mut []);
             let next = moved.get(fields.y).iter().copied();
-            if take(&mut iteration, solution, covector, next)? == Verdict::Converged {
+            if take(iteration, solution, covector, next)? == Verdict::Converged {
                 break;
             }
         }
@@ -167,17 +171,16 @@ impl SolvedSweeps {
 
 /// Takes the next iterate of a solve whose right-hand side has the size of `given`.
 fn take(
-    iteration: &mut LinearIteration,
+    iteration: &mut Iteration,
     solution: &mut [f64],
     given: &[f64],
     next: impl Iterator<Item = f64>,
 ) -> Result<Verdict, StepError> {
-    let mut size = CorrectionSize::default();
     for ((own, next), given) in solution.iter_mut().zip(next).zip(given) {
-        size.take(next - *own, next.abs() + given.abs());
+        iteration.take(next - *own, next.abs() + given.abs());
         *own = next;
     }
-    iteration.judge_correction(&size)
+    iteration.judge()
 }
 
 impl Differential for SolvedSweeps {

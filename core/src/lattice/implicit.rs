@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use leafwise_expression::{Kernel, StepSize, Term};
+use leafwise_expression::{StepSize, Term};
 
 use super::differential::SolvedSweeps;
-use super::geometry::{LatticeGeometry, Proxy};
+use super::geometry::Proxy;
 use super::locality::proxy_of;
 use super::map::LatticeMap;
 use super::program::LatticeProgram;
@@ -14,16 +14,14 @@ use super::source::LatticeSource;
 use super::stages::{MethodFields, StageBuilder, StageEnds};
 use super::stepper::LatticeTrajectory;
 use crate::error::BuildError;
-use crate::solver::{Differential, Lanes, MapProperties, StepMap, Stepper};
+use crate::solver::{Differential, Lanes, MapAbilities, MapProperties, StepMap, Stepper};
 use crate::system::PoissonSystem;
 
 /// x ↦ x₊ with x = y + offset(y), x₊ = x + increment(y), on a lattice. The linear iteration
 /// y ← y − (y + offset(y) − x) solves for y, in O(N) time and memory a step.
 #[derive(Clone, Debug)]
 pub struct ImplicitSweeps {
-    geometry: LatticeGeometry,
-    proxy: PoissonSystem,
-    proxy_geometry: LatticeGeometry,
+    dimension: usize,
     program: Arc<LatticeProgram>,
     slopes: Arc<LatticeSlopes>,
     fields: MethodFields,
@@ -56,7 +54,7 @@ impl ImplicitSweeps {
             &mut StageBuilder,
             &ProxyCode<'_>,
         ) -> Result<(StageEnds, MapProperties, String), BuildError>,
-    ) -> Result<Self, BuildError> {
+    ) -> Result<LatticeMap, BuildError> {
         let geometry = source.geometry();
         // S_l takes l − 1 times the reach of the tensor and of dH to either side, and dS_l once more.
         let (proxy, width) = proxy_of(source, order.saturating_sub(1).max(1))?;
@@ -92,48 +90,27 @@ impl ImplicitSweeps {
             None => builder,
         };
         let slopes = LatticeSlopes::new(&program, written, builder, parameters);
-        Ok(Self {
+        Ok(LatticeMap {
+            operations: program.operations(),
+            work: program.work(),
+            fields: program.fields(),
+            map: Arc::new(Self {
+                dimension: geometry.dimension(),
+                program,
+                slopes: Arc::new(slopes),
+                fields,
+                properties,
+                description,
+            }),
             geometry: geometry.clone(),
-            proxy: system,
             proxy_geometry: proxy,
-            program,
-            slopes: Arc::new(slopes),
-            fields,
-            properties,
-            description,
         })
-    }
-}
-
-impl LatticeMap for ImplicitSweeps {
-    fn geometry(&self) -> &LatticeGeometry {
-        &self.geometry
-    }
-
-    fn proxy(&self) -> &PoissonSystem {
-        &self.proxy
-    }
-
-    fn proxy_geometry(&self) -> &LatticeGeometry {
-        &self.proxy_geometry
-    }
-
-    fn operations(&self) -> usize {
-        self.program.operations()
-    }
-
-    fn work(&self) -> u64 {
-        self.program.work()
-    }
-
-    fn fields(&self) -> usize {
-        self.program.fields()
     }
 }
 
 impl StepMap for ImplicitSweeps {
     fn dimension(&self) -> usize {
-        self.geometry.dimension()
+        self.dimension
     }
 
     fn properties(&self) -> MapProperties {
@@ -144,15 +121,16 @@ impl StepMap for ImplicitSweeps {
         self.description.clone()
     }
 
-    fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
-        self.program
-            .kernels()
-            .map(|kernel| ("a site", kernel))
-            .collect()
+    fn abilities(&self) -> MapAbilities<'_> {
+        let kernels = self.program.kernels();
+        MapAbilities {
+            kernels: kernels.map(|kernel| ("a site", kernel)).collect(),
+            ..MapAbilities::default()
+        }
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
-        let d = self.geometry.dimension();
+        let d = self.dimension;
         Box::new(Lanes::apart(lanes, d, parameters, |parameters| {
             LatticeTrajectory::new(&self.program, self.fields, parameters, epsilon, h)
         }))

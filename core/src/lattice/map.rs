@@ -1,22 +1,30 @@
 //! Step maps of long lattices.
 
+use std::sync::Arc;
+
 use super::geometry::LatticeGeometry;
 use crate::solver::StepMap;
-use crate::system::PoissonSystem;
 
-/// A step map of a long lattice, built on a short one that stands for it.
-pub trait LatticeMap: StepMap {
+/// Step map of a long lattice, built on a short one that stands for it.
+#[derive(Clone)]
+pub struct LatticeMap {
+    /// The map.
+    pub map: Arc<dyn StepMap>,
     /// The lattice.
-    fn geometry(&self) -> &LatticeGeometry;
-    /// The system written out on the proxy lattice: what checks and instruments look at.
-    fn proxy(&self) -> &PoissonSystem;
-    /// The proxy lattice.
-    fn proxy_geometry(&self) -> &LatticeGeometry;
+    pub geometry: LatticeGeometry,
+    /// The short lattice, the proxy, on which the code was written out.
+    pub proxy_geometry: LatticeGeometry,
     /// The operations of one evaluation, all sites together: of a solver's iteration, of an explicit
     /// step.
-    fn operations(&self) -> usize;
+    pub operations: usize,
     /// The same, weighted as [`SolverStatistics::operations`](crate::SolverStatistics) is.
-    fn work(&self) -> u64;
+    pub work: u64,
     /// The numbers a coordinate that an evaluation keeps.
-    fn fields(&self) -> usize;
+    pub fields: usize,
+}
+
+impl std::fmt::Debug for LatticeMap {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.map.describe())
+    }
 }

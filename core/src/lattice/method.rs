@@ -2,16 +2,12 @@
 
 use std::sync::Arc;
 
-use leafwise_expression::Kernel;
-
-use super::geometry::LatticeGeometry;
 use super::implicit::ImplicitSweeps;
 use super::map::LatticeMap;
 use super::source::LatticeSource;
 use crate::dynamics::DynamicApproximation;
 use crate::error::BuildError;
 use crate::realization::RealizationData;
-use crate::solver::{Differential, MapProperties, StepMap, Stepper};
 use crate::system::PoissonSystem;
 
 /// Builds a realization for the proxy system.
@@ -20,7 +16,7 @@ pub type Realize<'a> = dyn Fn(&PoissonSystem) -> Result<Arc<dyn RealizationData>
 /// φ̂_{ε,h} = α̂_ε ∘ (β̂_ε|_L)⁻¹ on a lattice, in O(N) time and memory a step.
 #[derive(Clone, Debug)]
 pub struct LatticeMethod {
-    sweeps: ImplicitSweeps,
+    lattice: LatticeMap,
     realization: Arc<dyn RealizationData>,
     dynamics: Arc<dyn DynamicApproximation>,
 }
@@ -40,7 +36,7 @@ impl LatticeMethod {
         dynamics: Arc<dyn DynamicApproximation>,
     ) -> Result<Self, BuildError> {
         let mut built = None;
-        let sweeps =
+        let lattice =
             ImplicitSweeps::compose(source, dynamics.properties().order, |builder, code| {
                 let (system, [epsilon, h], y) = (code.system, &code.sizes, &code.y);
                 crate::method::check_forces(system, dynamics.as_ref())?;
@@ -66,10 +62,15 @@ impl LatticeMethod {
                 Ok((ends, properties, described))
             })?;
         Ok(Self {
-            sweeps,
+            lattice,
             realization: built.expect("the code was written with it"),
             dynamics,
         })
+    }
+
+    /// The step map.
+    pub fn map(&self) -> &LatticeMap {
+        &self.lattice
     }
 
     /// The geometric approximation, built on the proxy.
@@ -80,57 +81,5 @@ impl LatticeMethod {
     /// The dynamic approximation.
     pub fn dynamics(&self) -> &dyn DynamicApproximation {
         self.dynamics.as_ref()
-    }
-}
-
-impl LatticeMap for LatticeMethod {
-    fn geometry(&self) -> &LatticeGeometry {
-        self.sweeps.geometry()
-    }
-
-    fn proxy(&self) -> &PoissonSystem {
-        self.sweeps.proxy()
-    }
-
-    fn proxy_geometry(&self) -> &LatticeGeometry {
-        self.sweeps.proxy_geometry()
-    }
-
-    fn operations(&self) -> usize {
-        self.sweeps.operations()
-    }
-
-    fn work(&self) -> u64 {
-        self.sweeps.work()
-    }
-
-    fn fields(&self) -> usize {
-        self.sweeps.fields()
-    }
-}
-
-impl StepMap for LatticeMethod {
-    fn dimension(&self) -> usize {
-        self.sweeps.dimension()
-    }
-
-    fn properties(&self) -> MapProperties {
-        self.sweeps.properties()
-    }
-
-    fn describe(&self) -> String {
-        self.sweeps.describe()
-    }
-
-    fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
-        self.sweeps.kernels()
-    }
-
-    fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
-        self.sweeps.stepper(lanes, parameters, epsilon, h)
-    }
-
-    fn differential(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Differential> {
-        self.sweeps.differential(parameters, epsilon, h)
     }
 }

@@ -1,6 +1,6 @@
 //! A method's maps as sweeps over sites.
 
-use leafwise_expression::{Graph, Term};
+use leafwise_expression::{Arithmetic, Graph, Term};
 
 use crate::error::BuildError;
 
@@ -109,6 +109,22 @@ pub struct StageEnds {
     pub offset: Vec<Term>,
     /// α̂ − β̂.
     pub increment: Vec<Term>,
+}
+
+impl StageEnds {
+    /// The ends α and β about x. Where x is a summand of both it drops out, without cancellation.
+    pub fn between(graph: &mut Graph, x: &[Term], alpha: &[Term], beta: &[Term]) -> Self {
+        let mut offset = Vec::with_capacity(alpha.len());
+        let mut increment = Vec::with_capacity(alpha.len());
+        for ((alpha, beta), x) in alpha.iter().zip(beta).zip(x) {
+            let below = graph.summands_beside(beta, x);
+            let mut between = graph.summands_beside(alpha, x);
+            between.extend(below.iter().map(|(factor, term)| (-factor, term.clone())));
+            offset.push(graph.combine(&below));
+            increment.push(graph.combine(&between));
+        }
+        Self { offset, increment }
+    }
 }
 
 /// α̂_ε and β̂_ε stage by stage: of a builder, ε, y and p, both code over the proxy lattice.

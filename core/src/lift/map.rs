@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use leafwise_expression::{Graph, Kernel, Term};
+use leafwise_expression::{Graph, Term};
 use nalgebra::DMatrix;
 
 use super::slowing::slower;
@@ -13,7 +13,8 @@ use crate::runge_kutta::smooth_map::MapAt;
 use crate::runge_kutta::stage_lanes::{FixedPoint, StageLanes, Start, stage_lanes};
 use crate::runge_kutta::{SmoothMap, SmoothMapEvaluator, Tableau};
 use crate::solver::{
-    Lanes, MapProperties, StepMap, StepReport, Stepper, Structure, Trajectories, check_equations,
+    Lanes, MapAbilities, MapProperties, StepMap, StepReport, Stepper, Structure, Trajectories,
+    check_equations,
 };
 use crate::system::{PoissonSystem, SystemFormulas};
 
@@ -128,11 +129,14 @@ impl StepMap for LiftedMap {
         self.description.clone()
     }
 
-    fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
+    fn abilities(&self) -> MapAbilities<'_> {
         let Code { field, increment } = &*self.code;
         let named = [("the lifted motion", field), ("the change of x", increment)];
         let kernels = named.map(|(name, map)| Some((name, map.value_kernel()?)));
-        kernels.into_iter().flatten().collect()
+        MapAbilities {
+            kernels: kernels.into_iter().flatten().collect(),
+            ..MapAbilities::default()
+        }
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {

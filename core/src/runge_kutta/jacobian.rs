@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use leafwise_expression::{Graph, Kernel, Term};
 
 use crate::error::BuildError;
-use crate::solver::check_variables;
+use leafwise_solver::check_variables;
 
 /// DF of code for F, which all evaluators share. Explicit methods, and Gauss methods whose plain iteration converges, never
 /// ask for it: differentiation takes longer than all else that a long system is built by.

@@ -7,7 +7,6 @@
 //! - [`stages`]: the stage equations of a partitioned method by Newton's iteration, or without Jacobians,
 //!   of several trajectories in lockstep.
 
-pub(crate) mod batch;
 mod jacobian;
 pub mod smooth_map;
 pub(crate) mod stage_lanes;

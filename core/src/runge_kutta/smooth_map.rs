@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use leafwise_expression::{Graph, Kernel, Term, Workspace};
+use leafwise_solver::batch;
 
-use super::batch::batch;
 use super::jacobian::Jacobian;
 use crate::error::{BuildError, StepError};
 use crate::evaluator::Evaluator;

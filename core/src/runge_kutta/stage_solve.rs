@@ -2,8 +2,8 @@
 
 use super::tableau::PartitionedTableau;
 use crate::error::StepError;
-use crate::solver::judge::{Verdict, reach};
-use crate::solver::{
+use leafwise_solver::judge::{Verdict, reach};
+use leafwise_solver::{
     CorrectionMethod, DenseFactors, Iteration, elimination_operations, substitution_operations,
 };
 

@@ -8,8 +8,8 @@ use super::stage_solve::{Coefficients, StageSolve};
 use super::tableau::PartitionedTableau;
 use crate::error::StepError;
 use crate::evaluator::Evaluator;
-use crate::solver::judge::all_finite;
-use crate::solver::{Branch, StepReport};
+use leafwise_solver::judge::all_finite;
+use leafwise_solver::{Branch, StepReport};
 
 /// So many steps are taken by Newton's iteration after the plain one has failed.
 pub(super) const UNTIL_LANES: u32 = 15;

@@ -5,10 +5,10 @@ use std::sync::Arc;
 use leafwise_expression::{Arithmetic, Graph, Kernel, Term};
 
 use super::formulas::SystemFormulas;
-use super::numbers::{Derivatives, SystemEvaluator, SystemNumbers, vector};
+use super::numbers::{Derivatives, SystemEvaluator, SystemFunction, SystemNumbers, vector};
 use crate::error::{BuildError, StepError};
 use crate::point_kernel::PointKernel;
-use crate::solver::check_variables;
+use leafwise_solver::check_variables;
 
 /// Kernels of Π(y)v, H, ∇H, the Casimirs and their derivatives.
 #[derive(Clone, Debug)]
@@ -92,20 +92,19 @@ fn along(graph: &mut Graph, values: &[Term], direction: &[Term]) -> Result<Vec<T
     Ok(derivatives)
 }
 
-impl SystemNumbers for CompiledNumbers {
-    fn derivatives(&self) -> Derivatives {
-        Derivatives {
+impl From<CompiledNumbers> for SystemNumbers {
+    fn from(compiled: CompiledNumbers) -> Self {
+        let all = Derivatives {
             tensor: true,
             hamiltonian: true,
             casimirs: true,
-        }
-    }
-
-    fn evaluator(&self, parameters: &[f64]) -> Box<dyn SystemEvaluator> {
-        let kernel = |kernel: &Arc<Kernel>| PointKernel::new(kernel, parameters, 1.0, 1.0);
-        Box::new(CompiledEvaluator {
-            kernels: self.kernels.each_ref().map(kernel),
-            dimension: self.dimension,
+        };
+        Self::new(all, move |parameters| {
+            let kernel = |kernel: &Arc<Kernel>| PointKernel::new(kernel, parameters, 1.0, 1.0);
+            Box::new(CompiledEvaluator {
+                kernels: compiled.kernels.each_ref().map(kernel),
+                dimension: compiled.dimension,
+            })
         })
     }
 }
@@ -115,60 +114,32 @@ struct CompiledEvaluator {
     dimension: usize,
 }
 
-impl CompiledEvaluator {
-    /// One kernel at every point of a batch.
-    fn evaluate(&mut self, which: usize, inputs: &[&[f64]], out: &mut [f64]) {
-        let d = self.dimension;
+impl SystemEvaluator for CompiledEvaluator {
+    fn evaluate(
+        &mut self,
+        function: SystemFunction<'_>,
+        y: &[f64],
+        out: &mut [f64],
+    ) -> Result<(), StepError> {
+        let (which, vectors) = match function {
+            SystemFunction::Tensor(_) => (TENSOR, 1),
+            SystemFunction::Hamiltonian => (HAMILTONIAN, 0),
+            SystemFunction::Gradient => (GRADIENT, 0),
+            SystemFunction::Casimirs => (CASIMIRS, 0),
+            SystemFunction::TensorTangent(..) => (TENSOR_TANGENT, 2),
+            SystemFunction::Hessian(_) => (HESSIAN, 1),
+            SystemFunction::CasimirGradients => (CASIMIR_GRADIENTS, 0),
+        };
+        let (d, [v, w]) = (self.dimension, function.vectors());
+        let inputs = &[y, v, w][..1 + vectors];
         let point = |at| inputs.iter().flat_map(move |values| vector(values, d, at));
         if !out.is_empty() {
             self.kernels[which].evaluate_each(|at| point(at).copied(), out);
         }
-    }
-}
-
-impl SystemEvaluator for CompiledEvaluator {
-    fn tensor(&mut self, y: &[f64], v: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        self.evaluate(TENSOR, &[y, v], out);
-        Ok(())
-    }
-
-    fn hamiltonian(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        self.evaluate(HAMILTONIAN, &[y], out);
-        Ok(())
-    }
-
-    fn gradient(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        self.evaluate(GRADIENT, &[y], out);
-        Ok(())
-    }
-
-    fn casimirs(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        self.evaluate(CASIMIRS, &[y], out);
-        Ok(())
-    }
-
-    fn tensor_tangent(
-        &mut self,
-        y: &[f64],
-        v: &[f64],
-        w: &[f64],
-        out: &mut [f64],
-    ) -> Result<(), StepError> {
-        self.evaluate(TENSOR_TANGENT, &[y, v, w], out);
-        Ok(())
-    }
-
-    fn hessian(&mut self, y: &[f64], v: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        self.evaluate(HESSIAN, &[y, v], out);
         Ok(())
     }
 
     fn operations(&self) -> Option<u64> {
         Some(self.kernels.iter().map(PointKernel::operations).sum())
-    }
-
-    fn casimir_gradients(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        self.evaluate(CASIMIR_GRADIENTS, &[y], out);
-        Ok(())
     }
 }

@@ -181,7 +181,7 @@ enum Value {
 
 fn map_of(system: &OpaqueSystem, value: Value) -> SmoothMap {
     let (d, casimirs) = (system.variables.len(), system.casimirs.len());
-    let derivatives = system.numbers.derivatives();
+    let derivatives = system.numbers.derivatives;
     let (inputs, outputs, has_jacobian) = match value {
         Value::Field => (d, d, derivatives.of_field()),
         Value::Tensor => (2 * d, d, derivatives.tensor),

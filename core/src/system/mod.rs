@@ -27,8 +27,6 @@ mod pfaffian;
 mod summands;
 mod tensor_matrix;
 
-use std::sync::Arc;
-
 use leafwise_expression::Expression;
 
 pub use agreement::Agreement;
@@ -39,7 +37,7 @@ pub use forces::{Damping, Forces, Metric};
 pub use forms::FormError;
 pub use formulas::{SystemFormulas, TensorSource};
 pub use jet::MotionSeries;
-pub use numbers::{Derivatives, OpaqueSystem, SystemEvaluator, SystemNumbers};
+pub use numbers::{Derivatives, OpaqueSystem, SystemEvaluator, SystemFunction, SystemNumbers};
 pub use observables::{SystemInvariants, SystemObservables};
 pub(crate) use tensor_matrix::TensorMatrix;
 
@@ -250,10 +248,10 @@ impl PoissonSystem {
     ///
     /// # Errors
     /// [`BuildError::Algebra`] where a formula or its derivative has no code.
-    pub fn numbers(&self) -> Result<Arc<dyn SystemNumbers>, BuildError> {
+    pub fn numbers(&self) -> Result<SystemNumbers, BuildError> {
         match &self.definition {
-            Definition::Formulas(system) => Ok(Arc::new(CompiledNumbers::compile(system)?)),
-            Definition::Numbers(system) => Ok(Arc::clone(&system.numbers)),
+            Definition::Formulas(system) => Ok(CompiledNumbers::compile(system)?.into()),
+            Definition::Numbers(system) => Ok(system.numbers.clone()),
         }
     }
 

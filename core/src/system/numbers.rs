@@ -14,10 +14,10 @@ pub struct OpaqueSystem {
     pub variables: Vec<String>,
     /// The parameters, in the order in which [`SystemNumbers::evaluator`] takes their values.
     pub parameters: Vec<Parameter>,
-    /// The Casimirs' names, in the order of [`SystemEvaluator::casimirs`].
+    /// The Casimirs' names, in the order of [`SystemFunction::Casimirs`].
     pub casimirs: Vec<String>,
     /// The values.
-    pub numbers: Arc<dyn SystemNumbers>,
+    pub numbers: SystemNumbers,
 }
 
 impl OpaqueSystem {
@@ -32,25 +32,67 @@ impl OpaqueSystem {
 }
 
 /// Values of a Poisson system, in the paper's convention Π_ij = {x_i, x_j}, ẋ = −Π ∇H.
-pub trait SystemNumbers: Send + Sync + std::fmt::Debug {
-    /// Which derivatives there are beside ∇H.
-    fn derivatives(&self) -> Derivatives;
+#[derive(Clone)]
+pub struct SystemNumbers {
+    /// The derivatives that there are beside ∇H.
+    pub derivatives: Derivatives,
+    make: Arc<MakeEvaluator>,
+    make_on_trial: Arc<MakeEvaluator>,
+}
+
+type MakeEvaluator = dyn Fn(&[f64]) -> Box<dyn SystemEvaluator> + Send + Sync;
+
+impl SystemNumbers {
+    /// Values whose evaluators `make` makes, one a thread, of values of the parameters.
+    pub fn new(
+        derivatives: Derivatives,
+        make: impl Fn(&[f64]) -> Box<dyn SystemEvaluator> + Send + Sync + 'static,
+    ) -> Self {
+        let make: Arc<MakeEvaluator> = Arc::new(make);
+        Self {
+            derivatives,
+            make_on_trial: Arc::clone(&make),
+            make,
+        }
+    }
+
+    /// The same with evaluators of their own for states that are tried.
+    #[must_use]
+    pub fn with_trials(
+        mut self,
+        make: impl Fn(&[f64]) -> Box<dyn SystemEvaluator> + Send + Sync + 'static,
+    ) -> Self {
+        self.make_on_trial = Arc::new(make);
+        self
+    }
+
     /// One thread's evaluator for these values of the parameters.
-    fn evaluator(&self, parameters: &[f64]) -> Box<dyn SystemEvaluator>;
+    pub fn evaluator(&self, parameters: &[f64]) -> Box<dyn SystemEvaluator> {
+        (self.make)(parameters)
+    }
+
     /// The same for states that are tried, to which no motion may come: what it refuses is of no account.
-    fn evaluator_on_trial(&self, parameters: &[f64]) -> Box<dyn SystemEvaluator> {
-        self.evaluator(parameters)
+    pub fn evaluator_on_trial(&self, parameters: &[f64]) -> Box<dyn SystemEvaluator> {
+        (self.make_on_trial)(parameters)
+    }
+}
+
+impl std::fmt::Debug for SystemNumbers {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let mut text = f.debug_struct("SystemNumbers");
+        text.field("derivatives", &self.derivatives)
+            .finish_non_exhaustive()
     }
 }
 
 /// Derivatives that a system of numbers offers, exact to round-off.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Derivatives {
-    /// [`SystemEvaluator::tensor_tangent`].
+    /// [`SystemFunction::TensorTangent`].
     pub tensor: bool,
-    /// [`SystemEvaluator::hessian`].
+    /// [`SystemFunction::Hessian`].
     pub hamiltonian: bool,
-    /// [`SystemEvaluator::casimir_gradients`].
+    /// [`SystemFunction::CasimirGradients`].
     pub casimirs: bool,
 }
 
@@ -61,68 +103,102 @@ impl Derivatives {
     }
 }
 
+/// Functions of a state y that a [`SystemEvaluator`] evaluates, with their vectors.
+#[derive(Clone, Copy, Debug)]
+pub enum SystemFunction<'a> {
+    /// Π(y)v, (Πv)_i = Σ_j Π_ij(y) v_j: d results a point.
+    Tensor(&'a [f64]),
+    /// H(y): one result a point.
+    Hamiltonian,
+    /// ∇H(y): d results a point.
+    Gradient,
+    /// Every Casimir at y: as many results a point.
+    Casimirs,
+    /// The derivative of Π(y)v along y in the direction w, Σ_jk ∂_k Π_ij(y) v_j w_k: d results a point.
+    TensorTangent(&'a [f64], &'a [f64]),
+    /// D²H(y)v: d results a point.
+    Hessian(&'a [f64]),
+    /// The gradients of the Casimirs, contiguous: d results a Casimir and point.
+    CasimirGradients,
+}
+
+impl<'a> SystemFunction<'a> {
+    /// The vectors v and w; empty where there are none.
+    pub fn vectors(self) -> [&'a [f64]; 2] {
+        match self {
+            Self::Tensor(v) | Self::Hessian(v) => [v, &[]],
+            Self::TensorTangent(v, w) => [v, w],
+            _ => [&[]; 2],
+        }
+    }
+}
+
 /// One thread's evaluator of a system, for fixed parameters.
 ///
 /// Every function takes a batch of contiguous points: d numbers a point, and as many points
 /// as `out` holds results. A vector argument holds d numbers for each point, or d numbers that serve
 /// all of them; so may the point itself, where vectors differ. What is written for a point depends on that point alone.
 pub trait SystemEvaluator: Send {
-    /// Π(y)v, (Πv)_i = Σ_j Π_ij(y) v_j: d results a point.
+    /// A function at y.
     ///
     /// # Errors
-    /// [`StepError`] outside the system's domain, with `out` unspecified; so in every function here.
-    fn tensor(&mut self, y: &[f64], v: &[f64], out: &mut [f64]) -> Result<(), StepError>;
-    /// H(y): one result a point.
+    /// [`StepError`] outside the system's domain, with `out` unspecified; [`StepError::NoTangent`] for one that the
+    /// [`Derivatives`] leave out.
+    fn evaluate(
+        &mut self,
+        function: SystemFunction<'_>,
+        y: &[f64],
+        out: &mut [f64],
+    ) -> Result<(), StepError>;
+    /// Operations so far, as [`SolverStatistics::operations`] counts them; `None` for a system that
+    /// does not count.
     ///
-    /// # Errors
-    /// As [`tensor`](Self::tensor).
-    fn hamiltonian(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError>;
-    /// ∇H(y): d results a point.
-    ///
-    /// # Errors
-    /// As [`tensor`](Self::tensor).
-    fn gradient(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError>;
-    /// Every Casimir at y: as many results a point.
-    ///
-    /// # Errors
-    /// As [`tensor`](Self::tensor).
-    fn casimirs(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError>;
-    /// The derivative of Π(y)v along y in the direction w, Σ_jk ∂_k Π_ij(y) v_j w_k: d results a point.
-    ///
-    /// # Errors
-    /// As [`tensor`](Self::tensor); [`StepError::NoTangent`] unless [`Derivatives::tensor`].
-    fn tensor_tangent(
+    /// [`SolverStatistics::operations`]: crate::SolverStatistics::operations
+    fn operations(&self) -> Option<u64>;
+}
+
+/// The functions by name; each fails as [`evaluate`](SystemEvaluator::evaluate).
+#[allow(clippy::missing_errors_doc, reason = "said above, for all")]
+impl dyn SystemEvaluator + '_ {
+    /// [`SystemFunction::Tensor`].
+    pub fn tensor(&mut self, y: &[f64], v: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        self.evaluate(SystemFunction::Tensor(v), y, out)
+    }
+
+    /// [`SystemFunction::Hamiltonian`].
+    pub fn hamiltonian(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        self.evaluate(SystemFunction::Hamiltonian, y, out)
+    }
+
+    /// [`SystemFunction::Gradient`].
+    pub fn gradient(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        self.evaluate(SystemFunction::Gradient, y, out)
+    }
+
+    /// [`SystemFunction::Casimirs`].
+    pub fn casimirs(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        self.evaluate(SystemFunction::Casimirs, y, out)
+    }
+
+    /// [`SystemFunction::TensorTangent`].
+    pub fn tensor_tangent(
         &mut self,
         y: &[f64],
         v: &[f64],
         w: &[f64],
         out: &mut [f64],
     ) -> Result<(), StepError> {
-        let _ = (y, v, w, out);
-        Err(StepError::NoTangent)
+        self.evaluate(SystemFunction::TensorTangent(v, w), y, out)
     }
-    /// D²H(y)v: d results a point.
-    ///
-    /// # Errors
-    /// As [`tensor`](Self::tensor); [`StepError::NoTangent`] unless [`Derivatives::hamiltonian`].
-    fn hessian(&mut self, y: &[f64], v: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        let _ = (y, v, out);
-        Err(StepError::NoTangent)
+
+    /// [`SystemFunction::Hessian`].
+    pub fn hessian(&mut self, y: &[f64], v: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        self.evaluate(SystemFunction::Hessian(v), y, out)
     }
-    /// Operations so far, as [`SolverStatistics::operations`] counts them; `None` for a system that
-    /// does not count.
-    ///
-    /// [`SolverStatistics::operations`]: crate::SolverStatistics::operations
-    fn operations(&self) -> Option<u64> {
-        None
-    }
-    /// The gradients of the Casimirs, contiguous: d results a Casimir and point.
-    ///
-    /// # Errors
-    /// As [`tensor`](Self::tensor); [`StepError::NoTangent`] unless [`Derivatives::casimirs`].
-    fn casimir_gradients(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        let _ = (y, out);
-        Err(StepError::NoTangent)
+
+    /// [`SystemFunction::CasimirGradients`].
+    pub fn casimir_gradients(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        self.evaluate(SystemFunction::CasimirGradients, y, out)
     }
 }
 

@@ -247,7 +247,6 @@ impl DynamicApproximation for Collective {
             }
             _ => {
                 let maps = RealizationMaps::new(realization.as_ref(), parameters.len())?;
-                let evaluator = maps.evaluator(&parameters, 1.0);
                 if !maps.has_jacobian() || !chart.has_jacobian() {
                     return Err(missing(
                         "it offers no tangents of its source map, which the gradient of the \
@@ -256,7 +255,7 @@ impl DynamicApproximation for Collective {
                 }
                 let gradient = system.gradient_map()?;
                 let has_jacobian =
-                    chart.has_pairs() && evaluator.has_source_hessian() && gradient.has_jacobian();
+                    chart.has_pairs() && maps.has_hessian() && gradient.has_jacobian();
                 collective_numbers(gradient, maps, chart.clone(), space, has_jacobian)
             }
         };

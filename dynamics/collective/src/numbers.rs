@@ -2,7 +2,7 @@
 
 use leafwise_core::evaluator::{Evaluator, one_by_one};
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
-use leafwise_core::{ChartMaps, Ends, RealizationEvaluator, RealizationMaps, StepError};
+use leafwise_core::{ChartMaps, Ends, RealizationMaps, StepError};
 
 /// (x, p) ↦ (−∂K/∂p, ∂K/∂x) for K = H∘α̂_ε∘χ, from ∇K = (Dα̂ Dχ)ᵀ ∇H; `space` is the number of
 /// coordinates of a point of S.
@@ -41,7 +41,7 @@ pub fn collective_numbers(
 }
 
 struct NumericField {
-    maps: Box<dyn RealizationEvaluator>,
+    maps: Box<dyn Evaluator>,
     chart: Box<dyn Evaluator>,
     has_pairs: bool,
     /// ∇H and D²H.
@@ -120,7 +120,7 @@ impl NumericField {
         let d = self.alpha.len();
         self.gradient.jacobians(&self.alpha, &mut self.of_energy)?;
         self.maps
-            .source_hessian(&self.point, &self.slope, &mut self.of_source)?;
+            .hessian(&self.point, &self.slope, &mut self.of_source)?;
         self.linear += (12 * d * d * d) as u64;
         for k in 0..2 * d {
             // A column of D²H Dα̂, then of D²K.

@@ -14,7 +14,7 @@ use leafwise_collective::{Collective, SymplecticIntegrator};
 use leafwise_core::diagnostics::TensorDefect;
 use leafwise_core::{
     Abilities, Accuracy, BuildError, Correction, EndMaps, EndNumbers, Evaluator, Method,
-    RealizationData, RealizationEvaluator, RealizationMaps, StepError, StepMap,
+    RealizationData, RealizationMaps, StepError, StepMap,
 };
 use leafwise_karasev::CollocatedKarasev;
 
@@ -26,7 +26,7 @@ struct Numbers<R> {
 }
 
 struct ShortEvaluator {
-    of: Box<dyn RealizationEvaluator>,
+    of: Box<dyn Evaluator>,
 }
 
 impl<R: RealizationData> RealizationData for Numbers<R> {
@@ -59,14 +59,16 @@ impl<R: RealizationData> RealizationData for Numbers<R> {
     }
 }
 
-impl RealizationEvaluator for ShortEvaluator {}
-
 impl Evaluator for ShortEvaluator {
     fn values(&mut self, z: &[f64], ends: &mut [f64]) -> Result<(), StepError> {
         self.of.values(z, ends)
     }
     fn jacobians(&mut self, z: &[f64], tangents: &mut [f64]) -> Result<(), StepError> {
         self.of.jacobians(z, tangents)
+    }
+
+    fn operations(&self) -> Option<u64> {
+        None
     }
 }
 

@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
-use leafwise_core::solver::{Compensated, MapProperties, ProductStepper, StepMap, Stepper};
+use leafwise_core::solver::{
+    Compensated, MapAbilities, MapProperties, ProductStepper, StepMap, Stepper,
+};
 use leafwise_core::{BuildError, Differential, Pieces, Shadow, StepError, SystemFormulas};
-use leafwise_expression::Kernel;
 
 use crate::scheme::Scheme;
 
@@ -25,7 +26,7 @@ impl Composed {
     /// [`BuildError::Pieces`] when the pieces of `base` are not those that the scheme was solved for.
     pub fn new(base: Arc<dyn StepMap>, scheme: Scheme) -> Result<Self, BuildError> {
         let is_self_adjoint = base.properties().self_adjoint == Some(true);
-        if scheme.takes_factors() && base.factored().is_none() {
+        if scheme.takes_factors() && base.abilities().factored.is_none() {
             return Err(BuildError::NoFactors {
                 composition: scheme.info.name,
                 map: base.describe(),
@@ -41,7 +42,7 @@ impl Composed {
         let base = match scheme.pieces {
             Pieces::Any => base,
             asked => {
-                let arranged = base.factored().and_then(|own| own.arranged);
+                let arranged = base.abilities().factored.and_then(|own| own.arranged);
                 let arranged = arranged.ok_or_else(|| BuildError::Pieces {
                     map: base.describe(),
                     asked,
@@ -65,14 +66,14 @@ impl Composed {
 
     /// The factors χ and χ* that its stages are.
     fn factors(&self) -> Option<[Arc<dyn StepMap>; 2]> {
-        let factored = self.base.factored();
+        let factored = self.base.abilities().factored;
         let factored = factored.filter(|_| self.scheme.takes_factors());
         factored.map(|own| own.factors)
     }
 
     /// All stages as one map, where that takes less.
     fn product(&self) -> Option<Arc<dyn StepMap>> {
-        (self.base.factored()?.product)(&self.scheme.parts())
+        (self.base.abilities().factored?.product)(&self.scheme.parts())
     }
 
     /// Stages of a step in order: maps, each with its part of the step. They are Φ with the γ_i, or χ and χ* in turn
@@ -85,6 +86,34 @@ impl Composed {
             Some(factors) => (Arc::clone(&factors[at % 2]), part),
         };
         coefficients.map(stage).collect()
+    }
+}
+
+impl Composed {
+    /// The shadow of the product of its stages.
+    fn shadow_terms(
+        &self,
+        system: &SystemFormulas,
+        last: usize,
+        products: u64,
+    ) -> Result<Option<Shadow>, BuildError> {
+        let factors = self.factors();
+        let maps = factors.map_or_else(|| vec![Arc::clone(&self.base)], Vec::from);
+        let mut shadows = Vec::with_capacity(maps.len());
+        for map in &maps {
+            let Some(shadow) = map.shadow(system, last, products)? else {
+                return Ok(None);
+            };
+            shadows.push(shadow);
+        }
+        let coefficients = self.scheme.coefficients().into_iter().enumerate();
+        let steps: Vec<_> = coefficients
+            .map(|(at, part)| (at % shadows.len(), part))
+            .collect();
+        let shadow = Shadow::of_product(system, &shadows, &steps, last, products)?;
+        // A symmetric composition is self-adjoint.
+        let order = self.properties().order;
+        Ok(shadow.map(|shadow| shadow.keeping(|k| k == 1 || (k > order && k % 2 == 1))))
     }
 }
 
@@ -108,33 +137,14 @@ impl StepMap for Composed {
         format!("{} of {}", self.scheme.info.name, self.base.describe())
     }
 
-    fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
-        self.base.kernels()
-    }
-
-    fn shadow(
-        &self,
-        system: &SystemFormulas,
-        last: usize,
-        products: u64,
-    ) -> Result<Option<Shadow>, BuildError> {
-        let factors = self.factors();
-        let maps = factors.map_or_else(|| vec![Arc::clone(&self.base)], Vec::from);
-        let mut shadows = Vec::with_capacity(maps.len());
-        for map in &maps {
-            let Some(shadow) = map.shadow(system, last, products)? else {
-                return Ok(None);
-            };
-            shadows.push(shadow);
+    fn abilities(&self) -> MapAbilities<'_> {
+        MapAbilities {
+            kernels: self.base.abilities().kernels,
+            shadow: Some(Box::new(|system, last, products| {
+                self.shadow_terms(system, last, products)
+            })),
+            ..MapAbilities::default()
         }
-        let coefficients = self.scheme.coefficients().into_iter().enumerate();
-        let steps: Vec<_> = coefficients
-            .map(|(at, part)| (at % shadows.len(), part))
-            .collect();
-        let shadow = Shadow::of_product(system, &shadows, &steps, last, products)?;
-        // A symmetric composition is self-adjoint.
-        let order = self.properties().order;
-        Ok(shadow.map(|shadow| shadow.keeping(|k| k == 1 || (k > order && k % 2 == 1))))
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {

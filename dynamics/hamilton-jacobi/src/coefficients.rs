@@ -90,7 +90,7 @@ type Coefficients<E> = (Vec<E>, Vec<Vec<E>>);
 
 fn odd_coefficients<A: DifferentialAlgebra>(
     system: &PoissonSystem,
-    source: Box<dyn SourceRecursion<A>>,
+    source: SourceRecursion<A>,
     order: usize,
     algebra: &mut A,
 ) -> Result<Coefficients<A::Element>, BuildError> {
@@ -198,7 +198,7 @@ pub fn all_coefficients(
 /// Runs the recursion; `take(algebra, l, S_l)` returns dS_l, or `None` for 0.
 fn for_each_coefficient<A: DifferentialAlgebra>(
     system: &PoissonSystem,
-    mut source: Box<dyn SourceRecursion<A>>,
+    mut source: SourceRecursion<A>,
     last: usize,
     algebra: &mut A,
     mut take: impl FnMut(&mut A, usize, A::Element) -> Result<Option<Vec<A::Element>>, BuildError>,
@@ -240,7 +240,7 @@ fn for_each_coefficient<A: DifferentialAlgebra>(
             return Err(too_long(l)(refusal.clone()));
         }
         if l < last {
-            alpha = source.push(algebra, gradient)?;
+            alpha = source(algebra, gradient)?;
         }
     }
     Ok(())

@@ -65,7 +65,7 @@ pub(crate) fn gauss_map(
     description: String,
 ) -> Result<Arc<dyn StepMap>, BuildError> {
     let opaque = system.opaque();
-    if opaque.is_none_or(|system| system.numbers.derivatives().of_field()) {
+    if opaque.is_none_or(|system| system.numbers.derivatives.of_field()) {
         check_equations(tableau.stages() * system.dimension())?;
     }
     let field = system.field_map()?;

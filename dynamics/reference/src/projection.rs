@@ -7,8 +7,10 @@ use leafwise_core::part::{
 };
 use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMapEvaluator, Tableau};
-use leafwise_core::solver::judge::{Verdict, larger, reach, relative};
-use leafwise_core::solver::{LinearIteration, StepReport, Trajectories, check_equations};
+use leafwise_core::solver::judge::{Verdict, reach};
+use leafwise_core::solver::{
+    CorrectionMethod, Iteration, StepReport, Trajectories, check_equations,
+};
 use leafwise_core::{
     BuildError, Evaluator, MapProperties, PoissonSystem, StepError, StepMap, Structure,
 };
@@ -60,6 +62,7 @@ struct Projection {
     /// Dg(y) Dg(x̃)ᵀ, and g(x) − g(y), then λ.
     gram: SingularSystem,
     multipliers: Vec<f64>,
+    iteration: Iteration,
     /// Operations of the normal equations.
     linear: u64,
 }
@@ -79,6 +82,7 @@ impl Projection {
             state: vec![0.0; d],
             gram: SingularSystem::new(count),
             multipliers: vec![0.0; count],
+            iteration: Iteration::new(CorrectionMethod::Newton, 0),
             linear: 0,
         }
     }
@@ -140,7 +144,7 @@ impl Projection {
         self.invariants.values(x, &mut self.kept)?;
         self.evaluate(x, increment)?;
         self.take_normals();
-        let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
+        self.iteration.begin(MOST_EVALUATIONS, |_| 0.0);
         loop {
             self.solve()?;
             for (lambda, normal) in self.multipliers.iter().zip(self.normals.chunks_exact(d)) {
@@ -148,13 +152,12 @@ impl Projection {
                     *change += lambda * n;
                 }
             }
-            let mut size = 0.0;
             for (k, kept) in self.kept.iter().enumerate() {
                 let scale = kept.abs() + reach(&self.rows[k * d..][..d], &self.state);
-                size = larger(relative(kept - self.values[k], scale), size);
+                self.iteration.take(kept - self.values[k], scale);
             }
-            if iteration.judge(size)? == Verdict::Converged {
-                return Ok(evaluations + iteration.evaluations());
+            if self.iteration.judge()? == Verdict::Converged {
+                return Ok(evaluations + self.iteration.evaluations());
             }
             self.evaluate(x, increment)?;
         }

@@ -326,15 +326,14 @@ fn build(
 fn build_on_lattice(
     source: &dyn LatticeSource,
     parameters: &PartParameters,
-) -> Result<Arc<dyn LatticeMap>, BuildError> {
+) -> Result<LatticeMap, BuildError> {
     parameters.refuse_unknown(&INFO)?;
-    let map = ImplicitSweeps::compose(source, PROPERTIES.order, |builder, code| {
+    ImplicitSweeps::compose(source, PROPERTIES.order, |builder, code| {
         code.system.without_forces(INFO.name)?;
         let formulas = code.system.formulas(INFO.name)?;
         let ends = ends(builder, code, formulas, &triples(formulas)?)?;
         Ok((ends, PROPERTIES, INFO.name.to_owned()))
-    })?;
-    Ok(Arc::new(map))
+    })
 }
 
 /// x − y = (c − 1) y − t X(y)/2, where c − 1 = −s/(1 + c), and x+ − x = t X(y).

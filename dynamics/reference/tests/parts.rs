@@ -199,7 +199,7 @@ fn rk4_is_one_kernel_or_calls() {
         let (d, t) = (system.dimension(), 0.01);
         let x: Vec<f64> = (0..d).map(|i| 0.5 + libm::sin(i as f64)).collect();
         let map = map("rk4", &system, &none());
-        assert_eq!(map.kernels().len(), usize::from(is_kernel));
+        assert_eq!(map.abilities().kernels.len(), usize::from(is_kernel));
         let mut stepper = map.stepper(1, &[], 0.5, t / 0.5);
         let mut increment = vec![0.0; d];
         let mut outcome = [Ok(())];

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use leafwise_core::solver::{MapProperties, StepMap, Stepper, Structure};
+use leafwise_core::solver::{MapAbilities, MapProperties, StepMap, Stepper, Structure};
 use leafwise_core::{BuildError, ByTangents, Differential, Shadow, SystemFormulas};
 
 /// … ∘ χ*_{α_2 h} ∘ χ_{α_1 h} of a splitting, exactly Poisson, with χ = φʳ ∘ … ∘ φ¹ and χ* = φ¹ ∘ … ∘ φʳ. Alone, χ and
@@ -88,14 +88,14 @@ impl<S: Splits> StepMap for Product<S> {
         format!("{}, {which}", self.splitting.describe())
     }
 
-    fn shadow(
-        &self,
-        system: &SystemFormulas,
-        last: usize,
-        products: u64,
-    ) -> Result<Option<Shadow>, BuildError> {
-        self.splitting
-            .passes_shadow(&self.parts, system, last, products)
+    fn abilities(&self) -> MapAbilities<'_> {
+        MapAbilities {
+            shadow: Some(Box::new(|system, last, products| {
+                self.splitting
+                    .passes_shadow(&self.parts, system, last, products)
+            })),
+            ..MapAbilities::default()
+        }
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {

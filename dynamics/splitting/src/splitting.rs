@@ -8,7 +8,9 @@ use leafwise_core::part::{
     PartParameters,
 };
 use leafwise_core::registry::StepperPart;
-use leafwise_core::solver::{ExplicitMap, Factored, MapProperties, StepMap, Stepper, Structure};
+use leafwise_core::solver::{
+    ExplicitMap, Factored, MapAbilities, MapProperties, StepMap, Stepper, Structure,
+};
 use leafwise_core::{BuildError, Differential, Inverse, PoissonSystem, Shadow, SystemFormulas};
 use leafwise_expression::{Arithmetic, Graph, Kernel, OperationCount, Ring, StepSize, Term};
 
@@ -316,28 +318,15 @@ impl StepMap for Splitting {
         format!("{} into {pieces} pieces", INFO.name)
     }
 
-    fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
-        vec![("step", self.shared.step.kernel())]
-    }
-
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
         self.shared.step.stepper(lanes, parameters, epsilon, h)
-    }
-
-    fn shadow(
-        &self,
-        system: &SystemFormulas,
-        last: usize,
-        products: u64,
-    ) -> Result<Option<Shadow>, BuildError> {
-        self.passes_shadow(&STRANG, system, last, products)
     }
 
     fn differential(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Differential> {
         self.differential_of(&self.shared.step, &STRANG, parameters, (epsilon, h))
     }
 
-    fn factored(&self) -> Option<Factored<'_>> {
+    fn abilities(&self) -> MapAbilities<'_> {
         let Shared {
             system,
             ring,
@@ -345,7 +334,7 @@ impl StepMap for Splitting {
             step,
             ..
         } = self.shared.as_ref();
-        Some(Factored {
+        let factored = Factored {
             factors: Product::factors(self),
             pieces: pieces.len(),
             arranged: Some(Box::new(|asked| {
@@ -359,7 +348,14 @@ impl StepMap for Splitting {
                 (operations <= LARGEST_PRODUCT)
                     .then(|| -> Arc<dyn StepMap> { Arc::new(Product::new(self, parts)) })
             }),
-        })
+        };
+        MapAbilities {
+            kernels: vec![("step", step.kernel())],
+            shadow: Some(Box::new(|system, last, products| {
+                self.passes_shadow(&STRANG, system, last, products)
+            })),
+            factored: Some(factored),
+        }
     }
 }
 
@@ -418,7 +414,7 @@ fn build(
 fn build_on_lattice(
     source: &dyn LatticeSource,
     parameters: &PartParameters,
-) -> Result<Arc<dyn LatticeMap>, BuildError> {
+) -> Result<LatticeMap, BuildError> {
     parameters.refuse_unknown(&INFO)?;
     if bodies(parameters)? == Bodies::Whole {
         return Err(BuildError::DoesNotFit {
@@ -430,10 +426,10 @@ fn build_on_lattice(
     }
     let splitting = LatticeSplitting::new(source)?;
     let order = named_order(&INFO, parameters, splitting.pieces())?;
-    Ok(Arc::new(match order {
-        Some(order) => splitting.in_order(order),
-        None => splitting,
-    }))
+    Ok(match order {
+        Some(order) => splitting.in_order(order).into(),
+        None => splitting.into(),
+    })
 }
 
 leafwise_core::built_in!(StepperPart::new(&INFO, build).with_sweeps(build_on_lattice));

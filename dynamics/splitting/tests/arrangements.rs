@@ -175,7 +175,7 @@ fn the_order_of_the_pieces_is_a_choice() {
     let end = |order: &str, which: usize| {
         let map =
             splitting(&system, &PartParameters::new().with("pieces", order)).expect("an order");
-        let [forwards, backwards] = map.factored().expect("factors").factors;
+        let [forwards, backwards] = map.abilities().factored.expect("factors").factors;
         let factor = [forwards, backwards][which].stepper(1, &values, 1.0, h);
         step({ factor }.as_mut(), &problem.initial).expect("finite")
     };

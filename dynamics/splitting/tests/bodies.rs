@@ -449,7 +449,7 @@ fn the_flow_takes_so_many_operations() {
     let operations = |system: &PoissonSystem, bodies: &str| {
         let parameters = PartParameters::new().with("bodies", bodies);
         let map = splitting(system, &parameters).expect("splits");
-        let (_, kernel) = map.kernels()[0];
+        let (_, kernel) = map.abilities().kernels[0];
         kernel.step_operations().total()
     };
     let alone = library("rigid-body").system();

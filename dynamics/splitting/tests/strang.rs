@@ -126,7 +126,8 @@ fn a_composition_is_the_product_of_its_factors() {
         let parameters = system.parameter_values();
         let base = strang(&system);
         let factors = base
-            .factored()
+            .abilities()
+            .factored
             .expect("a product of flows and its adjoint")
             .factors;
         for (name, stages) in [("kahan-li-8", 17.0), ("blanes-moan-6", 10.0)] {

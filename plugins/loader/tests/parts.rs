@@ -450,7 +450,7 @@ fn a_long_system_of_numbers_needs_no_matrices() {
 #[test]
 fn a_derivative_that_no_instance_offers_is_not_there() {
     let system = gyrostat_of(&Workshop::new(), "unsupported");
-    let offered = system.opaque().expect("numbers").numbers.derivatives();
+    let offered = system.opaque().expect("numbers").numbers.derivatives;
     assert!(offered.casimirs && !offered.hamiltonian && !offered.tensor);
     use leafwise_reference as _;
     let built_in = built_in();

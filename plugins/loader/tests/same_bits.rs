@@ -104,6 +104,10 @@ impl Evaluator for ShearForm {
             self.hessian(y, 0, jacobian)
         })
     }
+
+    fn operations(&self) -> Option<u64> {
+        None
+    }
 }
 
 /// y ↦ (y, θ(y)), one point at a time.
@@ -120,6 +124,10 @@ impl Evaluator for ShearPoint {
         tangent.fill(0.0);
         (0..d).for_each(|i| tangent[i * d + i] = 1.0);
         self.0.hessian(y, d, tangent)
+    }
+
+    fn operations(&self) -> Option<u64> {
+        None
     }
 }
 

@@ -77,7 +77,7 @@ impl<'a> RunEnding<'a> {
 /// The kernels of the steps that were compiled to machine code, for each number of lanes.
 fn machine_code(map: &dyn StepMap) -> Vec<MachineCode> {
     let mut compiled = Vec::new();
-    for (kernel, code) in map.kernels() {
+    for (kernel, code) in map.abilities().kernels {
         for size in code.machine_code() {
             compiled.push(MachineCode {
                 kernel,

@@ -275,7 +275,7 @@ impl SourceSeries for DirectSum {
         &self,
         ring: &mut Ring,
         coordinates: &[usize],
-    ) -> Result<Box<dyn SourceRecursion<Ring>>, BuildError> {
+    ) -> Result<SourceRecursion<Ring>, BuildError> {
         self.recursion(coordinates, |series, own| series.in_ring(ring, own))
     }
 
@@ -283,7 +283,7 @@ impl SourceSeries for DirectSum {
         &self,
         graph: &mut Graph,
         coordinates: &[usize],
-    ) -> Result<Box<dyn SourceRecursion<Graph>>, BuildError> {
+    ) -> Result<SourceRecursion<Graph>, BuildError> {
         self.recursion(coordinates, |series, own| series.in_graph(graph, own))
     }
 }
@@ -293,37 +293,25 @@ impl DirectSum {
     fn recursion<A: DifferentialAlgebra + 'static>(
         &self,
         coordinates: &[usize],
-        mut series: impl FnMut(
-            &dyn SourceSeries,
-            &[usize],
-        ) -> Result<Box<dyn SourceRecursion<A>>, BuildError>,
-    ) -> Result<Box<dyn SourceRecursion<A>>, BuildError> {
+        mut series: impl FnMut(&dyn SourceSeries, &[usize]) -> Result<SourceRecursion<A>, BuildError>,
+    ) -> Result<SourceRecursion<A>, BuildError> {
         let mut factors = Vec::with_capacity(self.factors.len());
         for factor in &self.factors {
             let own = factor.realization.abilities().series;
             let own = own.ok_or_else(|| unfit("the realization of a summand has no series"))?;
             factors.push((factor.places.clone(), series(own, &factor.of(coordinates))?));
         }
-        Ok(Box::new(Recursions { factors }))
-    }
-}
-
-/// The series of all factors.
-struct Recursions<A: DifferentialAlgebra> {
-    factors: Vec<(Vec<usize>, Box<dyn SourceRecursion<A>>)>,
-}
-
-impl<A: DifferentialAlgebra> SourceRecursion<A> for Recursions<A> {
-    fn push(&mut self, algebra: &mut A, p: Vec<A::Element>) -> Result<Vec<A::Element>, BuildError> {
-        let mut source = p.clone();
-        for (places, series) in &mut self.factors {
-            let own = places.iter().map(|at| p[*at].clone()).collect();
-            let own = series.push(algebra, own)?;
-            for (at, coefficient) in places.iter().zip(own) {
-                source[*at] = coefficient;
+        Ok(Box::new(move |algebra, p| {
+            let mut source = p.clone();
+            for (places, series) in &mut factors {
+                let own = places.iter().map(|at| p[*at].clone()).collect();
+                let own = series(algebra, own)?;
+                for (at, coefficient) in places.iter().zip(own) {
+                    source[*at] = coefficient;
+                }
             }
-        }
-        Ok(source)
+            Ok(source)
+        }))
     }
 }
 

@@ -24,44 +24,31 @@ impl SourceSeries for KarasevSeries {
         &self,
         ring: &mut Ring,
         coordinates: &[usize],
-    ) -> Result<Box<dyn SourceRecursion<Ring>>, BuildError> {
-        Ok(Box::new(Recursion::start(&self.system, ring, coordinates)?))
+    ) -> Result<SourceRecursion<Ring>, BuildError> {
+        self.start(ring, coordinates)
     }
 
     fn in_graph(
         &self,
         graph: &mut Graph,
         coordinates: &[usize],
-    ) -> Result<Box<dyn SourceRecursion<Graph>>, BuildError> {
-        Ok(Box::new(Recursion::start(
-            &self.system,
-            graph,
-            coordinates,
-        )?))
+    ) -> Result<SourceRecursion<Graph>, BuildError> {
+        self.start(graph, coordinates)
     }
 }
 
-struct Recursion<E> {
-    curve: KarasevCurve<E>,
-}
-
-impl<E: Clone + std::fmt::Debug> Recursion<E> {
-    fn start<A: DifferentialAlgebra<Element = E>>(
-        system: &SystemFormulas,
+impl KarasevSeries {
+    fn start<A: DifferentialAlgebra>(
+        &self,
         algebra: &mut A,
         coordinates: &[usize],
-    ) -> Result<Self, BuildError> {
+    ) -> Result<SourceRecursion<A>, BuildError> {
         let x = coordinates.iter().map(|at| algebra.coordinate(*at));
-        let x: Vec<E> = x.collect();
-        Ok(Self {
-            curve: KarasevCurve::new(system, &x)?,
-        })
-    }
-}
-
-impl<A: DifferentialAlgebra> SourceRecursion<A> for Recursion<A::Element> {
-    fn push(&mut self, algebra: &mut A, p: Vec<A::Element>) -> Result<Vec<A::Element>, BuildError> {
-        self.curve.push(algebra, &p)?;
-        Ok(self.curve.source(algebra, self.curve.order()))
+        let x: Vec<A::Element> = x.collect();
+        let mut curve = KarasevCurve::new(&self.system, &x)?;
+        Ok(Box::new(move |algebra, p| {
+            curve.push(algebra, &p)?;
+            Ok(curve.source(algebra, curve.order()))
+        }))
     }
 }

@@ -6,7 +6,6 @@ use std::sync::Arc;
 
 use leafwise_core::StepError;
 use leafwise_core::evaluator::{Evaluator, is_same, one_by_one};
-use leafwise_core::realization::RealizationEvaluator;
 use leafwise_core::solver::{
     DenseFactors, elimination_operations, product, substitution_operations,
 };
@@ -276,16 +275,10 @@ impl Evaluator for LiePoissonEvaluator {
         })
     }
 
-    fn operations(&self) -> Option<u64> {
-        Some(self.operations)
-    }
-}
-
-impl RealizationEvaluator for LiePoissonEvaluator {
     /// D²(λ·α), row-major, by those of the fractions. Let μ = (1 + sW)⁻ᵀλ and y = (1 + sW)⁻¹x. Then D²(λ·W(1 + sW)⁻¹x)
     /// along v and w is μ·(∂²_vw W y + ∂_v W ∂_w y + ∂_w W ∂_v y). Here ∂_v y = (1 + sW)⁻¹(v_x − s ∂_v W y). And
     /// μ·∂_v W u = −¼ ε v_p·(A(μ)Z + A(Zᵀμ)) u since μ·A(v)a = −v·A(μ)a.
-    fn source_hessian(
+    fn hessian(
         &mut self,
         z: &[f64],
         covector: &[f64],
@@ -345,7 +338,7 @@ impl RealizationEvaluator for LiePoissonEvaluator {
         Ok(())
     }
 
-    fn has_source_hessian(&self) -> bool {
-        true
+    fn operations(&self) -> Option<u64> {
+        Some(self.operations)
     }
 }

@@ -104,7 +104,7 @@ impl RealizationData for LiePoisson {
                     let algebra = structure.at(parameters);
                     Box::new(LiePoissonEvaluator::new(algebra, epsilon))
                 });
-                EndMaps::Numbers(numbers.for_one_trajectory())
+                EndMaps::Numbers(numbers.with_hessian(|| true).for_one_trajectory())
             }
         };
         Abilities {

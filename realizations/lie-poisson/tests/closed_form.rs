@@ -1,8 +1,7 @@
 //! The closed form in code beside the partial fractions in numbers.
 
 use crate::common::{ALGEBRAS, algebra};
-use leafwise_core::realization::RealizationEvaluator;
-use leafwise_core::{RealizationData, StepError, realization_evaluator};
+use leafwise_core::{Evaluator, RealizationData, StepError, realization_evaluator};
 use leafwise_karasev::CollocatedKarasev;
 use leafwise_lie_poisson::LiePoisson;
 use leafwise_lie_poisson::evaluator::LiePoissonEvaluator;
@@ -27,7 +26,7 @@ fn algebras_with_at_most_two_roots_a_coordinate_have_code() {
 }
 
 /// Offset and increment of the ends, and their tangents.
-fn values(evaluator: &mut dyn RealizationEvaluator, z: &[f64]) -> Result<[Vec<f64>; 2], StepError> {
+fn values(evaluator: &mut dyn Evaluator, z: &[f64]) -> Result<[Vec<f64>; 2], StepError> {
     let d = z.len() / 2;
     let (mut ends, mut tangents) = (vec![0.0; 3 * d], vec![0.0; 4 * d * d]);
     evaluator.values(z, &mut ends)?;
@@ -94,14 +93,14 @@ fn second_derivatives_are_those_of_the_curve() {
         let formulas = system.expressions().expect("formulas");
         let structure = StructureConstants::new(formulas).expect("a linear tensor");
         let collocated = CollocatedKarasev::new(&system, Some(12)).expect("code");
-        let mut evaluators: [Box<dyn RealizationEvaluator>; 2] = [
+        let mut evaluators: [Box<dyn Evaluator>; 2] = [
             Box::new(LiePoissonEvaluator::new(structure.at(&parameters), 0.9)),
             realization_evaluator(&collocated, &parameters, 0.9).expect("numbers"),
         ];
         let hessians = evaluators.each_mut().map(|evaluator| {
             let mut hessian = vec![0.0; 4 * d * d];
             evaluator
-                .source_hessian(&z, &covector, &mut hessian)
+                .hessian(&z, &covector, &mut hessian)
                 .expect("second derivatives");
             hessian
         });

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use leafwise_core::lattice::{
-    Cells, Field, LatticeGeometry, LatticeMap, LatticeProgram, LatticeSlopes, LatticeSource,
-    PerAxis, Proxy, StageBuilder, TemplateReach,
+    Cells, Field, LatticeMap, LatticeProgram, LatticeSlopes, LatticeSource, PerAxis, Proxy,
+    StageBuilder, TemplateReach,
 };
-use leafwise_core::solver::{Factored, MapProperties, StepMap, Stepper, Structure};
-use leafwise_core::{BuildError, Differential, PoissonSystem};
+use leafwise_core::solver::{Factored, MapAbilities, MapProperties, StepMap, Stepper, Structure};
+use leafwise_core::{BuildError, Differential};
 use leafwise_expression::syntax::AXES;
 use leafwise_expression::{Arithmetic, Ring, StepSize};
 
@@ -154,7 +154,6 @@ impl LatticeSplitting {
         Ok(Found::Splitting(Box::new(Self {
             shared: Arc::new(Shared {
                 cells: cells.clone(),
-                proxy,
                 slopes: Arc::new(slopes),
                 proxy_cells,
                 program,
@@ -258,13 +257,16 @@ impl StepMap for LatticeSplitting {
         self.passes_differential(&STRANG, parameters, epsilon, h)
     }
 
-    fn factored(&self) -> Option<Factored<'_>> {
-        Some(Factored {
-            factors: Product::factors(self),
-            pieces: self.pieces(),
-            arranged: None,
-            product: Box::new(|parts| Some(Arc::new(Product::new(self, parts)))),
-        })
+    fn abilities(&self) -> MapAbilities<'_> {
+        MapAbilities {
+            factored: Some(Factored {
+                factors: Product::factors(self),
+                pieces: self.pieces(),
+                arranged: None,
+                product: Box::new(|parts| Some(Arc::new(Product::new(self, parts)))),
+            }),
+            ..MapAbilities::default()
+        }
     }
 }
 
@@ -294,32 +296,19 @@ impl Splits for LatticeSplitting {
     }
 }
 
-impl LatticeMap for LatticeSplitting {
-    fn geometry(&self) -> &LatticeGeometry {
-        self.shared.cells.sites()
-    }
-
-    fn proxy(&self) -> &PoissonSystem {
-        &self.shared.proxy
-    }
-
-    fn proxy_geometry(&self) -> &LatticeGeometry {
-        self.shared.proxy_cells.sites()
-    }
-
-    fn operations(&self) -> usize {
-        let flows = passes(&self.shared.order, &STRANG);
-        let operations = |flow: &Flow| self.shared.program.stage_operations(flow.piece);
-        flows.iter().map(operations).sum()
-    }
-
-    fn work(&self) -> u64 {
-        let flows = passes(&self.shared.order, &STRANG);
-        let work = |flow: &Flow| self.shared.program.stage_work(flow.piece);
-        flows.iter().map(work).sum()
-    }
-
-    fn fields(&self) -> usize {
-        self.shared.program.fields()
+impl From<LatticeSplitting> for LatticeMap {
+    fn from(splitting: LatticeSplitting) -> Self {
+        let shared = &splitting.shared;
+        let flows = passes(&shared.order, &STRANG);
+        let operations = |flow: &Flow| shared.program.stage_operations(flow.piece);
+        let work = |flow: &Flow| shared.program.stage_work(flow.piece);
+        Self {
+            geometry: shared.cells.sites().clone(),
+            proxy_geometry: shared.proxy_cells.sites().clone(),
+            operations: flows.iter().map(operations).sum(),
+            work: flows.iter().map(work).sum(),
+            fields: shared.program.fields(),
+            map: Arc::new(splitting),
+        }
     }
 }

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
+use leafwise_core::StepError;
 use leafwise_core::lattice::{Cells, Field, Fields, LatticeProgram, LatticeSlopes, Prepared};
 use leafwise_core::solver::{SolverStatistics, Stepper};
-use leafwise_core::{PoissonSystem, StepError};
 
 use crate::product::evaluations;
 use crate::schedule::{Flow, passes};
@@ -13,7 +13,6 @@ use crate::schedule::{Flow, passes};
 #[derive(Clone, Debug)]
 pub(super) struct Shared {
     pub(super) cells: Cells,
-    pub(super) proxy: PoissonSystem,
     pub(super) proxy_cells: Cells,
     pub(super) program: Arc<LatticeProgram>,
     /// Slopes of the state alone.

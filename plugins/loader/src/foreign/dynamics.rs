@@ -291,4 +291,9 @@ impl Evaluator for Flow {
         let d = self.pair.len() / 2;
         one_by_one(d, y, tangents, |y, tangent| self.tangent(y, tangent))
     }
+
+    /// The library does not count them.
+    fn operations(&self) -> Option<u64> {
+        None
+    }
 }

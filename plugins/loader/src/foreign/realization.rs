@@ -6,7 +6,7 @@ use leafwise_core::part::ParameterSetting;
 use leafwise_core::runge_kutta::SmoothMap;
 use leafwise_core::{
     Abilities, Accuracy, BuildError, EndMaps, EndNumbers, Evaluator, PartParameters, PoissonSystem,
-    RealizationData, RealizationEvaluator, Space, SpaceChart, StepError,
+    RealizationData, Space, SpaceChart, StepError,
 };
 use leafwise_plugin_abi::LwRealization;
 
@@ -173,7 +173,7 @@ impl RealizationData for ForeignRealization {
         let (flags, table) = (self.properties.flags, self.table);
         let (d, space) = (self.dimension(), self.space);
         let callee = self.callees();
-        let ends = move |parameters: &[f64], epsilon: f64| -> Box<dyn RealizationEvaluator> {
+        let ends = move |parameters: &[f64], epsilon: f64| -> Box<dyn Evaluator> {
             Box::new(ForeignEvaluator {
                 callee: callee(parameters),
                 table,
@@ -249,8 +249,6 @@ struct ForeignEvaluator {
     second: Vec<f64>,
 }
 
-impl RealizationEvaluator for ForeignEvaluator {}
-
 impl Evaluator for ForeignEvaluator {
     fn values(&mut self, z: &[f64], ends: &mut [f64]) -> Result<(), StepError> {
         let (d, count) = (self.dimension, z.len() / self.space);
@@ -307,5 +305,10 @@ impl Evaluator for ForeignEvaluator {
             }
         }
         Ok(())
+    }
+
+    /// The library does not count them.
+    fn operations(&self) -> Option<u64> {
+        None
     }
 }

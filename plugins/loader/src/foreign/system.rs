@@ -4,10 +4,12 @@ use std::collections::HashSet;
 use std::sync::Arc;
 
 use leafwise_core::part::ParameterSetting;
-use leafwise_core::system::{Derivatives, OpaqueSystem, Parameter, SystemEvaluator, SystemNumbers};
+use leafwise_core::system::{
+    Derivatives, OpaqueSystem, Parameter, SystemEvaluator, SystemFunction, SystemNumbers,
+};
 use leafwise_core::{BuildError, PartParameters, PoissonSystem, StepError};
 use leafwise_expression::syntax::Scope;
-use leafwise_plugin_abi::{LwMapFn, LwSystem};
+use leafwise_plugin_abi::LwSystem;
 
 use super::batch::{Input, Output};
 use super::callee::{Callee, Idle};
@@ -66,14 +68,15 @@ impl ForeignSystemPart {
             .collect();
         Ok(OpaqueSystem {
             name: name.to_owned(),
-            numbers: Arc::new(ForeignNumbers {
+            numbers: ForeignNumbers {
                 part: Arc::clone(&self.part),
                 table: offered(self.table, trial, variables.len(), casimirs.len()),
                 settings,
                 dimension: variables.len(),
                 casimirs: casimirs.len(),
                 idle: Idle::default(),
-            }),
+            }
+            .numbers(),
             variables,
             parameters,
             casimirs,
@@ -190,13 +193,14 @@ struct ForeignNumbers {
     idle: Idle,
 }
 
-impl SystemNumbers for ForeignNumbers {
-    fn derivatives(&self) -> Derivatives {
-        Derivatives {
+impl ForeignNumbers {
+    fn numbers(self) -> SystemNumbers {
+        let derivatives = Derivatives {
             tensor: self.table.tensor_tangent.is_some(),
             hamiltonian: self.table.hessian.is_some(),
             casimirs: self.table.casimir_gradients.is_some(),
-        }
+        };
+        SystemNumbers::new(derivatives, move |parameters| self.evaluator(parameters))
     }
 
     fn evaluator(&self, parameters: &[f64]) -> Box<dyn SystemEvaluator> {
@@ -225,22 +229,30 @@ struct ForeignEvaluator {
     casimirs: usize,
 }
 
-impl ForeignEvaluator {
-    /// One function of y and up to two vectors, with `results` numbers a point.
-    #[inline(always)]
+impl SystemEvaluator for ForeignEvaluator {
     fn evaluate(
         &mut self,
-        (name, function): (&str, LwMapFn),
+        function: SystemFunction<'_>,
         y: &[f64],
-        vectors: [&[f64]; 2],
         out: &mut [f64],
-        results: usize,
     ) -> Result<(), StepError> {
+        let (table, d, casimirs) = (&self.table, self.dimension, self.casimirs);
+        let (name, function_of, results) = match function {
+            SystemFunction::Tensor(_) => ("tensor", table.tensor, d),
+            SystemFunction::Hamiltonian => ("hamiltonian", table.hamiltonian, 1),
+            SystemFunction::Gradient => ("gradient", table.gradient, d),
+            SystemFunction::Casimirs => ("casimirs", table.casimirs, casimirs),
+            SystemFunction::TensorTangent(..) => ("tensor_tangent", table.tensor_tangent, d),
+            SystemFunction::Hessian(_) => ("hessian", table.hessian, d),
+            SystemFunction::CasimirGradients => {
+                ("casimir_gradients", table.casimir_gradients, casimirs * d)
+            }
+        };
         if results == 0 {
             return Ok(());
         }
-        let d = self.dimension;
-        let [y, v, w] = [y, vectors[0], vectors[1]].map(|values| match values.len() {
+        let [v, w] = function.vectors();
+        let [y, v, w] = [y, v, w].map(|values| match values.len() {
             0 => Input::NONE,
             length if length == d => Input::shared(values),
             _ => Input::points(values, d),
@@ -256,50 +268,11 @@ impl ForeignEvaluator {
             ..Call::at(count, 1.0, 0.0, y)
         };
         let output = Output::points(out, results);
-        self.callee.evaluate(name, function, &call, output)
-    }
-}
-
-impl SystemEvaluator for ForeignEvaluator {
-    fn tensor(&mut self, y: &[f64], v: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        let function = ("tensor", self.table.tensor);
-        self.evaluate(function, y, [v, &[]], out, self.dimension)
+        self.callee.evaluate(name, function_of, &call, output)
     }
 
-    fn hamiltonian(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        let function = ("hamiltonian", self.table.hamiltonian);
-        self.evaluate(function, y, [&[], &[]], out, 1)
-    }
-
-    fn gradient(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        let function = ("gradient", self.table.gradient);
-        self.evaluate(function, y, [&[], &[]], out, self.dimension)
-    }
-
-    fn casimirs(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        let function = ("casimirs", self.table.casimirs);
-        self.evaluate(function, y, [&[], &[]], out, self.casimirs)
-    }
-
-    fn tensor_tangent(
-        &mut self,
-        y: &[f64],
-        v: &[f64],
-        w: &[f64],
-        out: &mut [f64],
-    ) -> Result<(), StepError> {
-        let function = ("tensor_tangent", self.table.tensor_tangent);
-        self.evaluate(function, y, [v, w], out, self.dimension)
-    }
-
-    fn hessian(&mut self, y: &[f64], v: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        let function = ("hessian", self.table.hessian);
-        self.evaluate(function, y, [v, &[]], out, self.dimension)
-    }
-
-    fn casimir_gradients(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        let function = ("casimir_gradients", self.table.casimir_gradients);
-        let results = self.casimirs * self.dimension;
-        self.evaluate(function, y, [&[], &[]], out, results)
+    /// The library does not count them.
+    fn operations(&self) -> Option<u64> {
+        None
     }
 }

@@ -6,8 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use leafwise_core::{
-    Accuracy, BuildError, ChartMaps, Ends, Evaluator, RealizationData, RealizationEvaluator,
-    RealizationMaps, StepError,
+    Accuracy, BuildError, ChartMaps, Ends, Evaluator, RealizationData, RealizationMaps, StepError,
 };
 use leafwise_plugin_abi::{
     LW_ERROR, LW_FLAG_COTANGENT_CHART, LW_FLAG_EXACT, LW_FLAG_REVERSIBLE, LwError,
@@ -81,7 +80,7 @@ struct State {
 /// Evaluators for one ε.
 struct Evaluators {
     epsilon: u64,
-    maps: Box<dyn RealizationEvaluator>,
+    maps: Box<dyn Evaluator>,
     chart: Option<Box<dyn Evaluator>>,
 }
 

@@ -51,7 +51,7 @@ impl HostSystem {
                 .collect()
         };
         let casimirs = names(&mut system.casimir_names().into_iter());
-        let functions = table(numbers.derivatives(), !casimirs.is_empty());
+        let functions = table(numbers.derivatives, !casimirs.is_empty());
         let mut shared = Box::new(Shared {
             raw: LwHostSystem::empty(),
             functions,

@@ -2,14 +2,13 @@
 
 #![allow(dead_code, reason = "each file uses a part of it")]
 
-use std::sync::Arc;
-
 use leafwise_core::system::numbers::vector;
-use leafwise_core::system::{Derivatives, OpaqueSystem, SystemEvaluator, SystemNumbers};
+use leafwise_core::system::{
+    Derivatives, OpaqueSystem, SystemEvaluator, SystemFunction, SystemNumbers,
+};
 use leafwise_core::{
     Abilities, Accuracy, EndMaps, EndNumbers, Evaluator, MapProperties, PoissonSystem,
-    RealizationData, RealizationEvaluator, SolverStatistics, StepError, StepMap, Stepper,
-    Structure,
+    RealizationData, SolverStatistics, StepError, StepMap, Stepper, Structure,
 };
 use leafwise_example_plugin::Rodrigues;
 use leafwise_plugin_sdk::ChartRealization;
@@ -67,8 +66,6 @@ impl RodriguesEvaluator {
     }
 }
 
-impl RealizationEvaluator for RodriguesEvaluator {}
-
 impl Evaluator for RodriguesEvaluator {
     fn values(&mut self, z: &[f64], ends: &mut [f64]) -> Result<(), StepError> {
         for (z, ends) in z.chunks_exact(6).zip(ends.chunks_exact_mut(9)) {
@@ -86,63 +83,68 @@ impl Evaluator for RodriguesEvaluator {
         }
         Ok(())
     }
+
+    fn operations(&self) -> Option<u64> {
+        None
+    }
 }
 
 /// The gyrostat of the C example.
 struct Gyrostat;
 
 impl SystemEvaluator for Gyrostat {
-    fn tensor(&mut self, y: &[f64], v: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        for (at, out) in out.chunks_exact_mut(3).enumerate() {
-            let (y, v) = (vector(y, 3, at), vector(v, 3, at));
-            for a in 0..3 {
-                let (b, c) = ((a + 1) % 3, (a + 2) % 3);
-                out[a] = y[b] * v[c] - y[c] * v[b];
-            }
-        }
-        Ok(())
-    }
-
-    fn hamiltonian(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        for (out, y) in out.iter_mut().zip(y.chunks_exact(3)) {
-            let energy = (0..3).fold(0.0, |sum, a| sum + 0.5 * inverse_inertia(a) * y[a] * y[a]);
-            *out = energy - 0.3 * y[2];
-        }
-        Ok(())
-    }
-
-    fn gradient(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        for (out, y) in out.chunks_exact_mut(3).zip(y.chunks_exact(3)) {
-            for a in 0..3 {
-                out[a] = inverse_inertia(a) * y[a] - if a == 2 { 0.3 } else { 0.0 };
-            }
-        }
-        Ok(())
-    }
-
-    fn casimirs(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        for (out, y) in out.iter_mut().zip(y.chunks_exact(3)) {
-            *out = y[0] * y[0] + y[1] * y[1] + y[2] * y[2];
-        }
-        Ok(())
-    }
-
-    fn tensor_tangent(
+    fn evaluate(
         &mut self,
-        _: &[f64],
-        v: &[f64],
-        w: &[f64],
+        function: SystemFunction<'_>,
+        y: &[f64],
         out: &mut [f64],
     ) -> Result<(), StepError> {
-        self.tensor(w, v, out)
-    }
-
-    fn hessian(&mut self, _: &[f64], v: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        for (at, out) in out.chunks_exact_mut(3).enumerate() {
-            let v = vector(v, 3, at);
-            (0..3).for_each(|a| out[a] = inverse_inertia(a) * v[a]);
+        match function {
+            SystemFunction::Tensor(v) => cross(y, v, out),
+            SystemFunction::TensorTangent(v, w) => cross(w, v, out),
+            SystemFunction::Hamiltonian => {
+                for (out, y) in out.iter_mut().zip(y.chunks_exact(3)) {
+                    let energy =
+                        (0..3).fold(0.0, |sum, a| sum + 0.5 * inverse_inertia(a) * y[a] * y[a]);
+                    *out = energy - 0.3 * y[2];
+                }
+            }
+            SystemFunction::Gradient => {
+                for (out, y) in out.chunks_exact_mut(3).zip(y.chunks_exact(3)) {
+                    for a in 0..3 {
+                        out[a] = inverse_inertia(a) * y[a] - if a == 2 { 0.3 } else { 0.0 };
+                    }
+                }
+            }
+            SystemFunction::Casimirs => {
+                for (out, y) in out.iter_mut().zip(y.chunks_exact(3)) {
+                    *out = y[0] * y[0] + y[1] * y[1] + y[2] * y[2];
+                }
+            }
+            SystemFunction::Hessian(v) => {
+                for (at, out) in out.chunks_exact_mut(3).enumerate() {
+                    let v = vector(v, 3, at);
+                    (0..3).for_each(|a| out[a] = inverse_inertia(a) * v[a]);
+                }
+            }
+            SystemFunction::CasimirGradients => return Err(StepError::NoTangent),
         }
         Ok(())
+    }
+
+    fn operations(&self) -> Option<u64> {
+        None
+    }
+}
+
+/// y × v at each point.
+fn cross(y: &[f64], v: &[f64], out: &mut [f64]) {
+    for (at, out) in out.chunks_exact_mut(3).enumerate() {
+        let (y, v) = (vector(y, 3, at), vector(v, 3, at));
+        for a in 0..3 {
+            let (b, c) = ((a + 1) % 3, (a + 2) % 3);
+            out[a] = y[b] * v[c] - y[c] * v[b];
+        }
     }
 }
 
@@ -150,31 +152,19 @@ fn inverse_inertia(axis: usize) -> f64 {
     1.0 / [1.0, 0.75, 1.25][axis]
 }
 
-#[derive(Debug)]
-struct GyrostatNumbers;
-
-impl SystemNumbers for GyrostatNumbers {
-    fn derivatives(&self) -> Derivatives {
-        Derivatives {
-            tensor: true,
-            hamiltonian: true,
-            casimirs: false,
-        }
-    }
-
-    fn evaluator(&self, _: &[f64]) -> Box<dyn SystemEvaluator> {
-        Box::new(Gyrostat)
-    }
-}
-
 /// The gyrostat with the names of `loaded`, at its default parameters.
 pub fn gyrostat_twin(loaded: &PoissonSystem) -> PoissonSystem {
+    let derivatives = Derivatives {
+        tensor: true,
+        hamiltonian: true,
+        casimirs: false,
+    };
     OpaqueSystem {
         name: "gyrostat".to_owned(),
         variables: loaded.variables().to_vec(),
         parameters: loaded.parameters().to_vec(),
         casimirs: vec!["spin".to_owned()],
-        numbers: Arc::new(GyrostatNumbers),
+        numbers: SystemNumbers::new(derivatives, |_| Box::new(Gyrostat)),
     }
     .into()
 }

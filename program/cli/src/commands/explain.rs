@@ -104,7 +104,7 @@ fn machine_code(run: &ComposedRun) -> Vec<(String, String)> {
     if execution == Execution::Interpreted {
         return rows;
     }
-    for (name, kernel) in run.method.map().kernels() {
+    for (name, kernel) in run.method.map().abilities().kernels {
         kernel.workspace_for(1, Execution::Compiled);
         for size in kernel.machine_code() {
             let time = duration(size.seconds);

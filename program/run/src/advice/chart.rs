@@ -1,6 +1,6 @@
 //! A step that nearly leaves the realization's chart.
 
-use leafwise_core::realization_evaluator;
+use leafwise_core::RealizationMaps;
 
 use super::probe::{Place, Probe};
 use super::step::half_the_step;
@@ -37,11 +37,9 @@ fn last_term(probe: &Probe<'_>, place: &Place) -> usize {
     let epsilon = probe.run.plan.epsilon;
     let ratio_of = |order: usize| {
         let shorter = probe.truncated(order).ok()?;
-        let mut evaluator =
-            realization_evaluator(shorter.as_ref(), &probe.parameters, epsilon).ok()?;
-        // Outside the chart too, the ratio is what is asked.
-        let _ = evaluator.values(&place.solution.point, &mut vec![0.0; 3 * place.x.len()]);
-        evaluator.chart_ratio()
+        let maps = RealizationMaps::new(shorter.as_ref(), probe.parameters.len()).ok()?;
+        let mut ratio = maps.chart_ratio(&probe.parameters, epsilon)?;
+        ratio.at(&place.solution.point)
     };
     while order > 2 && ratio_of(order - 1) == place.solution.chart_ratio {
         order -= 1;

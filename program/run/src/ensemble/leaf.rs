@@ -3,7 +3,7 @@
 use leafwise_core::Evaluator;
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
 use leafwise_core::solver::judge::Verdict;
-use leafwise_core::solver::{CorrectionSize, DenseFactors, LinearIteration};
+use leafwise_core::solver::{CorrectionMethod, DenseFactors, Iteration};
 use leafwise_scene::compose::{ComposedRun, Refusal};
 use leafwise_scene::document::{EnsembleSection, Located, SceneDocument};
 
@@ -20,6 +20,8 @@ pub(super) struct WayOntoLeaf {
     gram: Vec<f64>,
     multipliers: Vec<f64>,
     factors: DenseFactors,
+    /// Judged as a whole too: a coordinate may be the round-off of others.
+    iteration: Iteration,
 }
 
 impl WayOntoLeaf {
@@ -33,6 +35,7 @@ impl WayOntoLeaf {
             gram: vec![0.0; count * count],
             multipliers: vec![0.0; count],
             factors: DenseFactors::new(count),
+            iteration: Iteration::new(CorrectionMethod::Residual, 0),
         }
     }
 
@@ -46,7 +49,7 @@ impl WayOntoLeaf {
         let (d, count) = (state.len(), self.multipliers.len());
         self.map.set_parameters(parameters);
         self.map.values(center, &mut self.wanted).ok()?;
-        let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
+        self.iteration.begin(MOST_EVALUATIONS, |_| 0.0);
         loop {
             self.map.values(state, &mut self.values).ok()?;
             self.map.jacobians(state, &mut self.rows).ok()?;
@@ -63,15 +66,14 @@ impl WayOntoLeaf {
                 return None;
             }
             self.factors.solve(&mut self.multipliers);
-            let mut size = CorrectionSize::default();
             let scale = state.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
             for (i, x) in state.iter_mut().enumerate() {
                 let slopes = rows.iter().skip(i).step_by(d);
                 let change: f64 = slopes.zip(&self.multipliers).map(|(v, m)| v * m).sum();
-                size.take(change, scale);
+                self.iteration.take(change, scale);
                 *x += change;
             }
-            if iteration.judge_correction(&size).ok()? == Verdict::Converged {
+            if self.iteration.judge().ok()? == Verdict::Converged {
                 return state.iter().all(|x| x.is_finite()).then_some(());
             }
         }

@@ -112,7 +112,7 @@ impl<'a> NoisySteps<'a> {
             seed,
             channels,
         } = &self.noise;
-        let map = NoisyMap::new(map, *way, channels.len(), Arc::new(*seed));
+        let map = NoisyMap::new(map, *way, channels.len(), (*seed).into());
         Ok(Stepping::Map(MapStepping {
             map: Arc::new(map.clone()),
             method,
@@ -143,8 +143,7 @@ impl<'a> NoisySteps<'a> {
                 let channel = terms.channel();
                 let lattice = lattice.with_flow(terms);
                 let flow = exact_flow(registry, |part| {
-                    let map = part.build_on_lattice(&lattice, &PartParameters::new())?;
-                    Ok(map as Arc<dyn StepMap>)
+                    Ok(part.build_on_lattice(&lattice, &PartParameters::new())?.map)
                 });
                 self.single(document, channel, flow)
             };
@@ -152,7 +151,7 @@ impl<'a> NoisySteps<'a> {
             map = Arc::new(SplitNoise::new(map, flows));
         }
         let groups = groups(document, &stepping.geometry)?;
-        Ok(NoisyMap::of_sites(map, *way, groups, Arc::new(*seed)))
+        Ok(NoisyMap::of_sites(map, *way, groups, (*seed).into()))
     }
 
     /// The flow of a channel, where it is one.

@@ -38,7 +38,7 @@ pub(super) enum Base {
     /// A stepper in their place.
     Stepper(Arc<dyn StepMap>),
     /// A stepper that sweeps over a long lattice.
-    Sweeps(Arc<dyn LatticeMap>),
+    Sweeps(Box<LatticeMap>),
     /// A stepper without sweeps and the long lattice that it needs written out.
     WrittenOut(Arc<dyn StepMap>, Box<ComposedSystem>),
 }
@@ -161,7 +161,7 @@ fn stepper(
             refusal
         })?),
         Some(lattice) => match part.build_on_lattice(lattice, &given) {
-            Ok(map) => Base::Sweeps(map),
+            Ok(map) => Base::Sweeps(Box::new(map)),
             Err(BuildError::DoesNotFit { .. }) if lattice.is_written_for_any() => {
                 let composed = written_out(request.document)?;
                 let map = part.build(&composed.system, &given).map_err(refused)?;

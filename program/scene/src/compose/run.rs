@@ -181,7 +181,7 @@ fn compose_at_its_values(
         let map = stepping.base.map();
         let written = own.write_out(&stepping.written);
         composed.system = written.map_err(|error| refused(&composed, &error))?;
-        has_room(document, map.geometry().dimension(), map.fields())?;
+        has_room(document, map.geometry.dimension(), map.fields)?;
         composed.near = shortened(&composed.initial, &stepping.geometry, &stepping.written);
     }
     let step = &document.method.step;
@@ -309,7 +309,7 @@ fn compose_written(system: &PoissonSystem, parts: Parts) -> Result<Stepping, Bui
             (Arc::new(method.clone()), Some(Box::new(method)))
         }
         Base::Stepper(map) | Base::WrittenOut(map, _) => (map, None),
-        Base::Sweeps(map) => (map, None),
+        Base::Sweeps(lattice) => (lattice.map, None),
     };
     let is_composed = parts.composition.is_some();
     let map = match parts.composition {
@@ -353,10 +353,10 @@ fn compose_lattice(
         Some((part, given)) => part.build(base.shared(), &given)?,
     };
     let [invariants, formulas] = own.functions(&trial.parameter_values())?;
-    let written = own.own(base.map().proxy_geometry());
+    let written = own.own(&base.map().proxy_geometry);
     Ok(LatticeStepping {
-        interior: lattice.interior(base.map().proxy_geometry()),
-        geometry: own.own(base.map().geometry()),
+        interior: lattice.interior(&base.map().proxy_geometry),
+        geometry: own.own(&base.map().geometry),
         written,
         noise: None,
         invariants,

@@ -39,15 +39,15 @@ pub enum LatticeBase {
     /// Realization and dynamics.
     Method(Box<LatticeMethod>),
     /// A stepper in their place.
-    Sweeps(Arc<dyn LatticeMap>),
+    Sweeps(Box<LatticeMap>),
 }
 
 impl LatticeBase {
     /// The map.
-    pub fn map(&self) -> &dyn LatticeMap {
+    pub fn map(&self) -> &LatticeMap {
         match self {
-            Self::Method(method) => method.as_ref(),
-            Self::Sweeps(map) => map.as_ref(),
+            Self::Method(method) => method.map(),
+            Self::Sweeps(map) => map,
         }
     }
 
@@ -61,10 +61,7 @@ impl LatticeBase {
 
     /// The map, to be composed.
     pub(super) fn shared(&self) -> Arc<dyn StepMap> {
-        match self {
-            Self::Method(method) => Arc::new(method.as_ref().clone()),
-            Self::Sweeps(map) => Arc::clone(map) as Arc<dyn StepMap>,
-        }
+        Arc::clone(&self.map().map)
     }
 }
 
@@ -152,7 +149,7 @@ impl Stepping {
                     ("Realization", method.realization().describe()),
                     ("Dynamics", method.dynamics().describe()),
                 ],
-                LatticeBase::Sweeps(map) => vec![("Stepper", map.describe())],
+                LatticeBase::Sweeps(map) => vec![("Stepper", map.map.describe())],
             },
             _ => vec![("Stepper", self.map().describe())],
         };
@@ -228,11 +225,11 @@ impl Stepping {
                 each,
                 format!(
                     "{} operations, {:.1} a site",
-                    map.operations(),
-                    map.operations() as f64 / sites as f64
+                    map.operations,
+                    map.operations as f64 / sites as f64
                 ),
             ),
-            ("Fields", format!("{} numbers a coordinate", map.fields())),
+            ("Fields", format!("{} numbers a coordinate", map.fields)),
         ]
     }
 }

@@ -84,7 +84,7 @@ fn alone(
         return Ok(());
     };
     let mut evaluator = opaque.numbers.evaluator(&values);
-    let offered = opaque.numbers.derivatives();
+    let offered = opaque.numbers.derivatives;
     let casimirs = system.casimir_names().len();
     let checks: [(&str, bool, Derivative); 4] = [
         ("gradient of H by differences", true, gradient),

@@ -27,6 +27,11 @@ impl Curvature {
         self.kernel.get_or_init(compiled).as_ref()
     }
 
+    /// Whether it has code.
+    pub(super) fn is_offered(&self) -> bool {
+        self.kernel().is_some()
+    }
+
     pub(super) fn evaluator(&self, parameters: &[f64]) -> CurvatureEvaluator {
         CurvatureEvaluator {
             curvature: self.clone(),
@@ -49,11 +54,6 @@ pub(super) struct CurvatureEvaluator {
 }
 
 impl CurvatureEvaluator {
-    /// Whether [`evaluate`](Self::evaluate) has code.
-    pub(super) fn is_offered(&self) -> bool {
-        self.curvature.kernel().is_some()
-    }
-
     /// ν·∂²V/∂y∂y and ν·∂²V/∂y∂p, row-major d × d.
     pub(super) fn evaluate(
         &mut self,

@@ -97,6 +97,7 @@ impl RealizationData for CollocatedKarasev {
     fn abilities(&self) -> Abilities<'_> {
         let collocation = self.collocation.clone();
         let series = self.series.as_ref();
+        let field = collocation.field.clone();
         Abilities {
             // Curves start from those before.
             ends: Some(EndMaps::Numbers(
@@ -108,6 +109,7 @@ impl RealizationData for CollocatedKarasev {
                         Box::new(CollocatedEvaluator::new(curve, epsilon, most, d))
                     },
                 )
+                .with_hessian(move || field.has_curvatures())
                 .for_one_trajectory(),
             )),
             fused: Some(Box::new(|system, form, properties| {

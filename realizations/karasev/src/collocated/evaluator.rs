@@ -1,7 +1,7 @@
 //! α̂ and β̂ at (x, p) and their derivatives.
 
+use leafwise_core::StepError;
 use leafwise_core::evaluator::{Evaluator, is_same, one_by_one};
-use leafwise_core::{RealizationEvaluator, StepError};
 
 use super::curve::Curve;
 use super::tangent::CurveTangent;
@@ -83,6 +83,19 @@ impl Evaluator for CollocatedEvaluator {
         })
     }
 
+    fn hessian(
+        &mut self,
+        z: &[f64],
+        covector: &[f64],
+        hessian: &mut [f64],
+    ) -> Result<(), StepError> {
+        self.know_tangent(z)?;
+        let p = &z[covector.len()..];
+        let curve = &mut self.curve;
+        self.tangent
+            .source_hessian(curve, self.epsilon, p, covector, hessian)
+    }
+
     fn operations(&self) -> Option<u64> {
         self.curve.operations()
     }
@@ -100,24 +113,5 @@ impl Evaluator for CollocatedEvaluator {
 
     fn restore(&mut self, memory: &[f64]) {
         self.curve.set_points(memory[0].max(1.0) as usize);
-    }
-}
-
-impl RealizationEvaluator for CollocatedEvaluator {
-    fn source_hessian(
-        &mut self,
-        z: &[f64],
-        covector: &[f64],
-        hessian: &mut [f64],
-    ) -> Result<(), StepError> {
-        self.know_tangent(z)?;
-        let p = &z[covector.len()..];
-        let curve = &mut self.curve;
-        self.tangent
-            .source_hessian(curve, self.epsilon, p, covector, hessian)
-    }
-
-    fn has_source_hessian(&self) -> bool {
-        self.curve.field.has_curvatures()
     }
 }

@@ -26,7 +26,7 @@ enum Source {
         slopes: Arc<Kernel>,
         curvature: Box<Curvature>,
     },
-    Numbers(Arc<dyn SystemNumbers>),
+    Numbers(SystemNumbers),
 }
 
 impl Field {
@@ -36,7 +36,7 @@ impl Field {
     /// [`BuildError::Algebra`] where an entry has no code.
     pub(super) fn of(system: &PoissonSystem) -> Result<Self, BuildError> {
         let source = match (system.expressions(), system.opaque()) {
-            (None, Some(system)) => Source::Numbers(Arc::clone(&system.numbers)),
+            (None, Some(system)) => Source::Numbers(system.numbers.clone()),
             _ => compiled(system.formulas(NAME)?)?,
         };
         Ok(Self {
@@ -61,7 +61,15 @@ impl Field {
     pub(super) fn has_slopes(&self) -> bool {
         match &self.source {
             Source::Kernels { .. } => true,
-            Source::Numbers(numbers) => numbers.derivatives().tensor,
+            Source::Numbers(numbers) => numbers.derivatives.tensor,
+        }
+    }
+
+    /// Whether its evaluators offer [curvatures](FieldEvaluator::curvatures), whose code is then there.
+    pub(super) fn has_curvatures(&self) -> bool {
+        match &self.source {
+            Source::Kernels { curvature, .. } => curvature.is_offered(),
+            Source::Numbers(_) => false,
         }
     }
 
@@ -80,7 +88,7 @@ impl Field {
             },
             Source::Numbers(numbers) => Evaluator::Numbers {
                 evaluator: numbers.evaluator(parameters),
-                has_slopes: numbers.derivatives().tensor,
+                has_slopes: numbers.derivatives.tensor,
                 units: DMatrix::identity(d, d).as_slice().to_vec(),
                 columns: vec![0.0; d * d],
             },
@@ -234,14 +242,6 @@ impl FieldEvaluator {
                 transpose(columns, by_p, self.dimension);
                 Ok(())
             }
-        }
-    }
-
-    /// Whether [`curvatures`](Self::curvatures) are offered.
-    pub(super) fn has_curvatures(&self) -> bool {
-        match &self.evaluator {
-            Evaluator::Kernels { curvature, .. } => curvature.is_offered(),
-            Evaluator::Numbers { .. } => false,
         }
     }
 

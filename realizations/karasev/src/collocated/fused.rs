@@ -8,8 +8,7 @@ use leafwise_core::solver::judge::{Verdict, all_finite, is_between};
 use leafwise_core::solver::{
     Branch, CorrectionMethod, CorrectionSize, Extrapolation, Lanes, StepReport, Trajectories,
 };
-use leafwise_core::{Ends, Evaluator, MapProperties, StepError, StepMap, Stepper};
-use leafwise_expression::Kernel;
+use leafwise_core::{Ends, Evaluator, MapAbilities, MapProperties, StepError, StepMap, Stepper};
 use nalgebra::DMatrix;
 
 use super::collocation::Collocation;
@@ -63,10 +62,13 @@ impl StepMap for FusedStep {
         self.describe.clone()
     }
 
-    fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
+    fn abilities(&self) -> MapAbilities<'_> {
         let mut kernels = self.collocation.kernels();
         kernels.extend(self.form.kernels());
-        kernels
+        MapAbilities {
+            kernels,
+            ..MapAbilities::default()
+        }
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {

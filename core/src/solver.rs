@@ -1,0 +1,18 @@
+//! Step maps, and the [solver](leafwise_solver) behind their steps: one path for both.
+
+pub(crate) use crate::step_map::MakeCheck;
+pub use crate::step_map::{
+    Arranged, CodeStepMap, FactorProduct, Factored, MapAbilities, Poles, ProductStepper,
+    ShadowTerms, StepMap, WithoutPoles, keeping_signs, kept_signs,
+};
+pub use leafwise_solver::{
+    Anderson, Branch, ByTangents, Compensated, CorrectionMethod, CorrectionSize, DenseFactors,
+    Differential, ExplicitMap, Extrapolation, Inverse, Iteration, Lanes, MOST_EQUATIONS,
+    MOST_VARIABLES, MapProperties, NewtonKernel, NewtonStepper, Pieces, Setting, SolverStatistics,
+    StepCheck, StepReport, Stepper, Structure, Trajectories, check_equations, check_variables,
+    elimination_operations, judge, product, substitution_operations,
+};
+pub(crate) use leafwise_solver::{
+    Checked, Crossing, NumericSolver, Solved, StartCode, Uncoupled, add, by_parameters, looks,
+    one_step,
+};

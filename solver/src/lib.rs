@@ -1,0 +1,73 @@
+//! The step solver: β̂(L(y)) = x for y, and the increment α̂ − β̂ there.
+//!
+//! It knows code and numbers, and neither systems nor realizations: what is solved comes as
+//! [`SourceTarget`], an [`Evaluator`] or a residual.
+//!
+//! - [`Stepper`], [`Trajectories`]: one thread's steps.
+//! - [`NewtonKernel`], [`NewtonStepper`]: Newton's method on compiled kernels, lanes side by side.
+//! - [`Iteration`], [`judge`]: corrections of any other solve, and when they end.
+//! - [`Branch`]: the solution that belongs to the state.
+//! - [`Differential`]: derivatives of a step.
+//! - [`error`]: typed failures.
+
+mod anderson;
+mod batch;
+mod branch;
+mod checked;
+mod columns;
+pub mod compensation;
+mod crossing;
+mod differential;
+mod elimination;
+mod equation;
+pub mod error;
+pub mod evaluator;
+mod explicit;
+mod extrapolation;
+mod hint;
+mod iteration;
+pub mod judge;
+mod lanes;
+mod linear;
+mod newton;
+mod numeric;
+mod properties;
+mod statistics;
+mod stepper;
+
+pub use anderson::Anderson;
+pub use batch::batch;
+pub use branch::Branch;
+pub use checked::Checked;
+pub use columns::product;
+pub use compensation::{Compensated, two_sum};
+pub use crossing::{Crossing, looks};
+pub use differential::{ByTangents, Differential, Inverse, Solved, by_parameters, one_step};
+use differential::{Explicit, in_reverse};
+pub use equation::{Correction, SourceTarget};
+pub use error::{BuildError, StepError};
+pub use evaluator::Evaluator;
+pub use explicit::ExplicitMap;
+pub use extrapolation::Extrapolation;
+pub use hint::Hint;
+pub use iteration::{CorrectionMethod, Iteration};
+pub use judge::CorrectionSize;
+pub use lanes::{Lanes, StepReport, Trajectories};
+pub use linear::{
+    DenseFactors, MOST_EQUATIONS, MOST_VARIABLES, check_equations, check_variables,
+    elimination_operations, substitution_operations,
+};
+pub use newton::{NewtonKernel, NewtonStepper, StartCode, Uncoupled};
+pub use numeric::NumericSolver;
+pub use properties::{MapProperties, Pieces, Structure};
+pub use statistics::SolverStatistics;
+use stepper::one_by_one;
+pub use stepper::{Setting, StepCheck, Stepper, add, restore_each};
+
+/// DΦ = 1 + D((α̂ − β̂)∘L)·D(β̂∘L)⁻¹ from the two tangents at the solution, all row-major d × d.
+pub(crate) fn tangent_of_map(target: &[f64], change: &[f64], d: usize) -> Option<Vec<f64>> {
+    let target = nalgebra::DMatrix::from_row_slice(d, d, target);
+    let change = nalgebra::DMatrix::from_row_slice(d, d, change);
+    let tangent = nalgebra::DMatrix::identity(d, d) + change * target.lu().try_inverse()?;
+    Some(tangent.transpose().as_slice().to_vec())
+}
