@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use crate::function::kept;
-pub use crate::function::{Function, Side};
+pub use crate::function::{Binary, Function, Side};
 use crate::rational::Rational;
 use crate::shared::{Known, Shared};
 
@@ -30,6 +30,8 @@ pub enum Expression {
     Power(Box<Expression>, Box<Expression>),
     /// f(a).
     Apply(Function, Box<Expression>),
+    /// f(a, b).
+    Binary(Binary, Box<[Expression; 2]>),
     /// a where c > 0, b where c ≤ 0, of c, a and b.
     Where(Box<[Expression; 3]>),
     /// A formula that stands elsewhere too.
@@ -74,6 +76,10 @@ impl Expression {
                 None => libm::pow(value(base), value(exponent)),
             },
             Expression::Apply(function, argument) => function.apply(value(argument)),
+            Expression::Binary(function, pair) => {
+                let [a, b] = pair.each_ref().map(value);
+                function.apply(a, b)
+            }
             Expression::Where(parts) => {
                 let [c, a, b] = parts.each_ref().map(value);
                 kept(Side::Above, c, a) + kept(Side::Below, c, b)
@@ -156,6 +162,9 @@ impl Expression {
             Expression::Apply(function, argument) => {
                 Expression::Apply(*function, Box::new(of(argument)))
             }
+            Expression::Binary(function, pair) => {
+                Expression::Binary(*function, Box::new(pair.each_ref().map(of)))
+            }
             Expression::Where(parts) => Expression::Where(Box::new(parts.each_ref().map(of))),
             Expression::Shared(shared) => {
                 Expression::Shared(known.get(shared).unwrap_or_else(|| {
@@ -182,6 +191,9 @@ impl Expression {
     /// assert_eq!(power.evaluate(&[-1.0], &[]), 1.0);
     /// ```
     pub fn shared(self) -> Self {
+        if let Self::Shared(_) | Self::Constant(_) | Self::Variable(_) | Self::Parameter(_) = self {
+            return self;
+        }
         let height = self.height();
         Self::Shared(Shared::new(self, height))
     }
@@ -200,21 +212,37 @@ impl Expression {
             Expression::Quotient(left, right) | Expression::Power(left, right) => {
                 1 + left.height().max(right.height())
             }
+            Expression::Binary(_, pair) => 1 + highest(pair.as_slice()),
             Expression::Where(parts) => 1 + highest(parts.as_slice()),
             Expression::Shared(shared) => shared.height(),
         }
     }
 
-    /// Whether it is smooth in pieces: whether it holds a choice, a magnitude, a sign or a largest integer below.
+    /// Whether it is smooth in pieces: whether it holds a choice, a remainder, a magnitude, a sign or a largest integer
+    /// below, of what is not constant.
     pub fn has_seams(&self) -> bool {
         let mut found = false;
         self.visit(&mut |part| {
-            found |= match part {
-                Expression::Where(_) => true,
-                Expression::Apply(function, _) => function.is_step() || *function == Function::Abs,
-                _ => false,
+            // What decides of which piece a state is.
+            let decides: &[Expression] = match part {
+                Expression::Where(parts) => &parts[..1],
+                Expression::Binary(function, pair) if function.has_seams() => &pair[..],
+                Expression::Apply(function, argument)
+                    if function.is_step() || *function == Function::Abs =>
+                {
+                    std::slice::from_ref(argument)
+                }
+                _ => return,
             };
+            found |= decides.iter().any(Expression::has_variables);
         });
+        found
+    }
+
+    /// Whether a variable occurs.
+    fn has_variables(&self) -> bool {
+        let mut found = false;
+        self.visit(&mut |part| found |= matches!(part, Expression::Variable(_)));
         found
     }
 
@@ -247,6 +275,9 @@ impl Expression {
             Expression::Quotient(left, right) | Expression::Power(left, right) => {
                 left.visit_new(inspect, known);
                 right.visit_new(inspect, known);
+            }
+            Expression::Binary(_, pair) => {
+                pair.iter().for_each(|part| part.visit_new(inspect, known));
             }
             Expression::Where(parts) => {
                 parts.iter().for_each(|part| part.visit_new(inspect, known));
