@@ -221,22 +221,40 @@ impl Expression {
     /// Whether it is smooth in pieces: whether it holds a choice, a remainder, a magnitude, a sign or a largest integer
     /// below, of what is not constant.
     pub fn has_seams(&self) -> bool {
-        let mut found = false;
+        !self.seams().is_empty()
+    }
+
+    /// What decides of the piece in which a state is, with a number of that piece: c of a choice and the argument of a
+    /// magnitude with their sign, the argument of a largest integer below with that integer, a remainder with its
+    /// quotient's.
+    pub fn seams(&self) -> Vec<[Expression; 2]> {
+        let apply = |function, u: &Expression| Expression::Apply(function, Box::new(u.clone()));
+        let mut seams: Vec<[Expression; 2]> = Vec::new();
         self.visit(&mut |part| {
-            // What decides of which piece a state is.
-            let decides: &[Expression] = match part {
-                Expression::Where(parts) => &parts[..1],
-                Expression::Binary(function, pair) if function.has_seams() => &pair[..],
-                Expression::Apply(function, argument)
-                    if function.is_step() || *function == Function::Abs =>
-                {
-                    std::slice::from_ref(argument)
+            let seam = match part {
+                Expression::Where(parts) => [parts[0].clone(), apply(Function::Sign, &parts[0])],
+                Expression::Binary(function, pair) if function.has_seams() => {
+                    let [a, b] = &**pair;
+                    [part.clone(), apply(Function::Floor, &(a / b))]
+                }
+                Expression::Apply(Function::Floor, u) => [(**u).clone(), apply(Function::Floor, u)],
+                Expression::Apply(Function::Abs | Function::Sign, u) => {
+                    [(**u).clone(), apply(Function::Sign, u)]
                 }
                 _ => return,
             };
-            found |= decides.iter().any(Expression::has_variables);
+            if seam[0].has_variables() && !seams.contains(&seam) {
+                seams.push(seam);
+            }
         });
-        found
+        seams
+    }
+
+    /// Whether its value may jump: whether it has seams, or angles with their cut.
+    pub fn may_jump(&self) -> bool {
+        let mut has_angle = false;
+        self.visit(&mut |part| has_angle |= matches!(part, Expression::Binary(..)));
+        has_angle || self.has_seams()
     }
 
     /// Whether a variable occurs.
