@@ -46,9 +46,8 @@ fn number(value: &Value) -> f64 {
 }
 
 /// Most units of 2⁻⁵² by which a derivative may be off, of the value, or of this size where the value is less. The errors
-/// of elliptic integrals next to m = 1 are those of the integrals of the second kind there; below −4 they grow with the
-/// order.
-fn allowed(name: &str, order: u64, x: f64) -> (f64, f64) {
+/// of elliptic integrals next to m = 1 are those of the integrals of the second kind there.
+fn allowed(name: &str, order: u64) -> (f64, f64) {
     let order = order as f64;
     match name {
         "erf" | "log10" | "log2" => (1.0, 0.0),
@@ -58,7 +57,6 @@ fn allowed(name: &str, order: u64, x: f64) -> (f64, f64) {
         "lgamma" => (16.0, 1.0),
         // Of the size of the amplitude.
         "j0" | "j1" => (2.0, if order == 0.0 { 0.3 } else { 1.0 }),
-        _ if x < -4.0 => (16.0 * libm::exp2(0.5 * order), 0.0),
         _ => (24.0, 0.0),
     }
 }
@@ -84,7 +82,7 @@ fn special_functions_have_the_values_of_mpmath() {
             let (x, exact) = (number(&row[0]), number(&row[1]));
             let [found, ..] = by_code(&of, [x, 0.0]);
             assert_eq!(found.to_bits(), of.evaluate(&[x, 0.0], &[]).to_bits());
-            let (most, least) = allowed(name, order, x);
+            let (most, least) = allowed(name, order);
             let units = match found == exact {
                 true => 0.0,
                 false => (found - exact).abs() / (f64::EPSILON * exact.abs().max(least)),
@@ -103,7 +101,7 @@ fn special_functions_have_the_values_of_mpmath() {
     assert!(count > 3000, "{count}");
 }
 
-/// A quotient, an arctangent and a sum; a − b⌊a/b⌋ with a product and a difference, of the size of a.
+/// An angle and an exact remainder, and a sum at most.
 #[test]
 fn angles_and_remainders_have_the_values_of_mpmath() {
     let data = data();
@@ -112,23 +110,13 @@ fn angles_and_remainders_have_the_values_of_mpmath() {
         for row in rows.as_array().expect("rows") {
             let (x, y, exact) = (number(&row[0]), number(&row[1]), number(&row[2]));
             let [found, ..] = by_code(&of, [x, y]);
-            let size = match name {
-                "mod" => x.abs().max(y.abs()),
-                _ => exact.abs().max(1e-300),
-            };
             let off = (found - exact).abs();
-            // Next to a multiple of b a remainder may be one of the other end.
-            let off = if name == "mod" {
-                off.min((off - y.abs()).abs())
-            } else {
-                off
-            };
             assert!(
-                off <= 4.0 * f64::EPSILON * size,
+                off <= f64::EPSILON * exact.abs(),
                 "{name}({x}, {y}) = {found}, not {exact}"
             );
             if name == "mod" {
-                assert!(found * y >= 0.0 && found.abs() <= y.abs(), "{found} of {y}");
+                assert!(found * y >= 0.0 && found.abs() < y.abs(), "{found} of {y}");
             }
         }
     }
@@ -286,5 +274,62 @@ fn a_ball_returns_from_a_soft_floor() {
         let end = end(&composed(&text));
         let off = (end[0] - 1.0).abs().max(end[1].abs());
         assert!(off <= 4.0 * 100.0 * h * h, "{method}: {end:?}");
+    }
+}
+
+/// A drive that begins with the run, and one that turns round at a step's end: a coordinate is 0 where its slope jumps.
+/// p is −t, and t to ½ and then 1 − t.
+#[test]
+fn adaptive_steppers_begin_at_a_seam() {
+    for (potential, expected) in [
+        ("heaviside(t)*q", [-1.0, -2.0]),
+        ("sign(t - 1/2)*q", [0.75, -1.0]),
+    ] {
+        for method in ["dop853", "dormand-prince45", "taylor"] {
+            let text = format!(
+                "[system]\nvariables = [\"q\", \"p\"]\nbracket = {{ \"q,p\" = 1 }}\nconvention = \"{{x,H}}\"\n\
+                 hamiltonian = \"p^2/2 + {potential}\"\n[method]\nstepper = \"{method}\"\ntime-step = 0.1\n\
+                 [run]\ninitial = [1, 0]\nsteps = 20\n"
+            );
+            let end = end(&composed(&text));
+            // A substep across a jump is 2⁻⁴⁴ of a step, those before it err by their tolerance of 1e-12 at most.
+            let off = (end[0] - expected[0])
+                .abs()
+                .max((end[1] - expected[1]).abs());
+            assert!(off <= 20.0 * 1e-12, "{method}, {potential}: {end:?}");
+        }
+    }
+}
+
+/// Splitting takes each branch's piece where its seam rests, from states of either branch: kicks and drifts, which are
+/// turned round by the momenta's sign. Back at the start after as many steps, up to the round-off of all of them.
+#[test]
+fn splitting_across_seams_is_reversible() {
+    for potential in [
+        "max(q1, q2)^2",
+        "if(q1 > q2, q1^2, 3*q1^2 + q2)",
+        "abs(q1 - q2) + min(q1, q2, 0)^2",
+        "if(q1 < 0, 50*q1^2, 0) + q1 + q2^2/2",
+    ] {
+        for start in [[1.0, 0.5, 0.0, 0.3], [0.5, 1.0, 0.0, 0.3]] {
+            let steps = 500;
+            let run = |initial: &[f64]| {
+                composed(&format!(
+                    "[system]\nvariables = [\"q1\", \"q2\", \"p1\", \"p2\"]\nconvention = \"{{x,H}}\"\n\
+                     bracket = {{ \"q1,p1\" = 1, \"q2,p2\" = 1 }}\nhamiltonian = \"(p1^2 + p2^2)/2 + {potential}\"\n\
+                     [method]\nstepper = \"splitting\"\ntime-step = 0.01\n[run]\ninitial = {initial:?}\nsteps = {steps}\n"
+                ))
+            };
+            let turned = |x: &[f64]| vec![x[0], x[1], -x[2], -x[3]];
+            let there = end(&run(&start));
+            let back = turned(&end(&run(&turned(&there))));
+            let off = back.iter().zip(&start).map(|(a, b)| (a - b).abs());
+            let off = off.fold(0.0, f64::max);
+            // Round-offs of 2·500 steps, spread by at most e⁵ where trajectories part.
+            assert!(
+                off <= 1e3 * 150.0 * f64::EPSILON,
+                "{potential} from {start:?}: {off:e}"
+            );
+        }
     }
 }

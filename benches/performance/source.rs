@@ -6,7 +6,7 @@ use std::path::Path;
 use leafwise::core::solver::NewtonKernel;
 use leafwise::expression::kernel::{Code, Instruction};
 use leafwise::expression::pairs::{EXPONENTIAL_MINUS_1, EXPONENTIAL_MINUS_1_MIRRORED};
-use leafwise::expression::{Function, Kernel};
+use leafwise::expression::{Function, Kernel, Side};
 use leafwise_benches::STEP_CASES;
 
 /// Writes the formulas of every case into a folder: what `-- formulas` does, after a change of what
@@ -189,6 +189,11 @@ fn statement(instruction: &Instruction) -> String {
         Instruction::Smaller { out, a, b } => {
             format!("let s{out} = if s{a} < s{b} {{ s{a} }} else {{ s{b} }};")
         }
+        Instruction::Keep { side, out, a, b } => {
+            let relation = if side == Side::Above { ">" } else { "<=" };
+            format!("let s{out} = if s{a} {relation} 0.0 {{ s{b} }} else {{ 0.0 }};")
+        }
+        Instruction::ApplyTwo { function, .. } => panic!("{function:?} has no name here"),
         Instruction::Power { out, a, b } => format!("let s{out} = libm::pow(s{a}, s{b});"),
         Instruction::Apply { function, out, a } => {
             let name = match function {

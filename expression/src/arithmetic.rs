@@ -6,7 +6,7 @@
 
 use thiserror::Error;
 
-use crate::expression::{Function, Side};
+use crate::expression::{Binary, Function, Side};
 use crate::rational::Rational;
 use crate::special::Special;
 
@@ -149,6 +149,16 @@ pub trait Arithmetic {
         function: Function,
         a: &Self::Element,
     ) -> Result<Self::Element, AlgebraError>;
+    /// f(a, b).
+    ///
+    /// # Errors
+    /// [`AlgebraError::OutsideDomain`] for constants outside the domain of `function`.
+    fn apply_two(
+        &mut self,
+        function: Binary,
+        a: &Self::Element,
+        b: &Self::Element,
+    ) -> Result<Self::Element, AlgebraError>;
     /// v where c is of this side of 0, 0 elsewhere, whatever v is there.
     ///
     /// # Errors
@@ -275,7 +285,7 @@ pub(crate) fn simple_value(
         },
         Function::Abs => Ok(Some(x.abs())),
         Function::Sign => Ok(Some(Rational::from_integer(x.signum().into()))),
-        Function::Floor if x.is_integer() => Ok(Some(x.clone())),
+        Function::Floor => Ok(Some(x.floor())),
         Function::Acos | Function::Acosh if x.is_one() => zero_or_one(false),
         Function::Gamma if x.is_one() => zero_or_one(true),
         Function::Gamma if x.is_zero() => outside(),
@@ -296,6 +306,59 @@ pub(crate) fn simple_value(
         _ if x.is_zero() => zero_or_one(false),
         Function::Sqrt if x.is_one() => zero_or_one(true),
         _ => Ok(None),
+    }
+}
+
+/// f(a, b) of numbers where that is a number by definition.
+///
+/// # Errors
+/// [`AlgebraError::OutsideDomain`] for a remainder by 0.
+pub(crate) fn simple_value_of_two(
+    function: Binary,
+    a: &Rational,
+    b: &Rational,
+) -> Result<Option<Rational>, AlgebraError> {
+    match function {
+        Binary::Atan2 if a.is_zero() && !b.is_negative() => Ok(Some(Rational::zero())),
+        Binary::Atan2 => Ok(None),
+        Binary::Mod => match a.checked_div(b) {
+            Some(quotient) => Ok(Some(a - &(b * &quotient.floor()))),
+            None => Err(AlgebraError::OutsideDomain {
+                function: function.name(),
+                argument: format!("{a}, 0"),
+            }),
+        },
+    }
+}
+
+/// ∂f/∂a of f(a, b) for `by` 0, ∂f/∂b for 1.
+///
+/// # Errors
+/// Those of [`Arithmetic::divide`] and [`Arithmetic::apply`].
+pub fn binary_derivative<A: Arithmetic>(
+    arithmetic: &mut A,
+    function: Binary,
+    [a, b]: [&A::Element; 2],
+    by: usize,
+) -> Result<A::Element, AlgebraError> {
+    match (function, by) {
+        (Binary::Atan2, _) => {
+            let one = Rational::one();
+            let radius = arithmetic.sum_of_products(&[(one.clone(), a, a), (one, b, b)]);
+            match by {
+                0 => arithmetic.divide(b, &radius),
+                _ => {
+                    let opposite = arithmetic.negate(a);
+                    arithmetic.divide(&opposite, &radius)
+                }
+            }
+        }
+        (Binary::Mod, 0) => Ok(arithmetic.one()),
+        (Binary::Mod, _) => {
+            let quotient = arithmetic.divide(a, b)?;
+            let whole = arithmetic.apply(Function::Floor, &quotient)?;
+            Ok(arithmetic.negate(&whole))
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Numbers with a bound on their rounding errors.
 
-use crate::arithmetic::{AlgebraError, Arithmetic, function_derivative};
-use crate::expression::{Function, Side};
+use crate::arithmetic::{AlgebraError, Arithmetic, binary_derivative, function_derivative};
+use crate::expression::{Binary, Function, Side};
 use crate::function::kept;
 use crate::graph::{Graph, Node, Operation, Term};
 use crate::rational::Rational;
@@ -99,6 +99,9 @@ impl BoundedNumbers {
                     Bounded::rounded(value, error)
                 }
                 Operation::Power(a, b) => self.power(&known[a.index()], &known[b.index()])?,
+                Operation::Binary(function, a, b) => {
+                    self.apply_two(*function, &known[a.index()], &known[b.index()])?
+                }
                 Operation::Kept(side, c, v) => {
                     self.kept(*side, &known[c.index()], &known[v.index()])?
                 }
@@ -164,6 +167,34 @@ impl Arithmetic for BoundedNumbers {
             f64::INFINITY
         };
         let error = value.abs() * (relative + FUNCTION);
+        Ok(Bounded::rounded(value, error))
+    }
+    /// The errors of the arguments are taken with the slopes; without a bound where the value may jump between them.
+    fn apply_two(
+        &mut self,
+        function: Binary,
+        a: &Bounded,
+        b: &Bounded,
+    ) -> Result<Bounded, AlgebraError> {
+        let value = function.apply(a.value, b.value);
+        let mut error = FUNCTION * value.abs();
+        for (by, own) in [a, b].into_iter().enumerate() {
+            if own.error == 0.0 {
+                continue;
+            }
+            let pair = [a, b].map(|part| Bounded::exact(part.value));
+            let slope = binary_derivative(self, function, [&pair[0], &pair[1]], by)?.value;
+            error += slope.abs() * own.error;
+            for end in [own.value - own.error, own.value + own.error] {
+                let at = match by {
+                    0 => function.apply(end, b.value),
+                    _ => function.apply(a.value, end),
+                };
+                // Twice the slope is more than a smooth function changes by.
+                let is_jump = (at - value).abs() > 2.0 * error;
+                error = if is_jump { f64::INFINITY } else { error };
+            }
+        }
         Ok(Bounded::rounded(value, error))
     }
     /// Without a bound where c may be of either side.

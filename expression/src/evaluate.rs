@@ -84,6 +84,12 @@ impl Expression {
                 let argument = argument.value_in(arithmetic, variable, known)?;
                 arithmetic.apply(*function, &argument)
             }
+            Self::Binary(function, pair) => {
+                let [a, b] = &**pair;
+                let a = a.value_in(arithmetic, variable, known)?;
+                let b = b.value_in(arithmetic, variable, known)?;
+                arithmetic.apply_two(*function, &a, &b)
+            }
             Self::Where(parts) => {
                 let [c, a, b] = &**parts;
                 let c = c.value_in(arithmetic, variable, known)?;

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use crate::function::kept;
-pub use crate::function::{Function, Side};
+pub use crate::function::{Binary, Function, Side};
 use crate::rational::Rational;
 use crate::shared::{Known, Shared};
 
@@ -30,6 +30,8 @@ pub enum Expression {
     Power(Box<Expression>, Box<Expression>),
     /// f(a).
     Apply(Function, Box<Expression>),
+    /// f(a, b).
+    Binary(Binary, Box<[Expression; 2]>),
     /// a where c > 0, b where c ≤ 0, of c, a and b.
     Where(Box<[Expression; 3]>),
     /// A formula that stands elsewhere too.
@@ -74,6 +76,10 @@ impl Expression {
                 None => libm::pow(value(base), value(exponent)),
             },
             Expression::Apply(function, argument) => function.apply(value(argument)),
+            Expression::Binary(function, pair) => {
+                let [a, b] = pair.each_ref().map(value);
+                function.apply(a, b)
+            }
             Expression::Where(parts) => {
                 let [c, a, b] = parts.each_ref().map(value);
                 kept(Side::Above, c, a) + kept(Side::Below, c, b)
@@ -156,6 +162,9 @@ impl Expression {
             Expression::Apply(function, argument) => {
                 Expression::Apply(*function, Box::new(of(argument)))
             }
+            Expression::Binary(function, pair) => {
+                Expression::Binary(*function, Box::new(pair.each_ref().map(of)))
+            }
             Expression::Where(parts) => Expression::Where(Box::new(parts.each_ref().map(of))),
             Expression::Shared(shared) => {
                 Expression::Shared(known.get(shared).unwrap_or_else(|| {
@@ -182,6 +191,9 @@ impl Expression {
     /// assert_eq!(power.evaluate(&[-1.0], &[]), 1.0);
     /// ```
     pub fn shared(self) -> Self {
+        if let Self::Shared(_) | Self::Constant(_) | Self::Variable(_) | Self::Parameter(_) = self {
+            return self;
+        }
         let height = self.height();
         Self::Shared(Shared::new(self, height))
     }
@@ -200,21 +212,55 @@ impl Expression {
             Expression::Quotient(left, right) | Expression::Power(left, right) => {
                 1 + left.height().max(right.height())
             }
+            Expression::Binary(_, pair) => 1 + highest(pair.as_slice()),
             Expression::Where(parts) => 1 + highest(parts.as_slice()),
             Expression::Shared(shared) => shared.height(),
         }
     }
 
-    /// Whether it is smooth in pieces: whether it holds a choice, a magnitude, a sign or a largest integer below.
+    /// Whether it is smooth in pieces: whether it holds a choice, a remainder, a magnitude, a sign or a largest integer
+    /// below, of what is not constant.
     pub fn has_seams(&self) -> bool {
-        let mut found = false;
+        !self.seams().is_empty()
+    }
+
+    /// What decides of the piece in which a state is, with a number of that piece: c of a choice and the argument of a
+    /// magnitude with their sign, the argument of a largest integer below with that integer, a remainder with its
+    /// quotient's.
+    pub fn seams(&self) -> Vec<[Expression; 2]> {
+        let apply = |function, u: &Expression| Expression::Apply(function, Box::new(u.clone()));
+        let mut seams: Vec<[Expression; 2]> = Vec::new();
         self.visit(&mut |part| {
-            found |= match part {
-                Expression::Where(_) => true,
-                Expression::Apply(function, _) => function.is_step() || *function == Function::Abs,
-                _ => false,
+            let seam = match part {
+                Expression::Where(parts) => [parts[0].clone(), apply(Function::Sign, &parts[0])],
+                Expression::Binary(function, pair) if function.has_seams() => {
+                    let [a, b] = &**pair;
+                    [part.clone(), apply(Function::Floor, &(a / b))]
+                }
+                Expression::Apply(Function::Floor, u) => [(**u).clone(), apply(Function::Floor, u)],
+                Expression::Apply(Function::Abs | Function::Sign, u) => {
+                    [(**u).clone(), apply(Function::Sign, u)]
+                }
+                _ => return,
             };
+            if seam[0].has_variables() && !seams.contains(&seam) {
+                seams.push(seam);
+            }
         });
+        seams
+    }
+
+    /// Whether its value may jump: whether it has seams, or angles with their cut.
+    pub fn may_jump(&self) -> bool {
+        let mut has_angle = false;
+        self.visit(&mut |part| has_angle |= matches!(part, Expression::Binary(..)));
+        has_angle || self.has_seams()
+    }
+
+    /// Whether a variable occurs.
+    fn has_variables(&self) -> bool {
+        let mut found = false;
+        self.visit(&mut |part| found |= matches!(part, Expression::Variable(_)));
         found
     }
 
@@ -247,6 +293,9 @@ impl Expression {
             Expression::Quotient(left, right) | Expression::Power(left, right) => {
                 left.visit_new(inspect, known);
                 right.visit_new(inspect, known);
+            }
+            Expression::Binary(_, pair) => {
+                pair.iter().for_each(|part| part.visit_new(inspect, known));
             }
             Expression::Where(parts) => {
                 parts.iter().for_each(|part| part.visit_new(inspect, known));

@@ -224,6 +224,59 @@ impl fmt::Display for Function {
     }
 }
 
+/// A function of two arguments.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Binary {
+    /// The angle of (x, y) in (−π, π], of y and x.
+    Atan2,
+    /// x − y⌊x/y⌋, of x and y: from 0 to y, y not included.
+    Mod,
+}
+
+impl Binary {
+    /// The functions, with the names that formulas use.
+    pub const ALL: [(&'static str, Self); 2] = [("atan2", Self::Atan2), ("mod", Self::Mod)];
+
+    /// The name that formulas use.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Atan2 => "atan2",
+            Self::Mod => "mod",
+        }
+    }
+
+    /// The function of this name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        let found = Self::ALL.into_iter().find(|(known, _)| *known == name);
+        found.map(|(_, function)| function)
+    }
+
+    /// The value, to the same bits on every machine: `atan2` by `libm`, with C's values at zeros and infinities, `mod`
+    /// from the exact remainder of `libm::fmod`.
+    pub fn apply(self, a: f64, b: f64) -> f64 {
+        match self {
+            Self::Atan2 => libm::atan2(a, b),
+            Self::Mod => {
+                // Of the sign of a.
+                let rest = libm::fmod(a, b);
+                let is_opposite = rest != 0.0 && rest.is_sign_negative() != b.is_sign_negative();
+                let rest = if is_opposite { rest + b } else { rest };
+                // Rounded to a whole period, it is none.
+                if rest == b && b.is_finite() {
+                    0.0
+                } else {
+                    rest
+                }
+            }
+        }
+    }
+
+    /// Whether its derivatives jump where its value does. Those of an angle are smooth across its cut.
+    pub(crate) fn has_seams(self) -> bool {
+        self == Self::Mod
+    }
+}
+
 /// How a function changes with the sign of its argument.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Parity {
@@ -250,11 +303,11 @@ impl Side {
     }
 }
 
-/// v where c is of this side, 0 elsewhere; NaN where c is not finite.
+/// v where c is of this side, 0 elsewhere, whatever v is there; NaN where c is.
 pub(crate) fn kept(side: Side, c: f64, v: f64) -> f64 {
     let is_kept = (c > 0.0) == (side == Side::Above);
     // 0, or no number.
-    let nothing = if c.is_finite() { 0.0 } else { f64::NAN };
+    let nothing = if c.is_nan() { f64::NAN } else { 0.0 };
     (if is_kept { v } else { 0.0 }) + nothing
 }
 

@@ -48,7 +48,7 @@ pub use analytic::{AnalyticFunction, FunctionPair, Member};
 pub use arithmetic::{AlgebraError, Arithmetic};
 pub use differential::DifferentialAlgebra;
 pub use evaluate::VariableIn;
-pub use expression::{Expression, Function, Side};
+pub use expression::{Binary, Expression, Function, Side};
 pub use graph::{Graph, StepSize, Term};
 pub use kernel::{Aligned, Execution, Kernel, MachineCodeSize, OperationCount, Workspace};
 pub use operators::Quantity;

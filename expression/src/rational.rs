@@ -14,6 +14,7 @@ use std::borrow::Cow;
 use std::cmp::Ordering;
 use std::fmt;
 
+use dashu_int::ops::DivEuclid;
 use dashu_int::{IBig, UBig};
 
 pub use conversion::{DIGIT_LIMIT, DecimalError, EXPONENT_LIMIT};
@@ -108,6 +109,20 @@ impl Rational {
         match self.0 {
             Small(numerator, 1) => Some(numerator),
             _ => None,
+        }
+    }
+
+    /// The largest integer that is not above the number.
+    pub fn floor(&self) -> Self {
+        match &self.0 {
+            Small(numerator, denominator) => Self::from_integer(numerator.div_euclid(*denominator)),
+            Big(fraction) => {
+                let denominator = IBig::from(fraction.denominator.clone());
+                Self::from_fraction(Fraction {
+                    numerator: fraction.numerator.clone().div_euclid(denominator),
+                    denominator: UBig::ONE,
+                })
+            }
         }
     }
 

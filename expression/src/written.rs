@@ -106,6 +106,10 @@ impl Names<'_> {
                 }
             },
             Expression::Apply(function, argument) => self.function(*function, argument),
+            Expression::Binary(function, pair) => {
+                let [a, b] = pair.each_ref().map(|part| self.written(part).signed().text);
+                Written::atom(format!("{}({a}, {b})", function.name()))
+            }
             Expression::Where(parts) => {
                 let [c, a, b] = parts
                     .each_ref()

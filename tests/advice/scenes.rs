@@ -95,6 +95,75 @@ fn shortened_steps_and_seams_are_told() {
     }
 }
 
+/// Seams are those of what changes: a magnitude of a parameter has none, a bracket in pieces has.
+#[test]
+fn seams_of_brackets_are_told_and_of_parameters_not() {
+    let text = |bracket: &str, hamiltonian: &str| {
+        format!(
+            "[system]\nvariables = [\"q\", \"p\"]\nparameters = {{ a = -2 }}\nbracket = {{ \"q,p\" = \"{bracket}\" }}\n\
+             convention = \"{{x,H}}\"\nhamiltonian = \"p^2/2 + {hamiltonian}\"\n[method]\nrealization = \"auto\"\n\
+             dynamics = {{ name = \"hamilton-jacobi\", order = 4 }}\ntime-step = 0.1\n\
+             [run]\ninitial = [1, 0.5]\nsteps = 10\n"
+        )
+    };
+    for (bracket, hamiltonian, told) in [
+        ("1", "abs(a)*q^2", None),
+        ("1", "if(a > 0, q^2, q^4)", None),
+        ("1", "atan2(q, 3)^2", None),
+        ("1 + abs(q)", "q^2", Some("the bracket is smooth in pieces")),
+        (
+            "if(q > 0, 1, 1 + q^2)",
+            "q^2",
+            Some("the bracket is smooth in pieces"),
+        ),
+        (
+            "1",
+            "mod(q, a)",
+            Some("the Hamiltonian is smooth in pieces"),
+        ),
+    ] {
+        let found = told_of_kind(&text(bracket, hamiltonian), AdviceKind::Seams);
+        let found = found.map(|advice| advice.message);
+        match told {
+            Some(told) => assert!(found.is_some_and(|message| message.starts_with(told))),
+            None => assert_eq!(found, None, "{bracket}, {hamiltonian}"),
+        }
+    }
+}
+
+/// Where H jumps the energy is off by the jump, and its error says nothing: of a wall in q, of a pulse in t, of an angle's
+/// cut. Of a smooth H that is followed badly the motion is not to be trusted.
+#[test]
+fn jumps_of_the_energy_are_told_as_such() {
+    let message = |hamiltonian: &str, h: f64| {
+        let text = format!(
+            "[system]\nvariables = [\"q\", \"p\"]\nbracket = {{ \"q,p\" = 1 }}\nconvention = \"{{x,H}}\"\n\
+             hamiltonian = \"{hamiltonian}\"\n[method]\nstepper = \"splitting\"\ntime-step = {h}\n\
+             [run]\ninitial = [-1, 1]\nsteps = 40\n"
+        );
+        let (document, run) = (document(&text, &[]), composed(&text));
+        let registry = Registry::with_builtin();
+        let recorded = run_in_memory(&document, &run, &registry, Asked::default(), &mut Quiet);
+        let advice = recorded.expect("a run").report.advice.into_iter();
+        let mut energy = advice.filter(|advice| advice.kind == AdviceKind::EnergyError);
+        energy.next().map(|advice| advice.message)
+    };
+    for (hamiltonian, jump) in [
+        ("p^2/2 + heaviside(q)", "by 1.0:"),
+        ("p^2/2 + 3*heaviside(t - 1)*q", "by"),
+        ("p^2/2 + floor(2*q)", "by 1.0:"),
+    ] {
+        let found = message(hamiltonian, 0.05).expect(hamiltonian);
+        assert!(
+            found.contains(&format!("H itself jumps on the way, {jump}")),
+            "{found}"
+        );
+    }
+    let smooth = message("p^2/2 + 2*(q^2 - 4)^2", 0.15).expect("an error");
+    assert!(smooth.contains("not to be trusted"), "{smooth}");
+    assert_eq!(message("p^2/2 + max(q, 0)^2", 0.01), None);
+}
+
 /// {a, b} = 1 without a convention: b is the momentum where H is a square of it alone, or by its name. The convention that
 /// is named instead turns the motion round.
 #[test]

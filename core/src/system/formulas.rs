@@ -298,6 +298,12 @@ impl SystemFormulas {
         &self.hamiltonian
     }
 
+    /// Whether H or the tensor is smooth in pieces.
+    pub fn has_seams(&self) -> bool {
+        let mut parts = self.tensor.values().chain([&self.hamiltonian]);
+        parts.any(Expression::has_seams)
+    }
+
     /// The Casimirs.
     pub fn casimirs(&self) -> &[Casimir] {
         &self.casimirs

@@ -8,6 +8,7 @@ use leafwise_core::solver::{StepReport, Trajectories};
 use leafwise_core::system::FieldRounding;
 use leafwise_core::{
     BuildError, Evaluator, MapProperties, PoissonSystem, StepError, StepMap, Structure,
+    SystemFormulas,
 };
 
 use crate::allowed::Allowed;
@@ -47,6 +48,13 @@ const SAFETY: f64 = 0.9;
 const FIRST: f64 = 0.01;
 const LEAST_FIRST: f64 = 1e-4;
 
+/// A jump of the field is crossed by a substep of this part of the step, whatever its error seems: it is of the size of
+/// round-off.
+pub(crate) const CROSSING: f64 = 1.0 / (1_u64 << 44) as f64;
+
+/// Such a substep moves no coordinate by more than this part of the largest: next to a pole it would.
+pub(crate) const STILL: f64 = 1e-6;
+
 /// After so many refusals, before the time of the first has passed, it is asked whether the error is the field's round-off, or
 /// that of coordinates at rest.
 const STUBBORN: u32 = 4;
@@ -65,6 +73,8 @@ struct AdaptivePair {
     tolerance: f64,
     allowed: Allowed,
     rounding: Option<Arc<FieldRounding>>,
+    /// Whether the field may jump.
+    has_seams: bool,
     parameters: Vec<f64>,
     /// Bounds on the rounding errors of the field at the state, once substeps are refused again and again.
     bounds: Option<Vec<f64>>,
@@ -96,7 +106,7 @@ impl AdaptivePair {
         parameters: &[f64],
         time_step: f64,
         tolerance: f64,
-        (allowed, rounding): (&Allowed, Option<&Arc<FieldRounding>>),
+        (allowed, rounding, has_seams): (&Allowed, Option<&Arc<FieldRounding>>, bool),
     ) -> Self {
         let d = field.inputs();
         let rows = pair.matrix.iter().chain([&pair.weights]).chain(pair.errors);
@@ -108,6 +118,7 @@ impl AdaptivePair {
             tolerance,
             allowed: allowed.clone(),
             rounding: rounding.cloned(),
+            has_seams,
             parameters: parameters.to_vec(),
             bounds: None,
             floors: Floors::new(d),
@@ -137,6 +148,12 @@ impl AdaptivePair {
         let (x, slope) = (self.state[c], self.slopes[0][c]);
         let end = (x + self.change[c]).abs();
         x.abs().max(end).max((tau * slope).abs())
+    }
+
+    /// Whether the substep moves nothing by much.
+    fn is_still(&self) -> bool {
+        let size = |values: &[f64]| values.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        size(&self.change) <= STILL * size(&self.state)
     }
 
     /// The first substep.
@@ -301,15 +318,18 @@ impl AdaptivePair {
             let last = tau >= rest;
             let size = if last { rest } else { tau.min(0.5 * rest) };
             let error = self.substep(size.copysign(self.time_step));
-            let factor = if error > 0.0 {
+            // The estimate of an error does not shrink with the substep where the field jumps and a coordinate is 0.
+            let crosses =
+                self.has_seams && error.is_finite() && size <= CROSSING * whole && self.is_still();
+            let factor = if error > 0.0 && !crosses {
                 (SAFETY / libm::pow(error, 1.0 / self.pair.exponent)).clamp(SHRINK, GROW)
-            } else if error == 0.0 {
+            } else if error == 0.0 || crosses {
                 GROW
             } else {
                 // Not a number: the substep left the formulas' domain.
                 SHRINK
             };
-            if error <= 1.0 {
+            if error <= 1.0 || crosses {
                 for c in 0..x.len() {
                     increment[c] += self.change[c];
                     self.state[c] = x[c] + increment[c];
@@ -319,7 +339,7 @@ impl AdaptivePair {
                 if done >= since + longest {
                     refusals = 0;
                 }
-                let growth = if rejected > 0 {
+                let growth = if rejected > 0 && !crosses {
                     factor.min(1.0)
                 } else {
                     factor
@@ -441,6 +461,7 @@ pub(crate) fn adaptive_map(
     let (field, rounding) = system.field_and_rounding()?;
     let rounding = rounding.map(Arc::new);
     let allowed = Allowed::new(system, tolerance, rounding.is_some());
+    let has_seams = system.expressions().is_some_and(SystemFormulas::has_seams);
     Ok(Arc::new(ReferenceMap {
         dimension: system.dimension(),
         properties: MapProperties {
@@ -458,7 +479,7 @@ pub(crate) fn adaptive_map(
                 parameters,
                 time_step,
                 tolerance,
-                (&allowed, rounding.as_ref()),
+                (&allowed, rounding.as_ref(), has_seams),
             ))
         }),
     }))

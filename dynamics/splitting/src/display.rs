@@ -63,6 +63,10 @@ impl Names<'_> {
                 format!("({})^({})", self.polynomial(u), self.coefficient(exponent))
             }
             Some(Generator::Function(function, u)) => function.called(&self.polynomial(u)),
+            Some(Generator::Binary(function, u, v)) => {
+                let [u, v] = [u, v].map(|part| self.polynomial(part));
+                format!("{}({u}, {v})", function.name())
+            }
             Some(Generator::Kept(side, u, v)) => {
                 let sign = match side {
                     Side::Above => ">",
@@ -82,6 +86,10 @@ impl Names<'_> {
             Atom::RationalPower(c, exponent) => format!("({})^({exponent})", self.coefficient(c)),
             Atom::Power(c, exponent) => {
                 format!("({})^({})", self.coefficient(c), self.coefficient(exponent))
+            }
+            Atom::Binary(function, c, d) => {
+                let [c, d] = [c, d].map(|part| self.coefficient(part));
+                format!("{}({c}, {d})", function.name())
             }
             Atom::Function(function, c) => format!("{function}({})", self.coefficient(c)),
         }

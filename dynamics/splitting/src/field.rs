@@ -10,12 +10,14 @@ pub type Field = BTreeMap<usize, Polynomial>;
 /// The variables that f depends on, through its generators too.
 pub(crate) fn variables(ring: &Ring, f: &Polynomial) -> BTreeSet<usize> {
     let mut found = BTreeSet::new();
-    for symbol in f.symbols() {
+    let mut open = f.symbols();
+    let mut seen: BTreeSet<_> = open.iter().copied().collect();
+    while let Some(symbol) = open.pop() {
         match ring.generator(symbol) {
             None => drop(found.insert(symbol as usize)),
             Some(generator) => {
-                let of_arguments = generator.arguments().map(|u| variables(ring, u));
-                found.extend(of_arguments.flatten());
+                let inner = generator.arguments().flat_map(Polynomial::symbols);
+                open.extend(inner.filter(|symbol| seen.insert(*symbol)));
             }
         }
     }

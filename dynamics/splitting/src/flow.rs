@@ -63,8 +63,9 @@ pub struct CoordinateFlow {
     pub reads: BTreeSet<usize>,
 }
 
-/// The motion of x_i under the field X, `None` where it is none of [`Motion`]. What the numbers at
-/// `probe` rule out is not looked for in exact algebra.
+/// The motion of x_i under the field X, `None` where it is none of [`Motion`], or one within a piece of X that it leaves:
+/// on the other side of a seam it would be another. What the numbers at `probe` rule out is not looked for in exact
+/// algebra.
 ///
 /// # Errors
 /// [`AlgebraError`] where a derivative does not exist.
@@ -80,7 +81,7 @@ pub fn coordinate_flow(
     while !next.is_zero() {
         series.push(next);
         if let Some(motion) = closed_form(ring, field, &series, &mut reads)? {
-            return Ok(Some(CoordinateFlow { motion, reads }));
+            return within_piece(ring, field, &series, CoordinateFlow { motion, reads });
         }
         let last = &series[series.len() - 1];
         if series.len() > LONGEST || last.terms().len() > MOST_MONOMIALS {
@@ -91,8 +92,36 @@ pub fn coordinate_flow(
         }
         next = lie_derivative(ring, field, last, &mut reads)?;
     }
-    let motion = Motion::Polynomial(series);
-    Ok(Some(CoordinateFlow { motion, reads }))
+    let motion = Motion::Polynomial(series.clone());
+    within_piece(ring, field, &series, CoordinateFlow { motion, reads })
+}
+
+/// The flow, unless a seam of its Lie series moves under it.
+fn within_piece(
+    ring: &mut Ring,
+    field: &Field,
+    series: &[Polynomial],
+    mut flow: CoordinateFlow,
+) -> Result<Option<CoordinateFlow>, AlgebraError> {
+    let crossed = crossed_seam(ring, field, series, &mut flow.reads)?;
+    Ok(crossed.is_none().then_some(flow))
+}
+
+/// What decides of the piece in which a state is and moves under the field, of those that are in these terms.
+pub(crate) fn crossed_seam(
+    ring: &mut Ring,
+    field: &Field,
+    terms: &[Polynomial],
+    reads: &mut BTreeSet<usize>,
+) -> Result<Option<Polynomial>, AlgebraError> {
+    for term in terms {
+        for seam in ring.seams(term) {
+            if !lie_derivative(ring, field, &seam, reads)?.is_zero() {
+                return Ok(Some(seam));
+            }
+        }
+    }
+    Ok(None)
 }
 
 /// The closed form that the last term of a Lie series reveals: φ at the second, λ at the third.

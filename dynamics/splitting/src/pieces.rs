@@ -1,5 +1,7 @@
 //! The pieces of a system's Hamiltonian.
 
+use std::collections::BTreeSet;
+
 use leafwise_core::system::energy_casimir::{coefficient_sum, shifted};
 use leafwise_core::{BuildError, SystemFormulas};
 use leafwise_expression::algebra::Monomial;
@@ -7,6 +9,7 @@ use leafwise_expression::{Arithmetic, Expression, Polynomial, Rational, Ring};
 
 use crate::body::FreeBody;
 use crate::display::Names;
+use crate::flow::crossed_seam;
 use crate::piece::{Atom, NAME, Piece};
 use crate::probe::Probe;
 use crate::tensor::Tensor;
@@ -178,7 +181,7 @@ pub(crate) fn atoms(
             hamiltonian: term,
         };
         if let Err(coordinate) = atom.flows(ring, probe)? {
-            return Err(refusal(system, ring, &atom.hamiltonian, coordinate));
+            return Err(refusal(system, ring, &atom, coordinate)?);
         }
         if !atom.field.is_empty() {
             atoms.push(atom);
@@ -189,20 +192,31 @@ pub(crate) fn atoms(
 
 fn refusal(
     system: &SystemFormulas,
-    ring: &Ring,
-    term: &Polynomial,
+    ring: &mut Ring,
+    atom: &Atom,
     coordinate: usize,
-) -> BuildError {
+) -> Result<BuildError, BuildError> {
+    let velocity = atom.field.get(&coordinate).cloned();
+    let velocities: Vec<Polynomial> = velocity.into_iter().collect();
+    let seam = crossed_seam(ring, &atom.field, &velocities, &mut BTreeSet::new())?;
     let names = Names { system, ring };
-    BuildError::DoesNotFit {
-        part: NAME,
-        reason: format!(
-            "its Hamiltonian does not split: under the term `{}` alone the motion of {} is neither \
-             polynomial in time, nor exponential, nor a rotation",
-            names.polynomial(term),
-            system.variables()[coordinate]
+    let (term, variable) = (
+        names.polynomial(&atom.hamiltonian),
+        &system.variables()[coordinate],
+    );
+    let reason = match seam {
+        None => format!(
+            "its Hamiltonian does not split: under the term `{term}` alone the motion of {variable} is neither \
+             polynomial in time, nor exponential, nor a rotation"
         ),
-    }
+        Some(seam) => format!(
+            "its Hamiltonian does not split: under the term `{term}` alone the motion of {variable} crosses a seam of the \
+             term, for `{}` is not kept; splitting takes choices that the motion under their own term does not change: \
+             gauss, collective or hamilton-jacobi take any",
+            names.polynomial(&seam)
+        ),
+    };
+    Ok(BuildError::DoesNotFit { part: NAME, reason })
 }
 
 /// Adds an atom to the first piece that keeps an exact flow with it, or to a new one.

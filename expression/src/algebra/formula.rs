@@ -38,6 +38,9 @@ impl Ring {
             ),
             Generator::Power(u, a) => power(self.formula(u), self.coefficient_formula(a)),
             Generator::Function(f, u) => Expression::Apply(*f, Box::new(self.formula(u))),
+            Generator::Binary(f, u, v) => {
+                Expression::Binary(*f, Box::new([self.formula(u), self.formula(v)]))
+            }
             Generator::Kept(side, u, v) => {
                 Expression::kept(*side, self.formula(u), self.formula(v))
             }
@@ -53,6 +56,10 @@ impl Ring {
                 power(self.coefficient_formula(c), Expression::Constant(r.clone()))
             }
             Atom::Power(c, d) => power(self.coefficient_formula(c), self.coefficient_formula(d)),
+            Atom::Binary(f, c, d) => {
+                let pair = [c, d].map(|part| self.coefficient_formula(part));
+                Expression::Binary(*f, Box::new(pair))
+            }
             Atom::Function(f, c) => Expression::Apply(*f, Box::new(self.coefficient_formula(c))),
         }
     }

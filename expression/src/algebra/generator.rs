@@ -1,7 +1,7 @@
 //! Generators adjoined to the polynomials: functions of the state, and constants of the parameters.
 
 use super::polynomial::{Coefficient, Polynomial};
-use crate::expression::{Function, Side};
+use crate::expression::{Binary, Function, Side};
 use crate::rational::Rational;
 
 /// A function of the state adjoined to the ring. Its derivative is again in the ring. A relation,
@@ -18,6 +18,7 @@ use crate::rational::Rational;
 /// | `Function(cosh, u)` | cosh² → 1 + sinh² | 0, 1 |
 /// | `Function(exp, u)` | none: e^{−u} is the exponent −1 | any |
 /// | any other `Function(f, u)` | none | any |
+/// | `Binary(f, u, v)` | none | any |
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Generator {
     /// 1/u.
@@ -28,6 +29,8 @@ pub enum Generator {
     Power(Polynomial, Coefficient),
     /// f(u).
     Function(Function, Polynomial),
+    /// f(u, v).
+    Binary(Binary, Polynomial, Polynomial),
     /// v where u is of this side of 0, 0 elsewhere, of u and v.
     Kept(Side, Polynomial, Polynomial),
 }
@@ -40,6 +43,7 @@ impl Generator {
             | Self::Root(u, _)
             | Self::Power(u, _)
             | Self::Function(_, u)
+            | Self::Binary(_, u, _)
             | Self::Kept(_, u, _) => u,
         }
     }
@@ -47,7 +51,7 @@ impl Generator {
     /// The polynomials that it is a function of: u, and v where there is one.
     pub fn arguments(&self) -> impl Iterator<Item = &Polynomial> {
         let value = match self {
-            Self::Kept(_, _, value) => Some(value),
+            Self::Kept(_, _, value) | Self::Binary(_, _, value) => Some(value),
             _ => None,
         };
         [self.argument()].into_iter().chain(value)
@@ -69,4 +73,6 @@ pub enum Atom {
     Power(Coefficient, Coefficient),
     /// f(c).
     Function(Function, Coefficient),
+    /// f(c, d).
+    Binary(Binary, Coefficient, Coefficient),
 }

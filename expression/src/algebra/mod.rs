@@ -8,6 +8,7 @@ mod packed;
 mod polynomial;
 mod rewriting;
 mod ring;
+mod seams;
 #[cfg(test)]
 mod tests;
 

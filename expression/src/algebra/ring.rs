@@ -6,8 +6,11 @@ use super::generator::{Atom, Generator};
 use super::monomial::{Monomial, Symbol};
 use super::packed;
 use super::polynomial::{Coefficient, CoefficientRing, Polynomial};
-use crate::arithmetic::{AlgebraError, Arithmetic, function_derivative, simple_value};
-use crate::expression::{Function, Side};
+use crate::arithmetic::{
+    AlgebraError, Arithmetic, binary_derivative, function_derivative, simple_value,
+    simple_value_of_two,
+};
+use crate::expression::{Binary, Function, Side};
 use crate::function::Parity;
 use crate::rational::Rational;
 use crate::reach::Reach;
@@ -23,6 +26,8 @@ pub struct Ring {
     generators: Vec<Generator>,
     /// The variables that each generator depends on.
     reaches: Vec<Reach>,
+    /// Whether each generator has a value at every state.
+    are_everywhere: Vec<bool>,
     pub(super) symbols: FxHashMap<Generator, Symbol>,
     atoms: Vec<Atom>,
     atom_symbols: FxHashMap<Atom, Symbol>,
@@ -48,6 +53,7 @@ impl Ring {
             variables,
             generators: Vec::new(),
             reaches: Vec::new(),
+            are_everywhere: Vec::new(),
             symbols: FxHashMap::default(),
             atoms: Vec::new(),
             atom_symbols: FxHashMap::default(),
@@ -141,6 +147,8 @@ impl Ring {
         );
         let reaches: Vec<Reach> = generator.arguments().map(|u| self.reach_of(u)).collect();
         let reach = Reach::union(&reaches);
+        self.are_everywhere
+            .push(self.has_value_everywhere(&generator));
         self.symbols.insert(generator.clone(), symbol);
         self.generators.push(generator);
         self.reaches.push(reach);
@@ -246,6 +254,19 @@ impl Ring {
             self.derivatives.insert((symbol, variable), result.clone());
             return Ok(result);
         }
+        if let Generator::Binary(function, u, v) = &generator {
+            let mut parts = Vec::with_capacity(2);
+            for (by, argument) in [u, v].into_iter().enumerate() {
+                let inner = self.derivative(argument, variable)?;
+                if !inner.is_zero() {
+                    let outer = binary_derivative(self, *function, [u, v], by)?;
+                    parts.push((Rational::one(), self.multiply(&outer, &inner)));
+                }
+            }
+            let result = self.combine(&parts);
+            self.derivatives.insert((symbol, variable), result.clone());
+            return Ok(result);
+        }
         let inner = self.derivative(generator.argument(), variable)?;
         let result = if inner.is_zero() {
             Polynomial::zero()
@@ -266,7 +287,7 @@ impl Ring {
                 }
                 Generator::Function(function, u) => function_derivative(self, *function, u, &g)?,
                 // Differentiated above.
-                Generator::Kept(..) => Polynomial::zero(),
+                Generator::Kept(..) | Generator::Binary(..) => Polynomial::zero(),
             };
             self.multiply(&outer, &inner)
         };
@@ -335,6 +356,13 @@ impl Ring {
                     let inverse = Polynomial::symbol(self.adjoin(Generator::Inverse(base)));
                     factors.push(self.integer_power(&inverse, exponent.into())?);
                 }
+                Some(Generator::Kept(..)) => {
+                    // 1/g has no value where g is 0, which it is on one side: it cancels nothing.
+                    let base = Polynomial::symbol(symbol);
+                    let minus = Coefficient::from_rational(&Rational::from_integer(-1));
+                    let inverse = Polynomial::symbol(self.adjoin(Generator::Power(base, minus)));
+                    factors.push(self.integer_power(&inverse, exponent.into())?);
+                }
                 _ => plain = plain.shifted(symbol, -exponent),
             }
         }
@@ -343,6 +371,41 @@ impl Ring {
             result = self.multiply(&result, &factor);
         }
         Ok(result)
+    }
+
+    /// Whether a symbol has a value at every state.
+    fn is_everywhere(&self, symbol: Symbol) -> bool {
+        let generator = (symbol as usize).checked_sub(self.variables);
+        generator.is_none_or(|at| self.are_everywhere[at])
+    }
+
+    /// Whether a constant has a value whatever the parameters are.
+    fn is_plain(&self, atom: Symbol) -> bool {
+        matches!(self.atom(atom), Atom::Parameter(_) | Atom::Pi)
+    }
+
+    /// Whether a generator has a value at every state: 1 on a side of what has one.
+    fn has_value_everywhere(&self, generator: &Generator) -> bool {
+        let Generator::Kept(_, c, value) = generator else {
+            return false;
+        };
+        let mut factors = c.terms().iter().flat_map(|(m, _)| m.factors());
+        let constants = c.terms().iter().flat_map(|(_, c)| c.terms());
+        let mut atoms = constants.flat_map(|(m, _)| m.factors());
+        *value == Polynomial::constant(one())
+            && factors.all(|&(symbol, exponent)| exponent > 0 && self.is_everywhere(symbol))
+            && atoms.all(|&(atom, exponent)| exponent > 0 && self.is_plain(atom))
+    }
+
+    /// v where c is of this side, of a v that stands behind the seam as a whole.
+    fn kept_inside(&mut self, side: Side, c: &Polynomial, v: Polynomial) -> Polynomial {
+        let one = Polynomial::constant(one());
+        if v == one && side == Side::Below {
+            // 1 − g of the other side.
+            let above = self.adjoin(Generator::Kept(Side::Above, c.clone(), one.clone()));
+            return self.subtract(&one, &Polynomial::symbol(above));
+        }
+        Polynomial::symbol(self.adjoin(Generator::Kept(side, c.clone(), v)))
     }
 
     fn constant_function(
@@ -408,6 +471,20 @@ impl Ring {
         let power = self.multiply(&integer, &fraction);
         self.unless_refused(power)
     }
+}
+
+/// A product as two: of the powers that have a value everywhere, and of the others.
+fn split(product: &Monomial, is_everywhere: impl Fn(Symbol) -> bool) -> (Monomial, Monomial) {
+    let (mut outside, mut inside) = (Monomial::one(), Monomial::one());
+    for &(symbol, exponent) in product.factors() {
+        let part = if exponent > 0 && is_everywhere(symbol) {
+            &mut outside
+        } else {
+            &mut inside
+        };
+        *part = part.shifted(symbol, exponent);
+    }
+    (outside, inside)
 }
 
 fn one() -> Coefficient {
@@ -509,6 +586,26 @@ impl Arithmetic for Ring {
         self.unless_refused(power)
     }
 
+    fn apply_two(
+        &mut self,
+        function: Binary,
+        a: &Polynomial,
+        b: &Polynomial,
+    ) -> Result<Polynomial, AlgebraError> {
+        if let (Some(x), Some(y)) = (self.as_rational(a), self.as_rational(b))
+            && let Some(simple) = simple_value_of_two(function, &x, &y)?
+        {
+            return Ok(self.constant(&simple));
+        }
+        if let (Some(c), Some(d)) = (a.as_constant(), b.as_constant()) {
+            return Ok(Polynomial::constant(
+                self.atom_symbol(Atom::Binary(function, c, d)),
+            ));
+        }
+        let generator = Generator::Binary(function, a.clone(), b.clone());
+        Ok(Polynomial::symbol(self.adjoin(generator)))
+    }
+
     /// Linear in v, whose factors that have a value everywhere stand outside.
     fn kept(
         &mut self,
@@ -524,27 +621,16 @@ impl Arithmetic for Ring {
         }
         let mut parts = Vec::with_capacity(v.terms().len());
         for (monomial, coefficient) in v.terms() {
-            let (mut outside, mut inside) = (Monomial::one(), Monomial::one());
-            for &(symbol, exponent) in monomial.factors() {
-                let is_everywhere = exponent > 0 && (symbol as usize) < self.variables;
-                let part = if is_everywhere {
-                    &mut outside
-                } else {
-                    &mut inside
-                };
-                *part = part.shifted(symbol, exponent);
+            let (outside, inside) = split(monomial, |symbol| self.is_everywhere(symbol));
+            for (constants, number) in coefficient.terms() {
+                let (known, unsure) = split(constants, |symbol| self.is_plain(symbol));
+                let outside =
+                    Polynomial::term(outside.clone(), Coefficient::term(known, number.clone()));
+                let inside =
+                    Polynomial::term(inside.clone(), Coefficient::term(unsure, Rational::one()));
+                let part = self.kept_inside(side, c, inside);
+                parts.push((Rational::one(), self.multiply(&outside, &part)));
             }
-            let outside = Polynomial::term(outside, coefficient.clone());
-            let part = if inside.is_one() && side == Side::Below {
-                // 1 − g of the other side.
-                let above = Generator::Kept(Side::Above, c.clone(), Polynomial::constant(one()));
-                let above = Polynomial::symbol(self.adjoin(above));
-                self.subtract(&Polynomial::constant(one()), &above)
-            } else {
-                let inside = Polynomial::term(inside, one());
-                Polynomial::symbol(self.adjoin(Generator::Kept(side, c.clone(), inside)))
-            };
-            parts.push((Rational::one(), self.multiply(&outside, &part)));
         }
         let sum = self.combine(&parts);
         self.unless_refused(sum)

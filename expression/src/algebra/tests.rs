@@ -3,7 +3,7 @@ use proptest::prelude::*;
 use super::{Monomial, Polynomial, Ring};
 use crate::arithmetic::{AlgebraError, Arithmetic};
 use crate::bounded::{Bounded, BoundedNumbers};
-use crate::expression::{Expression, Function, Side};
+use crate::expression::{Binary, Expression, Function, Side};
 use crate::rational::Rational;
 use crate::special::Special;
 use crate::syntax::{Formula, Scope};
@@ -75,6 +75,32 @@ impl DualNumbers<'_> {
                 let value = self.numbers.apply(*function, &u.0).expect("a number");
                 let slope = self.slope(*function, u.0, value);
                 Dual(value, self.numbers.multiply(&slope, &u.1))
+            }
+            Expression::Binary(function, pair) => {
+                let [a, b] = pair.each_ref().map(|part| self.of(part));
+                let value = self.numbers.apply_two(*function, &a.0, &b.0);
+                let value = value.expect("a number");
+                let of = |parts: [Bounded; 2]| parts.map(|slope| Dual(slope, zero));
+                let [by_a, by_b] = match function {
+                    // x dy − y dx over r².
+                    Binary::Atan2 => {
+                        let square = self.product(a, a).0;
+                        let radius = self.numbers.multiply(&b.0, &b.0);
+                        let radius = self.numbers.add(&square, &radius);
+                        let opposite = self.numbers.negate(&a.0);
+                        let [up, across] =
+                            [b.0, opposite].map(|above| self.numbers.divide(&above, &radius));
+                        of([up.expect("a number"), across.expect("a number")])
+                    }
+                    Binary::Mod => {
+                        let quotient = self.numbers.divide(&a.0, &b.0).expect("a number");
+                        let whole = self.numbers.apply(Function::Floor, &quotient);
+                        of([n(1.0), self.numbers.negate(&whole.expect("a number"))])
+                    }
+                };
+                let parts = [(by_a, a.1), (by_b, b.1)]
+                    .map(|(slope, inner)| self.numbers.multiply(&slope.0, &inner));
+                Dual(value, self.numbers.add(&parts[0], &parts[1]))
             }
             Expression::Where(parts) => {
                 let [c, a, b] = parts.each_ref().map(|part| self.of(part));

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::node::{Graph, Node, Operation, Term, Tier};
 use crate::arithmetic::{AlgebraError, Arithmetic};
-use crate::expression::Function;
+use crate::expression::{Binary, Function};
 
 impl Graph {
     /// State-dependent factors of denominators, and of arguments of ln, in these terms that are not of one sign by
@@ -27,6 +27,7 @@ impl Graph {
                     inner.push(a);
                 }
                 Operation::Function(Function::Tan, a) => angles.push(a),
+                Operation::Binary(Binary::Mod, _, b) => open.push(b),
                 _ => {}
             }
             let operands = self.operands(node).into_iter();
@@ -130,7 +131,8 @@ impl Graph {
                 Operation::Parameter(_)
                 | Operation::StepSize(_)
                 | Operation::Input(_)
-                | Operation::Analytic(..) => false,
+                | Operation::Analytic(..)
+                | Operation::Binary(..) => false,
             });
         }
         known

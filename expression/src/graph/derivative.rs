@@ -1,7 +1,7 @@
 //! Exact derivatives of straight-line code, again as straight-line code.
 
 use super::node::{Graph, Node, Operation, Term, Tier};
-use crate::arithmetic::{AlgebraError, Arithmetic, function_derivative};
+use crate::arithmetic::{AlgebraError, Arithmetic, binary_derivative, function_derivative};
 use crate::expression::Function;
 use crate::rational::Rational;
 use crate::reach::{Reach, SumReach};
@@ -82,6 +82,7 @@ impl Graph {
                     | Operation::Function(..)
                     | Operation::Analytic(..)
                     | Operation::Power(..) => OF_SLOPE,
+                    Operation::Binary(..) => 2 * OF_SLOPE,
                     _ => 0,
                 };
             }
@@ -130,6 +131,18 @@ impl Graph {
                 let left = self.multiply(&da, &Term::of(b));
                 let right = self.multiply(&Term::of(a), &db);
                 self.add(&left, &right)
+            }
+            &Operation::Binary(function, a, b) => {
+                let mut parts = Vec::with_capacity(2);
+                for (by, operand) in [a, b].into_iter().enumerate() {
+                    let inner = self.node_derivative(operand, input)?;
+                    if !self.is_zero(&inner) {
+                        let pair = [&Term::of(a), &Term::of(b)];
+                        let outer = binary_derivative(self, function, pair, by)?;
+                        parts.push((Rational::one(), self.multiply(&outer, &inner)));
+                    }
+                }
+                self.combine(&parts)
             }
             &Operation::Kept(side, c, v) => {
                 let inner = self.node_derivative(v, input)?;

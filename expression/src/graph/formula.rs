@@ -87,6 +87,9 @@ impl Graph {
             }
             Operation::Function(function, a) => Expression::Apply(*function, Box::new(of(*a)?)),
             Operation::Power(a, b) => Expression::Power(Box::new(of(*a)?), Box::new(of(*b)?)),
+            Operation::Binary(function, a, b) => {
+                Expression::Binary(*function, Box::new([of(*a)?, of(*b)?]))
+            }
             Operation::Kept(side, c, v) => Expression::kept(*side, of(*c)?, of(*v)?),
         })
     }

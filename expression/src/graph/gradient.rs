@@ -2,8 +2,10 @@
 
 use std::collections::BTreeMap;
 
+use rustc_hash::FxHashMap;
+
 use super::node::{Graph, Node, Operation, Term, Tier};
-use crate::arithmetic::{AlgebraError, Arithmetic};
+use crate::arithmetic::{AlgebraError, Arithmetic, binary_derivative};
 use crate::expression::Function;
 use crate::rational::Rational;
 
@@ -34,6 +36,28 @@ impl Graph {
         } else {
             Tier::Coefficient
         };
+        for (node, slope) in self.slopes(term, lowest, &mut FxHashMap::default())? {
+            let component = match *self.operation(node) {
+                Operation::Input(index) => gradients[0].get_mut(index as usize),
+                Operation::Parameter(index) => gradients[1].get_mut(index as usize),
+                _ => None,
+            };
+            if let Some(component) = component {
+                *component = slope;
+            }
+        }
+        Ok(gradients)
+    }
+
+    /// ∂(term)/∂(input) for the inputs, and parameters, that it depends on. What stands behind a seam is differentiated
+    /// once, however many seams there are on the way to it: `known` are the slopes of those parts.
+    fn slopes(
+        &mut self,
+        term: &Term,
+        lowest: Tier,
+        known: &mut FxHashMap<Node, Vec<(Node, Term)>>,
+    ) -> Result<Vec<(Node, Term)>, AlgebraError> {
+        let mut slopes = Vec::new();
         // Operands come before their uses: the largest node left has all its contributions.
         let mut adjoints: BTreeMap<Node, Vec<(Rational, Term)>> = BTreeMap::new();
         let one = self.one();
@@ -46,44 +70,31 @@ impl Graph {
             if self.is_zero(&adjoint) {
                 continue;
             }
-            let component = match *self.operation(node) {
-                Operation::Input(index) => Some((0, index)),
-                Operation::Parameter(index) => Some((1, index)),
-                _ => None,
-            };
-            if let Some((kind, index)) = component {
-                if let Some(component) = gradients[kind].get_mut(index as usize) {
-                    *component = adjoint;
-                }
-                continue;
-            }
-            // What stands behind a seam may have no value on the other side: it is left there before it is multiplied.
-            if let Operation::Kept(side, c, v) = *self.operation(node) {
-                let inner = self.gradients(&Term::of(v), [inputs, parameters])?;
-                for (kind, inner) in inner.into_iter().enumerate() {
-                    for (index, slope) in inner.into_iter().enumerate() {
-                        if self.is_zero(&slope) {
-                            continue;
-                        }
-                        let slope = self.kept(side, &Term::of(c), &slope)?;
+            match *self.operation(node) {
+                Operation::Input(_) | Operation::Parameter(_) => slopes.push((node, adjoint)),
+                // What stands behind a seam may have no value on the other side: it is left there before it is multiplied.
+                Operation::Kept(side, c, v) => {
+                    if !known.contains_key(&v) {
+                        let inner = self.slopes(&Term::of(v), lowest, known)?;
+                        known.insert(v, inner);
+                    }
+                    for (component, slope) in &known[&v] {
+                        let slope = self.kept(side, &Term::of(c), slope)?;
                         let part = self.multiply(&slope, &adjoint);
-                        let component = match kind {
-                            0 => self.input(index),
-                            _ => self.parameter(index),
-                        };
-                        let entry = adjoints.entry(component.node).or_default();
+                        let entry = adjoints.entry(*component).or_default();
                         entry.push((Rational::one(), part));
                     }
                 }
-                continue;
-            }
-            for (operand, partial) in self.partials(node, lowest)? {
-                let part = self.multiply(&partial, &adjoint);
-                let entry = adjoints.entry(operand).or_default();
-                entry.push((Rational::one(), part));
+                _ => {
+                    for (operand, partial) in self.partials(node, lowest)? {
+                        let part = self.multiply(&partial, &adjoint);
+                        let entry = adjoints.entry(operand).or_default();
+                        entry.push((Rational::one(), part));
+                    }
+                }
             }
         }
-        Ok(gradients)
+        Ok(slopes)
     }
 
     /// ∂(node)/∂(operand) for each of its operands from the tier `lowest` on.
@@ -105,6 +116,16 @@ impl Graph {
             | Operation::Function(_, a)
             | Operation::Analytic(_, _, a)
             | Operation::Power(a, _) => vec![(a, self.outer_derivative(node)?)],
+            Operation::Binary(function, a, b) => {
+                let mut partials = Vec::with_capacity(2);
+                for (by, operand) in [a, b].into_iter().enumerate() {
+                    if self.tier(operand) >= lowest {
+                        let pair = [&Term::of(a), &Term::of(b)];
+                        partials.push((operand, binary_derivative(self, function, pair, by)?));
+                    }
+                }
+                partials
+            }
             Operation::One
             | Operation::Pi
             | Operation::Parameter(_)

@@ -63,6 +63,9 @@ impl Graph {
                 }
                 Operation::Function(function, a) => algebra.apply(*function, &of(*a))?,
                 Operation::Power(a, b) => algebra.power(&of(*a), &of(*b))?,
+                Operation::Binary(function, a, b) => {
+                    algebra.apply_two(*function, &of(*a), &of(*b))?
+                }
                 Operation::Kept(side, c, v) => algebra.kept(*side, &of(*c), &of(*v))?,
                 Operation::StepSize(_) | Operation::Analytic(..) => {
                     return Err(AlgebraError::NoSeries);
@@ -127,6 +130,7 @@ impl Graph {
                 Ok(self.apply_analytic(*function, *order, &of(*a)))
             }
             Operation::Power(a, b) => self.power(&of(*a), &of(*b)),
+            Operation::Binary(function, a, b) => self.apply_two(*function, &of(*a), &of(*b)),
             Operation::Kept(side, c, v) => self.kept(*side, &of(*c), &of(*v)),
         }
     }

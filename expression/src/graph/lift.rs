@@ -87,6 +87,10 @@ impl Lifting<'_> {
                         let exponent = self.coefficient(graph, exponent)?;
                         graph.power(&argument, &exponent)?
                     }
+                    Generator::Binary(function, _, other) => {
+                        let other = self.polynomial(graph, other)?;
+                        graph.apply_two(*function, &argument, &other)?
+                    }
                     Generator::Function(function, _) => graph.apply(*function, &argument)?,
                 }
             }
@@ -138,6 +142,11 @@ impl Lifting<'_> {
                 let c = self.coefficient(graph, c)?;
                 let exponent = self.coefficient(graph, exponent)?;
                 graph.power(&c, &exponent)
+            }
+            Atom::Binary(function, c, d) => {
+                let c = self.coefficient(graph, c)?;
+                let d = self.coefficient(graph, d)?;
+                graph.apply_two(*function, &c, &d)
             }
             Atom::Function(function, c) => {
                 let c = self.coefficient(graph, c)?;

@@ -11,6 +11,8 @@ mod import;
 mod lift;
 mod node;
 mod normal_form;
+#[cfg(test)]
+mod seams;
 mod summands;
 
 pub use lift::lift;

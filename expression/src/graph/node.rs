@@ -4,7 +4,7 @@ use rustc_hash::FxHashMap;
 
 use crate::analytic::AnalyticFunction;
 use crate::arithmetic::AlgebraError;
-use crate::expression::{Function, Side};
+use crate::expression::{Binary, Function, Side};
 use crate::rational::Rational;
 use crate::reach::{Reach, SumReach};
 
@@ -66,6 +66,8 @@ pub enum Operation {
     Analytic(AnalyticFunction, u32, Node),
     /// a^b, b of the coefficient tier.
     Power(Node, Node),
+    /// f(a, b).
+    Binary(Binary, Node, Node),
     /// v where c is of this side, 0 elsewhere, of c and v.
     Kept(Side, Node, Node),
 }
@@ -187,9 +189,10 @@ impl Graph {
             | Operation::Reciprocal(a)
             | Operation::Function(_, a)
             | Operation::Analytic(_, _, a) => vec![*a],
-            Operation::Product(a, b) | Operation::Power(a, b) | Operation::Kept(_, a, b) => {
-                vec![*a, *b]
-            }
+            Operation::Product(a, b)
+            | Operation::Power(a, b)
+            | Operation::Binary(_, a, b)
+            | Operation::Kept(_, a, b) => vec![*a, *b],
         }
     }
 

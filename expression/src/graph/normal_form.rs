@@ -4,8 +4,8 @@ use rustc_hash::FxHashMap;
 
 use super::node::{Graph, Node, Operation, Term, Tier};
 use crate::analytic::AnalyticFunction;
-use crate::arithmetic::{AlgebraError, Arithmetic, simple_value};
-use crate::expression::{Function, Side};
+use crate::arithmetic::{AlgebraError, Arithmetic, simple_value, simple_value_of_two};
+use crate::expression::{Binary, Function, Side};
 use crate::rational::Rational;
 
 impl Graph {
@@ -325,6 +325,17 @@ impl Arithmetic for Graph {
         let exponent = self.unscaled(b);
         let tier = self.tier(base).max(Tier::Coefficient);
         Ok(self.unit(Operation::Power(base, exponent), tier))
+    }
+
+    fn apply_two(&mut self, function: Binary, a: &Term, b: &Term) -> Result<Term, AlgebraError> {
+        if let (Some(x), Some(y)) = (self.as_rational(a), self.as_rational(b))
+            && let Some(simple) = simple_value_of_two(function, &x, &y)?
+        {
+            return Ok(Self::number(simple));
+        }
+        let [a, b] = [a, b].map(|term| self.unscaled(term));
+        let tier = self.tier(a).max(self.tier(b)).max(Tier::Coefficient);
+        Ok(self.unit(Operation::Binary(function, a, b), tier))
     }
 
     fn kept(&mut self, side: Side, c: &Term, v: &Term) -> Result<Term, AlgebraError> {

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use crate::analytic::{AnalyticFunction, FunctionPair, Member};
-use crate::expression::Function;
+use crate::expression::{Binary, Function, Side};
 use crate::words::counted;
 
 /// One operation on slots; each slot holds one number a lane.
@@ -77,6 +77,17 @@ pub enum Instruction {
         /// Right operand.
         b: u32,
     },
+    /// out ← b where a is of this side of 0, else 0; 0 where a is no number.
+    Keep {
+        /// The side.
+        side: Side,
+        /// Result slot.
+        out: u32,
+        /// The number that has a side.
+        a: u32,
+        /// The number that is kept.
+        b: u32,
+    },
     /// out ← f(a), by `libm`.
     Apply {
         /// The function.
@@ -96,6 +107,17 @@ pub enum Instruction {
         out: u32,
         /// Argument.
         a: u32,
+    },
+    /// out ← f(a, b).
+    ApplyTwo {
+        /// The function.
+        function: Binary,
+        /// Result slot.
+        out: u32,
+        /// First argument.
+        a: u32,
+        /// Second argument.
+        b: u32,
     },
     /// out ← a^b, by `libm::pow`.
     Power {
@@ -120,8 +142,10 @@ impl Instruction {
             | Self::Magnitude { out, .. }
             | Self::Larger { out, .. }
             | Self::Smaller { out, .. }
+            | Self::Keep { out, .. }
             | Self::Apply { out, .. }
             | Self::ApplyAnalytic { out, .. }
+            | Self::ApplyTwo { out, .. }
             | Self::Power { out, .. } => out,
         }
     }
@@ -135,6 +159,8 @@ impl Instruction {
             | Self::Divide { a, b, .. }
             | Self::Larger { a, b, .. }
             | Self::Smaller { a, b, .. }
+            | Self::Keep { a, b, .. }
+            | Self::ApplyTwo { a, b, .. }
             | Self::Power { a, b, .. } => [a, b],
             Self::Negate { a, .. }
             | Self::Magnitude { a, .. }
@@ -170,6 +196,13 @@ impl Instruction {
             Self::Power { .. } => Self::Power { out, a, b },
             Self::Larger { .. } => Self::Larger { out, a, b },
             Self::Smaller { .. } => Self::Smaller { out, a, b },
+            Self::Keep { side, .. } => Self::Keep { side, out, a, b },
+            Self::ApplyTwo { function, .. } => Self::ApplyTwo {
+                function,
+                out,
+                a,
+                b,
+            },
             Self::Negate { .. } => Self::Negate { out, a },
             Self::Magnitude { .. } => Self::Magnitude { out, a },
             Self::Apply { function, .. } => Self::Apply { function, out, a },
@@ -209,11 +242,13 @@ impl Code {
                 Instruction::Negate { .. } => count.negations += 1,
                 Instruction::Magnitude { .. }
                 | Instruction::Larger { .. }
-                | Instruction::Smaller { .. } => count.comparisons += 1,
+                | Instruction::Smaller { .. }
+                | Instruction::Keep { .. } => count.comparisons += 1,
                 Instruction::Multiply { .. } => count.multiplications += 1,
                 Instruction::Divide { .. } => count.divisions += 1,
                 Instruction::Apply { .. }
                 | Instruction::ApplyAnalytic { .. }
+                | Instruction::ApplyTwo { .. }
                 | Instruction::Power { .. } => count.functions += 1,
             }
         }
@@ -232,7 +267,7 @@ pub struct OperationCount {
     pub divisions: usize,
     /// Sign changes.
     pub negations: usize,
-    /// Magnitudes, and the larger or smaller of two.
+    /// Magnitudes, the larger or smaller of two, and numbers kept on one side.
     pub comparisons: usize,
     /// Elementary functions and general powers.
     pub functions: usize,

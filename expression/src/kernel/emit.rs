@@ -39,8 +39,8 @@ pub(super) struct Emitter<'a> {
     pub(super) code: Draft,
     pub(super) places: FxHashMap<Node, u32>,
     scaled: FxHashMap<(Node, u64), u32>,
-    /// Numbers that keep others on a side of a slot's 0.
-    seams: FxHashMap<(Side, u32), [u32; 3]>,
+    /// Slots with 0 where another is a number.
+    nothings: FxHashMap<u32, u32>,
     /// The slot of each graph input, where that is not its number.
     pub(super) input_slots: Option<FxHashMap<u32, u32>>,
 }
@@ -61,7 +61,7 @@ impl<'a> Emitter<'a> {
             code: Draft::new(fixed),
             places: FxHashMap::default(),
             scaled: FxHashMap::default(),
-            seams: FxHashMap::default(),
+            nothings: FxHashMap::default(),
             input_slots: None,
         }
     }
@@ -166,6 +166,15 @@ impl<'a> Emitter<'a> {
                 self.push(|out| Instruction::Divide { out, a, b })
             }
             Operation::Function(function, a) => self.emit_function(function, a),
+            Operation::Binary(function, a, b) => {
+                let (a, b) = (self.place(a), self.place(b));
+                self.push(|out| Instruction::ApplyTwo {
+                    function,
+                    out,
+                    a,
+                    b,
+                })
+            }
             Operation::Kept(side, c, v) => {
                 let (c, v) = (self.place(c), self.place(v));
                 self.emit_kept(side, c, v)
@@ -216,20 +225,16 @@ impl<'a> Emitter<'a> {
         }
     }
 
-    /// v between −w and w, where w is ∞ on this side of c = 0 and 0 on the other. To it c − c is added, which is 0 unless c
-    /// is no number. Of two of which one is no number the larger is the second: where v is not kept it may be none.
+    /// v where c is of this side, 0 on the other, no number where c is none. What is not kept is never read: it may be
+    /// no number.
     fn emit_kept(&mut self, side: Side, c: u32, v: u32) -> u32 {
-        let [width, opposite, nothing] = self.seam(side, c);
-        let low = self.push(|out| Instruction::Larger {
+        let kept = self.push(|out| Instruction::Keep {
+            side,
             out,
-            a: v,
-            b: opposite,
+            a: c,
+            b: v,
         });
-        let kept = self.push(|out| Instruction::Smaller {
-            out,
-            a: low,
-            b: width,
-        });
+        let nothing = self.nothing(c);
         self.push(|out| Instruction::Add {
             out,
             a: kept,
@@ -237,35 +242,20 @@ impl<'a> Emitter<'a> {
         })
     }
 
-    /// The slots of w, −w and c − c.
-    fn seam(&mut self, side: Side, c: u32) -> [u32; 3] {
-        if let Some(&known) = self.seams.get(&(side, c)) {
+    /// The slot of 0 where c is a number, else of none: the smaller of 0 and |c|, which is the second where one is no number.
+    fn nothing(&mut self, c: u32) -> u32 {
+        if let Some(&known) = self.nothings.get(&c) {
             return known;
         }
-        let seam = match side {
-            // The larger of c and 0, over 0: ∞, or no number.
-            Side::Above => {
-                let b = self.code.number(0.0);
-                let a = self.push(|out| Instruction::Larger { out, a: c, b });
-                let a = self.push(|out| Instruction::Divide { out, a, b });
-                let width = self.push(|out| Instruction::Larger { out, a, b });
-                let a = width;
-                let opposite = self.push(|out| Instruction::Negate { out, a });
-                let (a, b) = (c, c);
-                let nothing = self.push(|out| Instruction::Subtract { out, a, b });
-                [width, opposite, nothing]
-            }
-            Side::Below => {
-                let [b, _, nothing] = self.seam(Side::Above, c);
-                let a = self.code.number(1.0);
-                let width = self.push(|out| Instruction::Divide { out, a, b });
-                let a = width;
-                let opposite = self.push(|out| Instruction::Negate { out, a });
-                [width, opposite, nothing]
-            }
-        };
-        self.seams.insert((side, c), seam);
-        seam
+        let size = self.push(|out| Instruction::Magnitude { out, a: c });
+        let zero = self.code.number(0.0);
+        let nothing = self.push(|out| Instruction::Smaller {
+            out,
+            a: zero,
+            b: size,
+        });
+        self.nothings.insert(c, nothing);
+        nothing
     }
 
     /// Node of the other function of a pair of which `node` is this member, where the other is still to be emitted.

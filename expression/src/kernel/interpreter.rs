@@ -4,6 +4,7 @@ use std::cell::Cell;
 
 use super::code::{Code, Instruction};
 use crate::analytic::{FunctionPair, Member};
+use crate::expression::Side;
 use crate::vector::{InstructionSet, Work};
 
 /// Runs `code` on `slots`, slot s of lane w at `[s*lanes + w]`.
@@ -83,6 +84,16 @@ fn execute<S: Slots>(code: &Code, mut slots: S) {
             Instruction::Smaller { out, a, b } => {
                 slots.combine(out, [a, b], |a, b| if a < b { a } else { b });
             }
+            Instruction::Keep { side, out, a, b } => match side {
+                Side::Above => slots.combine(out, [a, b], |c, v| if c > 0.0 { v } else { 0.0 }),
+                Side::Below => slots.combine(out, [a, b], |c, v| if c <= 0.0 { v } else { 0.0 }),
+            },
+            Instruction::ApplyTwo {
+                function,
+                out,
+                a,
+                b,
+            } => slots.combine(out, [a, b], |a, b| function.apply(a, b)),
             Instruction::Power { out, a, b } => slots.combine(out, [a, b], libm::pow),
             Instruction::Apply { function, out, a } => {
                 if S::FEW {

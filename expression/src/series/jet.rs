@@ -2,7 +2,7 @@
 
 use super::tape::{Tape, TaylorState};
 use crate::arithmetic::{AlgebraError, Arithmetic};
-use crate::expression::{Function, Side};
+use crate::expression::{Binary, Function, Side};
 use crate::graph::{Graph, StepSize, Term};
 use crate::rational::Rational;
 
@@ -113,6 +113,9 @@ impl Arithmetic for Code<'_> {
     }
     fn kept(&mut self, side: Side, c: &Term, v: &Term) -> Result<Term, AlgebraError> {
         self.graph.kept(side, c, v)
+    }
+    fn apply_two(&mut self, function: Binary, a: &Term, b: &Term) -> Result<Term, AlgebraError> {
+        self.graph.apply_two(function, a, b)
     }
     fn apply(&mut self, function: Function, a: &Term) -> Result<Term, AlgebraError> {
         self.graph.apply(function, a)

@@ -1,7 +1,7 @@
 //! Polynomials in one curve parameter with coefficients in any algebra.
 
 use crate::arithmetic::{AlgebraError, Arithmetic};
-use crate::expression::{Function, Side};
+use crate::expression::{Binary, Function, Side};
 use crate::rational::Rational;
 
 /// Σ cⱼ sʲ as its list of coefficients, without trailing zeros.
@@ -144,6 +144,17 @@ impl<A: Arithmetic> Arithmetic for Univariate<'_, A> {
             .map(|part| self.inner.kept(side, &c, part))
             .collect();
         Ok(self.trim(parts?))
+    }
+    fn apply_two(
+        &mut self,
+        function: Binary,
+        a: &Self::Element,
+        b: &Self::Element,
+    ) -> Result<Self::Element, AlgebraError> {
+        let a = self.constant_part(a, function.name())?;
+        let b = self.constant_part(b, function.name())?;
+        let value = self.inner.apply_two(function, &a, &b)?;
+        Ok(self.trim(vec![value]))
     }
     fn apply(
         &mut self,

@@ -2,8 +2,8 @@
 
 use rustc_hash::FxHashMap;
 
-use crate::arithmetic::{AlgebraError, Arithmetic, function_derivative};
-use crate::expression::{Expression, Function, Side};
+use crate::arithmetic::{AlgebraError, Arithmetic, binary_derivative, function_derivative};
+use crate::expression::{Binary, Expression, Function, Side};
 use crate::rational::Rational;
 use crate::special::Special;
 
@@ -23,6 +23,8 @@ enum Step {
     Function(Function, TapeIndex),
     /// g = uᵃ with an exponent that is constant along the curve; d = a g/u.
     Power(TapeIndex, TapeIndex),
+    /// g = f(u, v); its partial derivatives stand beside it, see [`Tape::partials`].
+    Binary(Binary, TapeIndex, TapeIndex),
     /// v where c is of this side: along the curve, where it begins.
     Kept(Side, TapeIndex, TapeIndex),
 }
@@ -37,6 +39,7 @@ pub struct Tape {
     steps: Vec<Step>,
     known: FxHashMap<Step, TapeIndex>,
     derivatives: FxHashMap<TapeIndex, TapeIndex>,
+    partials: FxHashMap<TapeIndex, [TapeIndex; 2]>,
 }
 
 impl Tape {
@@ -76,6 +79,7 @@ impl Tape {
             Step::Product(a, b)
             | Step::Quotient(a, b)
             | Step::Power(a, b)
+            | Step::Binary(_, a, b)
             | Step::Kept(_, a, b) => self.is_constant(*a) && self.is_constant(*b),
             Step::Function(_, u) => self.is_constant(*u),
         }
@@ -154,6 +158,20 @@ impl Arithmetic for Tape {
             let quotient = self.divide(&at, a)?;
             let derivative = self.multiply(b, &quotient);
             self.derivatives.insert(at, derivative);
+        }
+        Ok(at)
+    }
+    fn apply_two(
+        &mut self,
+        function: Binary,
+        a: &TapeIndex,
+        b: &TapeIndex,
+    ) -> Result<TapeIndex, AlgebraError> {
+        let at = self.push(Step::Binary(function, *a, *b));
+        if !self.is_constant(at) && !self.partials.contains_key(&at) {
+            let mut partial = |by| binary_derivative(self, function, [a, b], by);
+            let partials = [partial(0)?, partial(1)?];
+            self.partials.insert(at, partials);
         }
         Ok(at)
     }
@@ -246,6 +264,20 @@ impl<E: Clone + std::fmt::Debug> TaylorState<E> {
                 Step::Power(u, exponent) if k == 0 => {
                     arithmetic.power(&self.coefficients[*u][0], &self.coefficients[*exponent][0])?
                 }
+                Step::Binary(f, u, v) if k == 0 => arithmetic.apply_two(
+                    *f,
+                    &self.coefficients[*u][0],
+                    &self.coefficients[*v][0],
+                )?,
+                Step::Binary(_, u, v) => match tape.partials.get(&at) {
+                    None => arithmetic.zero(),
+                    Some([by_u, by_v]) => {
+                        let parts = [(*u, *by_u), (*v, *by_v)]
+                            .map(|(u, d)| self.quadrature(arithmetic, u, d, k));
+                        let [of_u, of_v] = parts;
+                        arithmetic.add(&of_u, &of_v)
+                    }
+                },
                 Step::Kept(side, c, v) => {
                     arithmetic.kept(*side, &self.coefficients[*c][0], &self.coefficients[*v][k])?
                 }

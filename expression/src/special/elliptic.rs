@@ -2,13 +2,18 @@
 //!
 //! Values come from the arithmetic-geometric mean (NIST Handbook of Mathematical Functions, 19.8). The n-th derivative is
 //! c F(a + n, b + n; 1 + n; m). Here F is hypergeometric, a = b = ½ of K and a = −½ of E, and c is
-//! π/2 Π_{j<n} (a + j)(b + j)/(1 + j). For m in [−4, ½] the series of F serves, below 0 after Pfaff's transformation
-//! (15.8.1). Elsewhere the differential equation (15.10.1) gives a recurrence.
+//! π/2 Π_{j<n} (a + j)(b + j)/(1 + j). For m in [−4, ½], and below −4 for high n, the series of F serves, below 0
+//! after Pfaff's transformation (15.8.1). Elsewhere the differential equation (15.10.1) gives a recurrence.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Arithmetic-geometric means converge quadratically: after so many steps for every pair of doubles.
 const STEPS: u32 = 20;
+
+/// Steps of the recurrence, for each unit of −m, in which its error grows tenfold or less.
+const RECURRENCES: f64 = 2.0;
+
+use super::scaled::Scaled;
 
 /// K⁽ⁿ⁾(m).
 pub(super) fn first_kind(order: u32, m: f64) -> f64 {
@@ -31,6 +36,9 @@ fn both(m: f64) -> (f64, f64) {
     if m == 1.0 {
         return (f64::INFINITY, 1.0);
     }
+    if m == f64::NEG_INFINITY {
+        return (0.0, f64::INFINITY);
+    }
     // NaN above 1.
     let (mut a, mut b) = (1.0, libm::sqrt(1.0 - m));
     let (mut sum, mut power) = (0.5 * m, 0.5);
@@ -46,21 +54,37 @@ fn both(m: f64) -> (f64, f64) {
 
 /// The derivative of order n ≥ 1 of π/2 F(a, ½; 1; m).
 fn derivative(n: u32, m: f64, a: f64) -> f64 {
-    if m >= 1.0 || m.is_nan() {
+    // All coefficients of powers of m are of one sign.
+    let pole = if a > 0.0 {
+        f64::INFINITY
+    } else {
+        f64::NEG_INFINITY
+    };
+    if m == 1.0 {
+        return pole;
+    }
+    if m == f64::NEG_INFINITY {
+        return 0.0;
+    }
+    if m > 1.0 || m.is_nan() {
         return f64::NAN;
     }
-    if (-4.0..=0.5).contains(&m) {
-        let mut factor = FRAC_PI_2;
+    // The recurrence grows by 1 − 1/m each time beside the derivatives.
+    let is_near = m >= -4.0 || -m * RECURRENCES < f64::from(n);
+    if m <= 0.5 && is_near {
+        let mut factor = Scaled::new(FRAC_PI_2);
         for j in 0..n {
             let j = f64::from(j);
-            factor *= (a + j) * (0.5 + j) / (1.0 + j);
+            factor = factor * Scaled::new((a + j) * (0.5 + j) / (1.0 + j));
         }
-        let n = f64::from(n);
-        let (a, b, c) = (a + n, 0.5 + n, 1.0 + n);
+        let (power, n) = (n as i32, f64::from(n));
+        let (lower, b, c) = (a + n, 0.5 + n, 1.0 + n);
         if m >= 0.0 {
-            return factor * series(a, b, c, m);
+            return (factor * Scaled::new(series(lower, b, c, m))).value();
         }
-        return factor * libm::pow(1.0 - m, -a) * series(a, c - b, c, m / (m - 1.0));
+        let transformed = Scaled::power(1.0 - m, -power) * Scaled::new(libm::pow(1.0 - m, -a));
+        let series = series(lower, c - b, c, m / (m - 1.0));
+        return (factor * transformed * Scaled::new(series)).value();
     }
     let (k, e) = both(m);
     let (mut value, mut slope) = if a > 0.0 {
@@ -75,10 +99,11 @@ fn derivative(n: u32, m: f64, a: f64) -> f64 {
         let next = (a * b * value - (1.0 + j - (a + b + 1.0) * m) * slope) / (m * (1.0 - m));
         (value, slope) = (slope, next);
     }
-    slope
+    // Past the largest number, differences of such are none.
+    if slope.is_finite() { slope } else { pole }
 }
 
-/// F(a, b; c; z) for 0 ≤ z ≤ 0.8.
+/// F(a, b; c; z) for 0 ≤ z < 1, of about 36/(1 − z) terms.
 fn series(a: f64, b: f64, c: f64, z: f64) -> f64 {
     let (mut sum, mut term, mut k) = (1.0, 1.0, 0.0);
     loop {

@@ -6,6 +6,9 @@
 mod bessel;
 mod elliptic;
 mod gamma;
+mod scaled;
+#[cfg(test)]
+mod tests;
 
 use crate::analytic::AnalyticFunction;
 
@@ -36,7 +39,7 @@ impl Special {
         }
     }
 
-    /// f⁽ᵏ⁾(x): the same bits on every machine; NaN outside the domain, infinite or NaN at a pole.
+    /// f⁽ᵏ⁾(x): the same bits on every machine; NaN outside the domain; at a pole infinite, or NaN where its sides differ.
     pub fn derivative(self, order: u32, x: f64) -> f64 {
         match self {
             Self::LnGamma => gamma::ln_gamma(order, x),

@@ -1,10 +1,10 @@
-//! Calls of formulas: functions, choices with their conditions, derivatives.
+//! Calls of formulas: functions, choices, derivatives.
 
-use super::composite::{Composite, Relation};
+use super::composite::Composite;
 use super::error::SyntaxError;
 use super::lexer::{Symbol, TokenKind};
-use super::parser::{CLOSE, Parsed, Parser, list, node};
-use super::tree::{Kind, Node, Span};
+use super::parser::{CLOSE, Parsed, Parser, node};
+use super::tree::{Kind, Span};
 use crate::expression::Function;
 
 impl Parser<'_> {
@@ -48,6 +48,9 @@ impl Parser<'_> {
             self.expect(Symbol::Comma, "`,` and a second argument")?;
             arguments.push(*self.deeper(span, Self::sum)?);
         }
+        while composite.takes_more() && self.accept(Symbol::Comma) {
+            arguments.push(*self.deeper(span, Self::sum)?);
+        }
         let close = self.expect(Symbol::Close, CLOSE)?;
         node(span.to(close), Kind::Composite(composite, arguments))
     }
@@ -62,65 +65,6 @@ impl Parser<'_> {
         let close = self.expect(Symbol::Close, CLOSE)?;
         let parts = Box::new([*condition, *holds, *other]);
         node(span.to(close), Kind::If(parts))
-    }
-
-    /// Comparisons with `and` and `or`, of which `and` binds tighter.
-    fn condition(&mut self) -> Parsed {
-        self.joined("or", Self::all_of, Kind::Or)
-    }
-
-    fn all_of(&mut self) -> Parsed {
-        self.joined("and", Self::comparison, Kind::And)
-    }
-
-    fn joined(
-        &mut self,
-        word: &str,
-        parse: fn(&mut Self) -> Parsed,
-        kind: fn(Vec<Node>) -> Kind,
-    ) -> Parsed {
-        let first = parse(self)?;
-        let mut parts = vec![*first];
-        while let Some(token) = self.tokens.get(self.position)
-            && token.kind == TokenKind::Name
-            && token.span.of(self.text) == word
-        {
-            self.position += 1;
-            parts.push(*parse(self)?);
-        }
-        match parts.len() {
-            1 => Ok(Box::new(parts.remove(0))),
-            _ => list(parts, kind),
-        }
-    }
-
-    /// `a < b`, and `a < b <= c` for both.
-    fn comparison(&mut self) -> Parsed {
-        let mut left = self.sum()?;
-        let mut parts = Vec::new();
-        while let Some(relation) = self.relation() {
-            self.position += 1;
-            let right = self.sum()?;
-            let compare = |pair| Kind::Compare(relation, pair);
-            let span = left.span.to(right.span);
-            parts.push(*node(span, compare(Box::new([*left, (*right).clone()])))?);
-            left = right;
-        }
-        match parts.len() {
-            0 => Err(self.unexpected("`<`, `<=`, `>` or `>=`")),
-            1 => Ok(Box::new(parts.remove(0))),
-            _ => list(parts, Kind::And),
-        }
-    }
-
-    fn relation(&self) -> Option<Relation> {
-        match self.symbol()? {
-            Symbol::Less => Some(Relation::Less),
-            Symbol::LessOrEqual => Some(Relation::LessOrEqual),
-            Symbol::Greater => Some(Relation::Greater),
-            Symbol::GreaterOrEqual => Some(Relation::GreaterOrEqual),
-            _ => None,
-        }
     }
 
     /// `D(f, x)`, and `D(f, x, y)` for `D(D(f, x), y)`.

@@ -1,8 +1,7 @@
 //! Functions that are formulas of others: their pieces, and choices between formulas.
 
-use crate::expression::{Expression, Function};
+use crate::expression::{Binary, Expression, Function};
 use crate::operators::negated;
-use crate::rational::Rational;
 
 /// How two numbers are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -11,6 +10,8 @@ pub(super) enum Relation {
     LessOrEqual,
     Greater,
     GreaterOrEqual,
+    Equal,
+    NotEqual,
 }
 
 impl Relation {
@@ -20,17 +21,18 @@ impl Relation {
             Self::LessOrEqual => "<=",
             Self::Greater => ">",
             Self::GreaterOrEqual => ">=",
+            Self::Equal => "==",
+            Self::NotEqual => "!=",
         }
     }
 }
 
-/// A function of one argument or two by a formula.
+/// A function of several arguments, or of one by a formula.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Composite {
     Min,
     Max,
-    Mod,
-    Atan2,
+    Two(Binary),
     Ceil,
     Heaviside,
     Cot,
@@ -42,8 +44,8 @@ pub(super) enum Composite {
 const ALL: [(&str, usize, Composite); 9] = [
     ("min", 2, Composite::Min),
     ("max", 2, Composite::Max),
-    ("mod", 2, Composite::Mod),
-    ("atan2", 2, Composite::Atan2),
+    ("mod", 2, Composite::Two(Binary::Mod)),
+    ("atan2", 2, Composite::Two(Binary::Atan2)),
     ("ceil", 1, Composite::Ceil),
     ("heaviside", 1, Composite::Heaviside),
     ("cot", 1, Composite::Cot),
@@ -70,43 +72,46 @@ impl Composite {
         self.entry().0
     }
 
-    /// How many arguments it has.
+    /// How many arguments it has at least.
     pub(super) fn arguments(self) -> usize {
         self.entry().1
     }
 
-    /// The formula of its arguments; a function of one takes the first.
-    pub(super) fn formula(self, [x, y]: [Expression; 2]) -> Expression {
-        let (x, y) = (x.shared(), y.shared());
-        let apply = |function, x: &Expression| Expression::Apply(function, Box::new(x.clone()));
+    /// Whether it takes more arguments than that.
+    pub(super) fn takes_more(self) -> bool {
+        matches!(self, Self::Min | Self::Max)
+    }
+
+    /// The formula of its arguments.
+    pub(super) fn formula(self, arguments: Vec<Expression>) -> Expression {
+        let mut arguments = arguments.into_iter().map(Expression::shared);
+        let first = arguments.next().unwrap_or(Expression::Sum(Vec::new()));
+        arguments.next().map_or_else(
+            || self.of_one(&first),
+            |second| {
+                let two = self.of_two(first.clone(), second);
+                arguments.fold(two, |value, next| self.of_two(value.shared(), next))
+            },
+        )
+    }
+
+    fn of_two(self, x: Expression, y: Expression) -> Expression {
         match self {
             Self::Min => choice(&x - &y, y, x),
-            Self::Max => choice(&x - &y, x, y),
-            // x − y floor(x/y) is not from 0 to y where the quotient is rounded across an integer.
-            Self::Mod => {
-                let whole = apply(Function::Floor, &(&x / &y));
-                let rest = (&x - &y * whole).shared();
-                let within = choice(&y * (&y - &rest), rest.clone(), &rest - &y);
-                choice(-(&rest * &y), &rest + &y, within)
-            }
-            // arctan of the quotient of which the denominator is the larger, and a quarter or half turn.
-            Self::Atan2 => {
-                let (y, x) = (x, y);
-                let steep = (apply(Function::Abs, &y) - apply(Function::Abs, &x)).shared();
-                let above = choice(steep.clone(), -&x, y.clone());
-                let below = choice(steep.clone(), y.clone(), x.clone());
-                let turn = |numerator: i64| {
-                    Expression::Constant(Rational::new(numerator, 2)) * Expression::Pi
-                };
-                let of_steep = choice(y.clone(), turn(1), turn(-1));
-                let of_flat = choice(x, 0.into(), choice(-&y, turn(-2), turn(2)));
-                apply(Function::Atan, &(above / below)) + choice(steep, of_steep, of_flat)
-            }
-            Self::Ceil => -apply(Function::Floor, &-&x),
-            Self::Heaviside => choice(x, 1.into(), 0.into()),
-            Self::Cot => 1 / apply(Function::Tan, &x),
-            Self::Sec => 1 / apply(Function::Cos, &x),
-            Self::Csc => 1 / apply(Function::Sin, &x),
+            Self::Two(function) => Expression::Binary(function, Box::new([x, y])),
+            _ => choice(&x - &y, x, y),
+        }
+    }
+
+    fn of_one(self, x: &Expression) -> Expression {
+        let apply = |function, x: &Expression| Expression::Apply(function, Box::new(x.clone()));
+        match self {
+            Self::Ceil => -apply(Function::Floor, &-x),
+            Self::Heaviside => choice(x.clone(), 1.into(), 0.into()),
+            Self::Cot => 1 / apply(Function::Tan, x),
+            Self::Sec => 1 / apply(Function::Cos, x),
+            Self::Csc => 1 / apply(Function::Sin, x),
+            Self::Min | Self::Max | Self::Two(_) => x.clone(),
         }
     }
 }
@@ -130,6 +135,14 @@ pub(super) fn compared(
         Relation::Greater => (x, y, true),
         Relation::LessOrEqual => (x, y, false),
         Relation::GreaterOrEqual => (y, x, false),
+        Relation::Equal | Relation::NotEqual => {
+            let (a, b) = match relation {
+                Relation::Equal => (a, b.shared()),
+                _ => (b, a.shared()),
+            };
+            let u = (x - y).shared();
+            return choice(u.clone(), b.clone(), choice(-u, b, a));
+        }
     };
     let u = match (is_zero(&above), is_zero(&below)) {
         (_, true) => above,

@@ -88,7 +88,14 @@ impl Printer<'_, '_> {
                 write!(self.formatter, " {} ", relation.sign())?;
                 self.print(&pair[1], Binding::Sum)
             }
-            Kind::And(parts) => self.list(parts, " and "),
+            Kind::And(parts) => parts.iter().enumerate().try_for_each(|(at, part)| {
+                self.write(if at > 0 { " and " } else { "" })?;
+                self.part(part, matches!(part.kind, Kind::Or(_)))
+            }),
+            Kind::Not(part) => {
+                self.write("not ")?;
+                self.part(part, matches!(part.kind, Kind::And(_) | Kind::Or(_)))
+            }
             Kind::Or(parts) => self.list(parts, " or "),
             Kind::Derivative(pair) => self.called(super::vocabulary::DERIVATIVE, pair.as_slice()),
             Kind::SumOver { index, body, .. } => {
@@ -150,6 +157,13 @@ impl Printer<'_, '_> {
                 self.print(&pair[1], Binding::Sign)
             }
         }
+    }
+
+    /// A part of a condition, in parentheses or not.
+    fn part(&mut self, part: &Node, is_closed: bool) -> fmt::Result {
+        self.write(if is_closed { "(" } else { "" })?;
+        self.print(part, Binding::Sum)?;
+        self.write(if is_closed { ")" } else { "" })
     }
 
     fn called(&mut self, name: &str, arguments: &[Node]) -> fmt::Result {

@@ -31,6 +31,21 @@ impl Formula {
         })
     }
 
+    /// Parses a condition as `if` takes one, such as `0 < x < 1 and not y > 2`: a formula that is 1 where it holds and 0
+    /// elsewhere.
+    ///
+    /// # Errors
+    /// [`SyntaxError`] as of [`Formula::parse`], and where nothing is compared.
+    pub fn parse_condition(text: &str) -> Result<Self, SyntaxError> {
+        let root = Parser::new(text)
+            .and_then(Parser::whole_condition)
+            .map_err(|error| *error)?;
+        Ok(Self {
+            text: text.to_owned(),
+            root: *root,
+        })
+    }
+
     /// The text as parsed.
     pub fn text(&self) -> &str {
         &self.text

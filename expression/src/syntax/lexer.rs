@@ -19,6 +19,8 @@ pub(super) enum Symbol {
     LessOrEqual,
     Greater,
     GreaterOrEqual,
+    Equal,
+    NotEqual,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,22 +56,19 @@ pub(super) fn tokens(text: &str) -> Result<Vec<Token>, SyntaxError> {
         } else if begins_name(character) {
             position += name_length(rest);
             TokenKind::Name
-        } else if let Some(symbol) = symbol(character) {
-            let doubled = match rest.get(..2) {
-                Some("**") => Some(Symbol::Power),
-                Some("<=") => Some(Symbol::LessOrEqual),
-                Some(">=") => Some(Symbol::GreaterOrEqual),
-                _ => None,
-            };
-            position += if doubled.is_some() { 2 } else { 1 };
-            TokenKind::Symbol(doubled.unwrap_or(symbol))
+        } else if let Some((symbol, length)) = symbol(rest, character) {
+            position += length;
+            TokenKind::Symbol(symbol)
         } else {
             let span = Span {
                 start,
                 end: start + character.len_utf8(),
             };
             let kind = SyntaxErrorKind::UnexpectedCharacter { character };
-            return Err(SyntaxError::new(span, kind).suggesting(plain(character)));
+            let is_in_choice = text[..start].contains("if(");
+            let suggestion =
+                plain(character).or((character == '=' && is_in_choice).then_some("=="));
+            return Err(SyntaxError::new(span, kind).suggesting(suggestion));
         };
         if tokens.len() == TOKEN_LIMIT {
             let span = Span {
@@ -116,8 +115,20 @@ fn continues_name(character: char) -> bool {
     (character == '_' || character.is_alphanumeric()) && !superscript
 }
 
-fn symbol(character: char) -> Option<Symbol> {
-    Some(match character {
+/// The symbol at the beginning of `text`, whose first character is given, and its length in bytes.
+fn symbol(text: &str, character: char) -> Option<(Symbol, usize)> {
+    let doubled = match text.get(..2) {
+        Some("**") => Some(Symbol::Power),
+        Some("<=") => Some(Symbol::LessOrEqual),
+        Some(">=") => Some(Symbol::GreaterOrEqual),
+        Some("==") => Some(Symbol::Equal),
+        Some("!=") => Some(Symbol::NotEqual),
+        _ => None,
+    };
+    if let Some(doubled) = doubled {
+        return Some((doubled, 2));
+    }
+    let single = match character {
         '+' => Symbol::Plus,
         '-' => Symbol::Minus,
         '*' => Symbol::Times,
@@ -131,7 +142,8 @@ fn symbol(character: char) -> Option<Symbol> {
         '<' => Symbol::Less,
         '>' => Symbol::Greater,
         _ => return None,
-    })
+    };
+    Some((single, 1))
 }
 
 /// The spelling of a typographic character in formulas.
@@ -147,7 +159,10 @@ fn plain(character: char) -> Option<&'static str> {
         ';' => ",",
         '≤' => "<=",
         '≥' => ">=",
+        '≠' => "!=",
         '&' => "and",
+        '|' => "or",
+        '!' => "not",
         _ => return None,
     })
 }

@@ -13,8 +13,8 @@
 //!          | "sum" "(" (name ("<" name)* ",")+ formula ")" | "(" formula ")"
 //!          | "if" "(" condition "," formula "," formula ")" | "D" "(" formula ("," variable)+ ")"
 //! condition := all ("or" all)*
-//! all     := compared ("and" compared)*
-//! compared := formula (("<" | "<=" | ">" | ">=") formula)+
+//! all     := part ("and" part)*
+//! part    := "not" part | "(" condition ")" | formula (("<" | "<=" | ">" | ">=" | "==" | "!=") formula)+
 //! site    := sum or difference of integers and at most one of: an index name, N
 //! ```
 //!
@@ -25,11 +25,13 @@
 
 mod calls;
 mod composite;
+mod conditions;
 mod density;
 mod display;
 mod error;
 mod formula;
 mod lexer;
+mod margin;
 mod offsets;
 mod parser;
 mod pattern;

@@ -372,7 +372,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    fn end(&self, expected: &'static str) -> Result<(), Box<SyntaxError>> {
+    pub(super) fn end(&self, expected: &'static str) -> Result<(), Box<SyntaxError>> {
         if self.position == self.tokens.len() {
             Ok(())
         } else {

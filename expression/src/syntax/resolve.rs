@@ -97,9 +97,7 @@ impl<'a> Resolver<'a> {
             Kind::Composite(composite, arguments) => {
                 self.scope
                     .check_call(self.text, composite.name(), node.span)?;
-                let mut arguments = self.expressions(arguments, bound)?.into_iter();
-                let mut next = || arguments.next().unwrap_or(Expression::Sum(Vec::new()));
-                Ok(composite.formula([next(), next()]))
+                Ok(composite.formula(self.expressions(arguments, bound)?))
             }
             Kind::If(parts) => {
                 self.scope.check_call(self.text, IF, node.span)?;
@@ -109,7 +107,7 @@ impl<'a> Resolver<'a> {
                 self.choice(condition, holds, other, bound)
             }
             // Conditions stand in `if` alone.
-            Kind::Compare(..) | Kind::And(_) | Kind::Or(_) => {
+            Kind::Compare(..) | Kind::And(_) | Kind::Or(_) | Kind::Not(_) => {
                 let (one, zero) = (1.into(), 0.into());
                 self.choice(node, one, zero, bound)
             }
@@ -162,14 +160,16 @@ impl<'a> Resolver<'a> {
                 let y = self.expression(&pair[1], bound)?;
                 Ok(compared(*relation, [x, y], a, b))
             }
+            // Each part takes both values: they are shared.
             Kind::Or(parts) => parts
                 .iter()
                 .rev()
-                .try_fold(b, |b, part| self.choice(part, a.clone(), b, bound)),
+                .try_fold(b, |b, part| self.choice(part, a.clone(), b.shared(), bound)),
             Kind::And(parts) => parts
                 .iter()
                 .rev()
-                .try_fold(a, |a, part| self.choice(part, a, b.clone(), bound)),
+                .try_fold(a, |a, part| self.choice(part, a.shared(), b.clone(), bound)),
+            Kind::Not(part) => self.choice(part, b, a, bound),
             _ => self.expression(condition, bound),
         }
     }

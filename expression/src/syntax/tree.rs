@@ -135,6 +135,8 @@ pub(super) enum Kind {
     And(Vec<Node>),
     /// Conditions of which one holds.
     Or(Vec<Node>),
+    /// A condition that does not hold.
+    Not(Box<Node>),
     /// A formula, and the variable or parameter by which it is differentiated.
     Derivative(Box<[Node; 2]>),
     SumOver {
@@ -154,9 +156,10 @@ impl Kind {
     pub(super) fn children(&self) -> &[Node] {
         match self {
             Kind::Number { .. } | Kind::Pi | Kind::Length | Kind::Reference(_) => &[],
-            Kind::Call(_, child) | Kind::Negate(child) | Kind::SumOver { body: child, .. } => {
-                std::slice::from_ref(child)
-            }
+            Kind::Call(_, child)
+            | Kind::Negate(child)
+            | Kind::Not(child)
+            | Kind::SumOver { body: child, .. } => std::slice::from_ref(child),
             Kind::Sum(children)
             | Kind::Product(children)
             | Kind::Composite(_, children)

@@ -60,11 +60,10 @@ impl Evaluator<'_> {
             Kind::Composite(composite, arguments) => {
                 self.scope
                     .check_call(self.text, composite.name(), node.span)?;
-                let mut values = [0.0; 2];
-                for (value, argument) in values.iter_mut().zip(arguments) {
-                    *value = self.value(argument, bound)?;
-                }
-                let formula = composite.formula([0, 1].map(Expression::Variable));
+                let values = arguments.iter().map(|argument| self.value(argument, bound));
+                let values: Vec<f64> = values.collect::<Result<_, _>>()?;
+                let formula =
+                    composite.formula((0..values.len()).map(Expression::Variable).collect());
                 Ok(formula.evaluate(&values, &[]))
             }
             Kind::If(parts) => {
@@ -73,7 +72,9 @@ impl Evaluator<'_> {
                 let (a, b) = (self.value(holds, bound)?, self.value(other, bound)?);
                 self.choice(condition, a, b, bound)
             }
-            Kind::Compare(..) | Kind::And(_) | Kind::Or(_) => self.choice(node, 1.0, 0.0, bound),
+            Kind::Compare(..) | Kind::And(_) | Kind::Or(_) | Kind::Not(_) => {
+                self.choice(node, 1.0, 0.0, bound)
+            }
             // What is differentiated is a formula of parameters: the index is a number in it.
             Kind::Derivative(_) => {
                 let resolved = Resolver::new(self.text, self.scope).expression(node, bound);
@@ -150,6 +151,7 @@ impl Evaluator<'_> {
                 let mut parts = parts.iter().rev();
                 parts.try_fold(a, |a, part| self.choice(part, a, b, bound))
             }
+            Kind::Not(part) => self.choice(part, b, a, bound),
             _ => self.value(condition, bound),
         }
     }

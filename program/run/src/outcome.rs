@@ -6,7 +6,7 @@ use leafwise_scene::compose::{ComposedRun, PartChoice};
 use leafwise_walk::{Ended, Fault};
 use serde::Serialize;
 
-use crate::advice::Advice;
+use crate::advice::{Advice, crossed};
 use crate::columns::invariant_name;
 use crate::shadow::ShadowVerdict;
 use crate::state_error::{NoStateError, StateError};
@@ -34,7 +34,13 @@ impl Failure {
     pub(crate) fn of(fault: &Fault, ended: &Ended, run: &ComposedRun) -> Self {
         let (steps, time, state) = (ended.steps, ended.time, run.own(&ended.state));
         match fault {
-            Fault::Step(error) => Self::of_step(error, &run.plan.parts, steps, time, state),
+            Fault::Step(error) => {
+                let failure = Self::of_step(error, &run.plan.parts, steps, time, state);
+                match crossed(run, &ended.state) {
+                    Some(seam) => failure.at_seam(&seam),
+                    None => failure,
+                }
+            }
             Fault::Undefined(text) => Self::of_observable(&format!("`{text}`"), steps, time, state),
             Fault::Outside => Self::of_observable(invariant_name(run, 0), steps, time, state),
             fault => Self {
@@ -45,6 +51,20 @@ impl Failure {
                 hint: "write a pace that is positive along the motion, or reduce epsilon*h"
                     .to_owned(),
             },
+        }
+    }
+
+    /// The same where the step crosses a seam, at which its equation may have no solution.
+    fn at_seam(self, seam: &str) -> Self {
+        Self {
+            message: format!(
+                "{}; the step crosses a seam of the formulas, where `{seam}` goes from one piece to another",
+                self.message
+            ),
+            hint: "take splitting, or dop853, whose substeps end at seams, or a smooth function such as tanh in the place of \
+                   a jump: the equation of an implicit step may have no solution there"
+                .to_owned(),
+            ..self
         }
     }
 

@@ -26,11 +26,12 @@ use leafwise_core::runge_kutta::SmoothMapEvaluator;
 use leafwise_core::solver::{StepReport, Trajectories};
 use leafwise_core::system::MotionSeries;
 use leafwise_core::{
-    BuildError, Evaluator, MapProperties, PoissonSystem, StepError, StepMap, Structure, two_sum,
+    BuildError, Evaluator, MapProperties, PoissonSystem, StepError, StepMap, Structure,
+    SystemFormulas, two_sum,
 };
 use leafwise_expression::AlgebraError;
 
-use crate::adaptive::{MOST_SUBSTEPS, tolerance_of};
+use crate::adaptive::{CROSSING, MOST_SUBSTEPS, tolerance_of};
 use crate::allowed::Allowed;
 use crate::reference_map::ReferenceMap;
 use path::Path;
@@ -97,6 +98,8 @@ struct Taylor {
     /// exp(−0.7/(p − 1)).
     safety: f64,
     allowed: Allowed,
+    /// Whether the field may jump.
+    has_seams: bool,
     paths: Vec<Path>,
     /// Those that need a jet, then those that are looked at.
     open: Vec<usize>,
@@ -111,7 +114,7 @@ struct Taylor {
 impl Taylor {
     fn new(
         series: &Arc<MotionSeries>,
-        allowed: &Allowed,
+        (allowed, has_seams): (&Allowed, bool),
         parameters: &[f64],
         time_step: f64,
         count: usize,
@@ -128,6 +131,7 @@ impl Taylor {
             time_step: time_step / unit,
             safety: libm::exp(-0.7 / (order - 1) as f64),
             allowed: allowed.clone(),
+            has_seams,
             paths: vec![Path::new(d, order); count],
             open: Vec::with_capacity(count),
             states: vec![0.0; count * d],
@@ -230,7 +234,8 @@ impl Taylor {
                 path.needs_floors |= path.floors.time > 0.0
                     && (!is_formed || path.exceeds_itself(slope, &self.allowed));
             }
-            let passes = excess <= 1.0 || excess.is_finite() && self.is_round_off(place);
+            let passes = excess <= 1.0
+                || excess.is_finite() && (self.paths[at].crosses() || self.is_round_off(place));
             match passes {
                 true => self.paths[at].pass(),
                 false => self.paths[at].shorten(excess),
@@ -266,7 +271,11 @@ impl Trajectories for Taylor {
         }
         for looks in 0.. {
             self.expand(taken);
-            for (path, taken) in self.paths.iter().zip(&mut *taken) {
+            for (path, taken) in self.paths.iter_mut().zip(&mut *taken) {
+                // A series knows its own side of a jump alone: one substep of the size of round-off crosses it.
+                if self.has_seams && path.length.abs() <= CROSSING * whole {
+                    path.cross(CROSSING * self.time_step);
+                }
                 let is_short = path.length.abs() <= 16.0 * f64::EPSILON * whole;
                 if path.goes_on() && (is_short || looks > MOST_SUBSTEPS) {
                     taken.fail(StepError::Singularity {
@@ -342,6 +351,7 @@ fn build(
     let order = order(tolerance);
     let series = Arc::new(series(system, order)?);
     let allowed = Allowed::new(system, tolerance.max(ROUND_OFF), true);
+    let has_seams = system.expressions().is_some_and(SystemFormulas::has_seams);
     Ok(Arc::new(ReferenceMap {
         dimension: system.dimension(),
         properties: MapProperties {
@@ -354,7 +364,8 @@ fn build(
         together: TOGETHER,
         kept_signs: allowed.kept(),
         make: Box::new(move |parameters, time_step, count| {
-            Box::new(Taylor::new(&series, &allowed, parameters, time_step, count))
+            let rules = (&allowed, has_seams);
+            Box::new(Taylor::new(&series, rules, parameters, time_step, count))
         }),
     }))
 }

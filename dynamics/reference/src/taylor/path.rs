@@ -5,6 +5,7 @@ use leafwise_core::system::FieldRounding;
 use leafwise_core::{StepError, two_sum};
 
 use super::polynomial::{length, polynomial, short};
+use crate::adaptive::STILL;
 use crate::allowed::Allowed;
 use crate::floors::Floors;
 
@@ -42,6 +43,8 @@ pub(super) struct Path {
     /// The state that was handed out there; none before the first step.
     pub state: Vec<f64>,
     pub begun: bool,
+    /// Whether this substep crosses a jump of the field.
+    is_crossing: bool,
     /// Whether the step ends here.
     pub is_done: bool,
     /// The time that is looked at, and change and slope of the polynomial there.
@@ -66,6 +69,7 @@ impl Path {
             needs_floors: false,
             state: zeros.clone(),
             begun: false,
+            is_crossing: false,
             is_done: false,
             at: 0.0,
             change: zeros.clone(),
@@ -92,6 +96,7 @@ impl Path {
     /// The base has no polynomial yet.
     fn forget(&mut self) {
         self.has_jet = false;
+        self.is_crossing = false;
         self.length = 0.0;
         self.passed = 0.0;
         self.floors.clear();
@@ -196,6 +201,19 @@ impl Path {
             Some(*power * row[i].abs())
         });
         terms.fold(0.0, f64::max)
+    }
+
+    /// Makes the substep one that crosses a jump of the field, unless it was one in vain.
+    pub fn cross(&mut self, length: f64) {
+        if self.has_jet && !self.is_crossing && length.abs() <= self.reached[0].abs() {
+            self.is_crossing = true;
+            self.length = length;
+        }
+    }
+
+    /// Whether the place looked at is the end of a substep that crosses a jump, and nothing moves by much on the way.
+    pub fn crosses(&self) -> bool {
+        self.is_crossing && size(&self.change) <= STILL * size(&self.base)
     }
 
     /// Whether the step goes on behind the substep.

@@ -243,6 +243,7 @@ impl Key<'_> {
             Generator::Root(_, q) => format!("root{q}"),
             Generator::Power(_, exponent) => format!("power{exponent:?}"),
             Generator::Function(function, _) => function.to_string(),
+            Generator::Binary(function, ..) => function.name().to_owned(),
             Generator::Kept(side, ..) => format!("kept{side:?}"),
         };
         for argument in generator.arguments() {

@@ -1,7 +1,8 @@
 //! The functions that machine code calls: those of the interpreter, with the platform's C convention.
 
 use crate::analytic::{AnalyticFunction, FunctionPair};
-use crate::expression::Function;
+use crate::expression::{Binary, Function};
+use crate::kernel::code::Instruction;
 
 macro_rules! entries {
     ($($variant:ident => $entry:ident, $entry_lanes:ident;)*) => {
@@ -122,9 +123,24 @@ extern "C" fn raise(a: f64, b: f64) -> f64 {
     libm::pow(a, b)
 }
 
-/// The address of (a, b) ↦ a^b.
-pub(super) fn power() -> usize {
-    let entry: extern "C" fn(f64, f64) -> f64 = raise;
+extern "C" fn atan2(a: f64, b: f64) -> f64 {
+    Binary::Atan2.apply(a, b)
+}
+
+extern "C" fn remainder(a: f64, b: f64) -> f64 {
+    Binary::Mod.apply(a, b)
+}
+
+/// The address of (a, b) ↦ f(a, b), f the function that an instruction takes of two arguments: a power where it is
+/// no other.
+pub(super) fn of_two(instruction: &Instruction) -> usize {
+    let entry: extern "C" fn(f64, f64) -> f64 = match instruction {
+        Instruction::ApplyTwo { function, .. } => match function {
+            Binary::Atan2 => atan2,
+            Binary::Mod => remainder,
+        },
+        _ => raise,
+    };
     entry as usize
 }
 
@@ -143,9 +159,12 @@ pub(super) fn analytic() -> usize {
     entry as usize
 }
 
-/// Replaces each a by a^b.
-unsafe extern "C" fn raise_lanes(a: *mut f64, b: *const f64, count: usize) {
-    // SAFETY: the code passes two pieces of its own memory, of `count` numbers each.
+/// Replaces each a by f(a, b).
+///
+/// # Safety
+/// `a` and `b` point to `count` numbers each, which are the code's own.
+unsafe fn replace(a: *mut f64, b: *const f64, count: usize, f: impl Fn(f64, f64) -> f64) {
+    // SAFETY: as the caller says.
     let (a, b) = unsafe {
         (
             std::slice::from_raw_parts_mut(a, count),
@@ -153,13 +172,34 @@ unsafe extern "C" fn raise_lanes(a: *mut f64, b: *const f64, count: usize) {
         )
     };
     for (a, b) in a.iter_mut().zip(b) {
-        *a = libm::pow(*a, *b);
+        *a = f(*a, *b);
     }
 }
 
-/// The address of (a, b, count), which replaces each a by a^b.
-pub(super) fn power_lanes() -> usize {
-    let entry: unsafe extern "C" fn(*mut f64, *const f64, usize) = raise_lanes;
+unsafe extern "C" fn raise_lanes(a: *mut f64, b: *const f64, count: usize) {
+    // SAFETY: the code passes two pieces of its own memory, of `count` numbers each.
+    unsafe { replace(a, b, count, libm::pow) }
+}
+
+unsafe extern "C" fn atan2_lanes(a: *mut f64, b: *const f64, count: usize) {
+    // SAFETY: as above.
+    unsafe { replace(a, b, count, |a, b| Binary::Atan2.apply(a, b)) }
+}
+
+unsafe extern "C" fn remainder_lanes(a: *mut f64, b: *const f64, count: usize) {
+    // SAFETY: as above.
+    unsafe { replace(a, b, count, |a, b| Binary::Mod.apply(a, b)) }
+}
+
+/// The address of (a, b, count), which replaces each a by f(a, b), f as of [`of_two`].
+pub(super) fn of_two_lanes(instruction: &Instruction) -> usize {
+    let entry: unsafe extern "C" fn(*mut f64, *const f64, usize) = match instruction {
+        Instruction::ApplyTwo { function, .. } => match function {
+            Binary::Atan2 => atan2_lanes,
+            Binary::Mod => remainder_lanes,
+        },
+        _ => raise_lanes,
+    };
     entry as usize
 }
 

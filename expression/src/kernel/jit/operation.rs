@@ -1,6 +1,6 @@
 //! One operation of a program in single assignment.
 
-use crate::expression::Function;
+use crate::expression::{Function, Side};
 use crate::kernel::code::Instruction;
 
 /// Where a number comes from.
@@ -64,6 +64,8 @@ pub(super) enum Action {
     Larger,
     /// The smaller of a and b, b where one is no number.
     Smaller,
+    /// b where a is of this side of 0, else 0; 0 where a is no number.
+    Keep(Side),
     /// The function that the instruction calls; its slots mean nothing here.
     Call(Instruction),
 }
@@ -79,12 +81,14 @@ impl Action {
             Instruction::Magnitude { .. } => Self::Magnitude,
             Instruction::Larger { .. } => Self::Larger,
             Instruction::Smaller { .. } => Self::Smaller,
+            Instruction::Keep { side, .. } => Self::Keep(side),
             Instruction::Apply {
                 function: Function::Sqrt,
                 ..
             } => Self::SquareRoot,
             Instruction::Apply { .. }
             | Instruction::ApplyAnalytic { .. }
+            | Instruction::ApplyTwo { .. }
             | Instruction::Power { .. } => Self::Call(instruction),
         }
     }

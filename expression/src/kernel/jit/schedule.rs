@@ -21,6 +21,8 @@ fn latency(action: Action) -> u64 {
     match action {
         Action::Negate | Action::And | Action::Magnitude | Action::Larger | Action::Smaller => 1,
         Action::Add | Action::Subtract | Action::Multiply => 3,
+        // A comparison, and what is done with its result.
+        Action::Keep(_) => 5,
         Action::TimesPlus | Action::TimesFrom => 4,
         Action::Divide => 13,
         Action::SquareRoot | Action::Call(_) => 40,

@@ -9,7 +9,7 @@ use super::avx::Width;
 use super::machine::{Backend, FAR, MachineCode, REFUSES};
 use crate::analytic::AnalyticFunction;
 use crate::arithmetic::Arithmetic;
-use crate::expression::Function;
+use crate::expression::{Binary, Function, Side};
 use crate::graph::{Graph, StepSize};
 use crate::kernel::aligned::Aligned;
 use crate::kernel::code::{Code, Instruction};
@@ -71,6 +71,18 @@ fn code(choices: &[Choice], outputs: &[usize]) -> Code {
             40..=41 => Instruction::Magnitude { out, a },
             42..=43 => Instruction::Larger { out, a, b },
             44..=45 => Instruction::Smaller { out, a, b },
+            46..=49 => Instruction::Keep {
+                side: if kind < 48 { Side::Above } else { Side::Below },
+                out,
+                a,
+                b,
+            },
+            50..=51 => Instruction::ApplyTwo {
+                function: Binary::ALL[first % Binary::ALL.len()].1,
+                out,
+                a,
+                b,
+            },
             30 => Instruction::Power { out, a, b },
             31 => Instruction::ApplyAnalytic {
                 function: SQUARE,
@@ -264,7 +276,7 @@ fn programs_along_an_array_keep_the_bits_of_the_interpreter() {
         ..ProptestConfig::with_cases(60)
     };
     let served = [0, 0].map(Cell::new);
-    let choice = (0_u8..46, any::<usize>(), any::<usize>(), any::<usize>());
+    let choice = (0_u8..52, any::<usize>(), any::<usize>(), any::<usize>());
     proptest!(config(), |(
         choices in prop::collection::vec(choice, 1..120),
         chosen in prop::collection::vec(any::<usize>(), 1..12),
@@ -293,7 +305,7 @@ proptest! {
 
     #[test]
     fn every_backend_computes_the_bits_of_the_interpreter(
-        choices in prop::collection::vec((0_u8..46, any::<usize>(), any::<usize>(), any::<usize>()), 1..200),
+        choices in prop::collection::vec((0_u8..52, any::<usize>(), any::<usize>(), any::<usize>()), 1..200),
         chosen in prop::collection::vec(any::<usize>(), 1..12),
         numbers in prop::collection::vec(number(), FIXED as usize * 37),
     ) {
@@ -327,7 +339,7 @@ proptest! {
     /// More results alive than any machine has registers, and no calls, which would empty them.
     #[test]
     fn results_without_a_register_keep_their_bits(
-        choices in prop::collection::vec((0_u8..30, any::<usize>(), any::<usize>(), Just(1)), 300..500),
+        choices in prop::collection::vec((prop_oneof![9 => 0_u8..30, 1 => 46_u8..50], any::<usize>(), any::<usize>(), Just(1)), 300..500),
         chosen in prop::collection::vec(any::<usize>(), 60..90),
         numbers in prop::collection::vec(number(), FIXED as usize * 37),
     ) {

@@ -34,6 +34,8 @@ fn functions_in_pieces_have_their_values() {
         ("min(x, y)", -3.0),
         ("max(x, y)", 2.0),
         ("max(1e300, x)", 1e300),
+        ("min(x, y, z) + 10*max(x, y, z, 4)", 47.0),
+        ("max(y, -7, -5)", -3.0),
         ("min(1e-300, z)", 1e-300),
         ("floor(y/2) + ceil(y/2)", -3.0),
         ("floor(2.5) + 10*ceil(2.5)", 32.0),
@@ -41,6 +43,8 @@ fn functions_in_pieces_have_their_values() {
         ("mod(-7.5, x)", 0.5),
         ("mod(7.5, y)", -1.5),
         ("mod(6, y)", 0.0),
+        ("mod(-1e-20, x)", 0.0),
+        ("mod(7.5e200, 2e-200) + 1", 1.0),
         ("heaviside(x) + heaviside(y) + heaviside(x - 2)", 1.0),
         ("sec(0) + cot(pi/4)", 2.0),
         ("csc(pi/2)", 1.0),
@@ -74,6 +78,18 @@ fn a_choice_takes_one_value_and_does_not_look_at_the_other() {
         ("if(y < 0, x, ln(y)/0)", 2.0),
         ("if(a < b, x, y)", 2.0),
         ("if(2 < 1, sqrt(-1), x)", 2.0),
+        ("if(x == 2, 1, 2)", 1.0),
+        ("if(x != 2, 1, 2)", 2.0),
+        ("if(x == y, 1, 2)", 2.0),
+        ("if(x != y, 1, 2)", 1.0),
+        ("if(not x == 2, 1, 2)", 2.0),
+        ("if(not (x < y or y < -5), 1, 2)", 1.0),
+        ("if((x < y or z > x) and (y < 0), 1, 2)", 1.0),
+        ("if(x < y or z > x and y > 0, 1, 2)", 2.0),
+        ("if(not x < y and not not z > x, 1, 2)", 1.0),
+        ("if((x + y)*2 < (z), 1, 2)", 1.0),
+        ("if(((x < z)) and max((x), y) == 2, 1, 2)", 1.0),
+        ("if(not (x < z and y < x), 1, 2)", 2.0),
     ] {
         assert_eq!(value(text), expected, "{text}");
     }
@@ -82,7 +98,9 @@ fn a_choice_takes_one_value_and_does_not_look_at_the_other() {
         "if(ln(y) > 0, 1, 2)",
         "if(ln(y) <= 0, 1, 2)",
         "max(ln(y), 1)",
-        "atan2(x - 2, 0)",
+        "if(ln(y) == 0, 1, 2)",
+        "if(not ln(y) != 0, 1, 2)",
+        "mod(z, x - 2)",
     ] {
         assert!(
             resolve(text).evaluate(&POINT, &[0.0, 0.0]).is_nan(),
@@ -172,7 +190,7 @@ fn what_is_wrong_with_a_choice_or_a_derivative_is_said() {
         (
             "if(x, 1, 2)",
             ",",
-            "expected `<`, `<=`, `>` or `>=`, found `,`",
+            "expected `<`, `<=`, `>`, `>=`, `==` or `!=`, found `,`",
         ),
         (
             "if(x < 1, 2)",
@@ -185,6 +203,14 @@ fn what_is_wrong_with_a_choice_or_a_derivative_is_said() {
             "expected `,` and the value where the condition holds, found `)`",
         ),
         ("x < 1", "<", "expected an operator"),
+        ("if(x = 1, 1, 2)", "=", "did you mean `==`?"),
+        ("if(x ≠ 1, 1, 2)", "≠", "did you mean `!=`?"),
+        ("if(not x, 1, 2)", ",", "expected `<`, `<=`, `>`, `>=`"),
+        (
+            "if((x < 1, 1, 2)",
+            ",",
+            "expected an operator or `)`, found `,`",
+        ),
         (
             "atan2(x)",
             ")",

@@ -1,5 +1,7 @@
+mod branches;
 mod choices;
 mod definitions;
+mod edges;
 mod families;
 mod grammar;
 mod properties;

@@ -194,6 +194,24 @@ fn a_condition_on_the_time_stops_at_that_time() {
     assert!((time(&told) + PI / 6.0).abs() < 1e-10, "{}", time(&told));
 }
 
+/// Conditions are those of `if`, here of sine and cosine.
+#[test]
+fn conditions_are_joined_as_in_choices() {
+    for (stop, end) in [
+        ("q < -0.5 and p < 0", 7.0 * PI / 6.0),
+        ("q < -0.5 and p > 0.5", 5.0 * PI / 3.0),
+        ("q < -2 or (p < -0.5)", 2.0 * PI / 3.0),
+        ("not (q >= -0.5 and p >= -0.5)", 2.0 * PI / 3.0),
+        ("-5 < p < 0", FRAC_PI_2),
+        ("max(p, q - 1, -3) < -0.5", 5.0 * PI / 6.0),
+    ] {
+        let scene = OSCILLATOR.replace("q < -0.5", stop);
+        let told = run(&Place::with(&scene), "run", &[]).json();
+        assert_eq!(told["outcome"], "stopped", "{stop}");
+        assert!((time(&told) - end).abs() < 1e-10, "{stop}: {}", time(&told));
+    }
+}
+
 #[test]
 fn what_is_no_condition_is_refused_where_it_stands() {
     let here = Place::with(OSCILLATOR);
@@ -204,16 +222,18 @@ fn what_is_no_condition_is_refused_where_it_stands() {
             "two formulas with one of <, <=, >, >= between them",
         ),
         (
-            "0 < q < 1",
-            "two formulas with one of <, <=, >, >= between them",
+            "q == 1",
+            "`q == 1` holds at single points, which steps pass over",
         ),
+        ("q < -1 or not", "the formula ends where"),
+        ("(q < -1", "the formula ends where"),
         (
             "q => 1",
             "two formulas with one of <, <=, >, >= between them",
         ),
         ("q > radius", "unknown name `radius`"),
         ("q >", "the formula ends where"),
-        ("> 1", "the formula ends where"),
+        ("> 1", "expected a number, a name or `(`, found `>`"),
         (
             "q < 5",
             "`q < 5` holds at the initial state: the run would make no step",

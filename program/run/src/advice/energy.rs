@@ -67,6 +67,23 @@ impl EnergyError<'_> {
         if !(self.largest > LARGEST * scale && scale > 0.0) {
             return None;
         }
+        if let Some(jump) = largest_jump(run, states).filter(|jump| *jump > LARGEST * scale) {
+            return Some(Advice {
+                kind: AdviceKind::EnergyError,
+                message: format!(
+                    "the energy{} is off by {}, {} % of its scale along the orbit, for H itself jumps on the way, by {}: the \
+                     motion has the derivatives of H's pieces and takes no notice of a jump, so that the energy says nothing \
+                     of its error",
+                    self.whose,
+                    number(self.largest),
+                    number(100.0 * self.largest / scale),
+                    number(jump)
+                ),
+                change: "a Hamiltonian without the jump, such as one of tanh, where the motion is to feel it; half the \
+                         time-step to see the error otherwise"
+                    .to_owned(),
+            });
+        }
         let change = tighten(run).unwrap_or_else(|| match &document.method.step {
             StepSpec::TimeStep(step) => format!("time-step = {:?}", step.value.value / 2.0),
             StepSpec::Factors { h, .. } => format!("h = {:?}", h.value.value / 2.0),
@@ -83,6 +100,41 @@ impl EnergyError<'_> {
             change,
         })
     }
+}
+
+/// So many halvings of the way between two states leave nothing of a smooth change of H.
+const HALVINGS: u32 = 48;
+
+/// The largest jump of H on the straight ways between the states, found by halving where H changes most; `None` of a smooth
+/// H.
+fn largest_jump(run: &ComposedRun, states: &[Vec<f64>]) -> Option<f64> {
+    let may_jump = run.in_time().ok()?.expressions()?.hamiltonian().may_jump();
+    if !may_jump {
+        return None;
+    }
+    let mut observer = run.invariants().ok()?;
+    let mut values = vec![0.0; observer.observables()];
+    let mut energy = |x: &[f64]| {
+        observer.evaluate(x, &mut values);
+        values[0]
+    };
+    let jumps = states.windows(2).map(|ends| {
+        let [mut low, mut high] = [ends[0].clone(), ends[1].clone()];
+        let mut at = [energy(&low), energy(&high)];
+        for _ in 0..HALVINGS {
+            let pairs = low.iter().zip(&high);
+            let middle: Vec<f64> = pairs.map(|(a, b)| 0.5 * (a + b)).collect();
+            let value = energy(&middle);
+            if (value - at[0]).abs() > (at[1] - value).abs() {
+                (high, at[1]) = (middle, value);
+            } else {
+                (low, at[0]) = (middle, value);
+            }
+        }
+        (at[1] - at[0]).abs()
+    });
+    let finite = jumps.filter(|jump| jump.is_finite());
+    finite.max_by(f64::total_cmp)
 }
 
 /// E along an orbit, `None` where there are no gradients.

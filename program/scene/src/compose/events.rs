@@ -1,14 +1,14 @@
 //! Events that a run watches between its steps: the stop that ends it, and the section that it is recorded on.
 
 use leafwise_expression::Expression;
-use leafwise_expression::syntax::Scope;
+use leafwise_expression::syntax::{Formula, Scope, SyntaxErrorKind};
 use leafwise_walk::{Direction, Section, Stop};
 
 use super::Refusal;
 use super::definitions::scope;
 use super::extended::Extension;
 use super::geometry::geometry;
-use super::names::function;
+use super::names::{check_code, function, refusal};
 use super::observables::Observable;
 use super::states::RecordedStates;
 use crate::document::{Located, Place, SceneDocument, Source, nearest};
@@ -29,14 +29,11 @@ pub(super) fn events(document: &SceneDocument, scope: &Scope) -> Result<Events, 
     let run = &document.run;
     let stop = match &run.stop {
         Some(text) => {
-            let (difference, sign) = difference(document, scope, text, &["<", "<=", ">", ">="])?;
+            let (difference, is_closed) = margin(document, scope, text)?;
             Some(Stop {
                 text: text.value.trim().to_owned(),
-                difference: match sign.starts_with('<') {
-                    true => Expression::Negate(Box::new(difference)),
-                    false => difference,
-                },
-                is_closed: sign.ends_with('='),
+                difference,
+                is_closed,
             })
         }
         None => None,
@@ -44,7 +41,7 @@ pub(super) fn events(document: &SceneDocument, scope: &Scope) -> Result<Events, 
     let section = match &run.section {
         Some(section) => Some(Section {
             text: section.at.value.trim().to_owned(),
-            difference: difference(document, scope, &section.at, &["="])?.0,
+            difference: difference(document, scope, &section.at)?,
             direction: section.direction,
         }),
         None => None,
@@ -120,7 +117,7 @@ pub fn section_of(
     }
     let section = Section {
         text: text.value.trim().to_owned(),
-        difference: difference(document, &scope, &text, &["="])?.0,
+        difference: difference(document, &scope, &text)?,
         direction,
     };
     defined(document, &text, &section.difference, initial, parameters)?;
@@ -162,24 +159,55 @@ pub(super) fn check_axes(
     Ok(())
 }
 
-/// Left − right of a comparison with one of `signs`, and its sign.
-fn difference<'a>(
+/// A condition as `if` takes it, as a number that is positive where it holds, and whether it holds where that is 0.
+fn margin(
     document: &SceneDocument,
     scope: &Scope,
-    text: &'a Located<String>,
-    signs: &[&str],
-) -> Result<(Expression, &'a str), Refusal> {
+    text: &Located<String>,
+) -> Result<(Expression, bool), Refusal> {
+    const EXAMPLE: &str =
+        "write when the run is to end, as \"q1^2 + q2^2 > 1\", or with `and`, `or` and `not`";
+    let whole = text.value.trim();
+    if !whole.contains(['<', '>', '=']) {
+        let message = format!("`{whole}` compares nothing: it has no <, <=, >, >=");
+        return Err(refuse(document, text, message, "no comparison", EXAMPLE));
+    }
+    let condition = Formula::parse_condition(&text.value);
+    let condition = condition.map_err(|error| match error.kind {
+        SyntaxErrorKind::UnexpectedCharacter { character: '=' } => Box::new(document.diagnostic(
+            &document.place_in_formula(text, error.span.clone()),
+            "two formulas with one of <, <=, >, >= between them are expected",
+            "here",
+            Some(EXAMPLE.to_owned()),
+        )),
+        _ => refusal(document, text, &error),
+    })?;
+    if condition.is_of_points() {
+        return Err(refuse(
+            document,
+            text,
+            format!("`{whole}` holds at single points, which steps pass over"),
+            "no end",
+            "compare by <, <=, > or >=; `section` finds where both sides are equal",
+        ));
+    }
+    let (margin, is_closed) = condition
+        .margin(scope)
+        .map_err(|error| refusal(document, text, &error))?;
+    check_code(document, text, &margin)?;
+    Ok((margin, is_closed))
+}
+
+/// Left − right of a surface.
+fn difference(
+    document: &SceneDocument,
+    scope: &Scope,
+    text: &Located<String>,
+) -> Result<Expression, Refusal> {
+    const EXAMPLE: &str = "write a surface, as \"q1 = 0\"";
     let whole = text.value.as_str();
     let is_sign = |c: char| "<>=".contains(c);
-    let listed = signs.join(", ");
-    let (one, example) = match signs.len() {
-        1 => (listed.clone(), "write a surface, as \"q1 = 0\""),
-        _ => (
-            format!("one of {listed}"),
-            "write when the run is to end, as \"q1^2 + q2^2 > 1\"",
-        ),
-    };
-    // A sign inside parentheses belongs to a double sum, `sum(i < j, …)`.
+    // A sign inside parentheses belongs to a double sum, `sum(i < j, …)`, or to a choice.
     let mut depth = 0_usize;
     let mut outside = whole.char_indices().filter_map(|(at, c)| {
         match c {
@@ -190,19 +218,17 @@ fn difference<'a>(
         None
     });
     let Some(start) = outside.next() else {
-        let message = format!("`{}` compares nothing: it has no {listed}", whole.trim());
-        return Err(refuse(document, text, message, "no comparison", example));
+        let message = format!("`{}` compares nothing: it has no =", whole.trim());
+        return Err(refuse(document, text, message, "no comparison", EXAMPLE));
     };
     let length = whole[start..].find(|c| !is_sign(c));
     let end = length.map_or(whole.len(), |length| start + length);
-    let sign = &whole[start..end];
-    if !signs.contains(&sign) || outside.any(|at| at >= end) {
-        let message = format!("two formulas with {one} between them are expected");
+    if &whole[start..end] != "=" || outside.any(|at| at >= end) {
         return Err(Box::new(document.diagnostic(
             &document.place_in_formula(text, start..end),
-            message,
+            "two formulas with = between them are expected",
             "here",
-            Some(example.to_owned()),
+            Some(EXAMPLE.to_owned()),
         )));
     }
     // Each side stands at its place in the whole, for messages.
@@ -211,7 +237,7 @@ fn difference<'a>(
     let right = side(text, " ".repeat(end) + &whole[end..]);
     let left = function(document, scope, &left)?;
     let right = Expression::Negate(Box::new(function(document, scope, &right)?));
-    Ok((Expression::Sum(vec![left, right]), sign))
+    Ok(Expression::Sum(vec![left, right]))
 }
 
 /// The value of a difference at the initial state.

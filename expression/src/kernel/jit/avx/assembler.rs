@@ -1,6 +1,7 @@
 //! The few instructions of x86-64 that kernels need, as bytes (Intel 64 and IA-32 Architectures
 //! Software Developer's Manual, volume 2: 2.3 for VEX, 2.7 for EVEX).
 
+use crate::expression::Side;
 use crate::vector::has_512_bits;
 
 /// A register for addresses and whole numbers.
@@ -170,8 +171,15 @@ const SIGNS_OF: u8 = 0x50;
 /// Not below, or one is no number.
 const NOT_BELOW: u8 = 5;
 
+/// Above; not above. Neither where one is no number.
+const ABOVE: u8 = 0x1E;
+const NOT_ABOVE: u8 = 0x12;
+
 /// Between registers.
 const COPY: u8 = 0x28;
+
+/// Results in the lanes of the mask 1, and 0 in the others.
+const MASKED: u8 = 0x81;
 
 /// The maps of opcodes: 0F, and 0F 38 of fused products.
 const FIRST_MAP: u8 = 1;
@@ -250,6 +258,45 @@ impl Assembler {
         self.encode(width, prefix, target, 0, Operand::Register(source));
     }
 
+    /// target ← value where c is of this side of 0, else 0, in registers that are none of the target's; `zeros` are in
+    /// memory.
+    pub(super) fn keep(
+        &mut self,
+        width: Width,
+        side: Side,
+        target: u8,
+        (c, value): (u8, u8),
+        zeros: Memory,
+    ) {
+        let predicate = match side {
+            Side::Above => ABOVE,
+            Side::Below => NOT_ABOVE,
+        };
+        let compare = Prefix {
+            kind: if width == Width::One { 3 } else { 1 },
+            map: FIRST_MAP,
+            opcode: COMPARE,
+        };
+        let zeros = Operand::Memory(zeros);
+        if !matches!(width, Width::Eight | Width::Sixteen | Width::ThirtyTwo) {
+            self.vex(width, compare, target, c, zeros);
+            self.bytes.push(predicate);
+            return self.compute(width, Opcode::And, target, target, Operand::Register(value));
+        }
+        let copy = Prefix {
+            opcode: COPY,
+            ..compare
+        };
+        for part in 0..width.parts() {
+            let shift = part * width.registers() as u8;
+            // Into the mask 1, which leaves 0 in the lanes that it does not have.
+            self.evex(compare, 1, c + shift, zeros);
+            self.bytes.push(predicate);
+            let value = Operand::Register(value + shift);
+            self.masked_evex(copy, (target + shift, MASKED), 0, value);
+        }
+    }
+
     fn encode(&mut self, width: Width, prefix: Prefix, target: u8, a: u8, b: Operand) {
         if !matches!(width, Width::Eight | Width::Sixteen | Width::ThirtyTwo) {
             return self.vex(width, prefix, target, a, b);
@@ -295,6 +342,10 @@ impl Assembler {
     }
 
     fn evex(&mut self, prefix: Prefix, target: u8, a: u8, b: Operand) {
+        self.masked_evex(prefix, (target, 0), a, b);
+    }
+
+    fn masked_evex(&mut self, prefix: Prefix, (target, mask): (u8, u8), a: u8, b: Operand) {
         let (low_b, high_b) = match b {
             Operand::Register(register) => (register >> 3 & 1, register >> 4 & 1),
             Operand::Memory(memory) => (memory.base.0 >> 3 & 1, 0),
@@ -305,7 +356,7 @@ impl Assembler {
             | (!target >> 4 & 1) << 4
             | prefix.map;
         let second = 0x80 | (!a & 15) << 3 | 0x04 | prefix.kind;
-        let third = 0x40 | (!a >> 4 & 1) << 3;
+        let third = 0x40 | (!a >> 4 & 1) << 3 | mask;
         self.bytes
             .extend([0x62, first, second, third, prefix.opcode]);
         self.operand(target, b, 64);

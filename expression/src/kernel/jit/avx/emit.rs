@@ -7,6 +7,7 @@ use std::ops::Range;
 
 use super::assembler::{Assembler, Gpr, Jump, Memory, Opcode, Operand, Width};
 use crate::analytic::{AnalyticFunction, Member};
+use crate::expression::Side;
 use crate::kernel::code::Instruction;
 use crate::kernel::distances::Distances;
 use crate::kernel::jit::functions;
@@ -302,6 +303,7 @@ impl Emitter<'_> {
             Action::Smaller => Opcode::Smaller,
             Action::TimesPlus => return self.fuse(at, Opcode::TimesPlus, [a, b, c]),
             Action::TimesFrom => return self.fuse(at, Opcode::TimesFrom, [a, b, c]),
+            Action::Keep(side) => return self.keep(at, side, [a, b]),
             Action::Call(instruction) => return self.call(at, operation, &instruction),
         };
         let first = self.find(a).expect("a plan loads the first operand");
@@ -331,6 +333,19 @@ impl Emitter<'_> {
         }
         self.assembler
             .compute(self.width, opcode, target, factor, summand);
+    }
+
+    /// A number on one side of another's 0.
+    fn keep(&mut self, at: u32, side: Side, [c, value]: [Source; 2]) {
+        let [c, value] = [c, value].map(|source| {
+            let register = self.find(source);
+            register.expect("a plan loads both")
+        });
+        // −0 is as good as 0.
+        let zeros = self.header(SIGNS);
+        let target = self.take(Source::Result(at));
+        self.assembler
+            .keep(self.width, side, target, (c, value), zeros);
     }
 
     /// Calls a function, which keeps no registers; the plan has stored what is read later. The second of a pair
@@ -383,12 +398,12 @@ impl Emitter<'_> {
             return functions::pair();
         }
         match *instruction {
-            Instruction::Power { .. } => {
+            Instruction::Power { .. } | Instruction::ApplyTwo { .. } => {
                 let spare = (2..5).find(|r| *r != a && *r != b).unwrap_or(5);
                 assembler.copy(Width::Two, spare, b);
                 assembler.copy(Width::Two, 0, a);
                 assembler.copy(Width::Two, 1, spare);
-                functions::power()
+                functions::of_two(instruction)
             }
             Instruction::ApplyAnalytic {
                 function, order, ..
@@ -426,12 +441,12 @@ impl Emitter<'_> {
         }
         assembler.store(self.width, a, first);
         let entry = match *instruction {
-            Instruction::Power { .. } => {
+            Instruction::Power { .. } | Instruction::ApplyTwo { .. } => {
                 assembler.store(self.width, b, second);
                 assembler.address(Gpr::RDI, first);
                 assembler.address(Gpr::RSI, second);
                 assembler.constant(Gpr::RDX, count);
-                functions::power_lanes()
+                functions::of_two_lanes(instruction)
             }
             Instruction::ApplyAnalytic {
                 function, order, ..

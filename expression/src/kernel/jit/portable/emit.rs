@@ -11,6 +11,7 @@ use cranelift_codegen::isa::TargetIsa;
 use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
 
 use crate::analytic::AnalyticFunction;
+use crate::expression::Side;
 use crate::kernel::code::Instruction;
 use crate::kernel::jit::functions;
 use crate::kernel::jit::operation::{Action, Location, Operation, Source};
@@ -222,14 +223,22 @@ impl Emitter<'_> {
                     Action::Larger => (x, y),
                     _ => (y, x),
                 };
-                let ty = self.builder.func.dfg.value_type(x);
                 let is_first = self.builder.ins().fcmp(FloatCC::GreaterThan, large, small);
-                if !ty.is_vector() {
-                    return self.builder.ins().select(is_first, x, y);
+                return self.select(is_first, x, y);
+            }
+            Action::Keep(side) => {
+                let (c, value) = (self.read(a), self.read(b));
+                let ty = self.builder.func.dfg.value_type(value);
+                let mut zero = self.builder.ins().f64const(0.0);
+                if ty.is_vector() {
+                    zero = self.builder.ins().splat(ty, zero);
                 }
-                let flags = MemFlagsData::new();
-                let mask = self.builder.ins().bitcast(ty, flags, is_first);
-                return self.builder.ins().bitselect(mask, x, y);
+                let condition = match side {
+                    Side::Above => FloatCC::GreaterThan,
+                    Side::Below => FloatCC::LessThanOrEqual,
+                };
+                let is_kept = self.builder.ins().fcmp(condition, c, zero);
+                return self.select(is_kept, value, zero);
             }
             Action::TimesPlus | Action::TimesFrom | Action::And => {
                 unreachable!("{NEITHER}")
@@ -257,12 +266,24 @@ impl Emitter<'_> {
                 let entry = functions::analytic();
                 self.call(self.signatures.derivative, entry, &[function, order], &[x])
             }
-            Instruction::Power { .. } => {
+            Instruction::Power { .. } | Instruction::ApplyTwo { .. } => {
                 let (x, y) = (self.read(a), self.read(b));
-                self.call(self.signatures.binary, functions::power(), &[], &[x, y])
+                let entry = functions::of_two(&instruction);
+                self.call(self.signatures.binary, entry, &[], &[x, y])
             }
             _ => unreachable!("no other instruction is a call"),
         }
+    }
+
+    /// x where the condition holds, else y, lane by lane.
+    fn select(&mut self, condition: Value, x: Value, y: Value) -> Value {
+        let ty = self.builder.func.dfg.value_type(x);
+        if !ty.is_vector() {
+            return self.builder.ins().select(condition, x, y);
+        }
+        let flags = MemFlagsData::new();
+        let mask = self.builder.ins().bitcast(ty, flags, condition);
+        self.builder.ins().bitselect(mask, x, y)
     }
 
     /// The number in its register, or read from memory for this use alone.
