@@ -6,6 +6,7 @@ use crate::function::kept;
 pub use crate::function::{Function, Side};
 use crate::rational::Rational;
 use crate::shared::{Known, Shared};
+use crate::table::Lookup;
 
 /// A formula whose names are resolved: variables and parameters by their index.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,6 +31,8 @@ pub enum Expression {
     Power(Box<Expression>, Box<Expression>),
     /// f(a).
     Apply(Function, Box<Expression>),
+    /// A table, or one of its derivatives, at a point.
+    Lookup(Lookup, Vec<Expression>),
     /// a where c > 0, b where c ≤ 0, of c, a and b.
     Where(Box<[Expression; 3]>),
     /// A formula that stands elsewhere too.
@@ -74,6 +77,9 @@ impl Expression {
                 None => libm::pow(value(base), value(exponent)),
             },
             Expression::Apply(function, argument) => function.apply(value(argument)),
+            Expression::Lookup(lookup, point) => {
+                lookup.at(&point.iter().map(value).collect::<Vec<_>>())
+            }
             Expression::Where(parts) => {
                 let [c, a, b] = parts.each_ref().map(value);
                 kept(Side::Above, c, a) + kept(Side::Below, c, b)
@@ -156,6 +162,9 @@ impl Expression {
             Expression::Apply(function, argument) => {
                 Expression::Apply(*function, Box::new(of(argument)))
             }
+            Expression::Lookup(lookup, point) => {
+                Expression::Lookup(*lookup, point.iter().map(of).collect())
+            }
             Expression::Where(parts) => Expression::Where(Box::new(parts.each_ref().map(of))),
             Expression::Shared(shared) => {
                 Expression::Shared(known.get(shared).unwrap_or_else(|| {
@@ -195,7 +204,9 @@ impl Expression {
             | Expression::Pi
             | Expression::Variable(_)
             | Expression::Parameter(_) => 0,
-            Expression::Sum(parts) | Expression::Product(parts) => 1 + highest(parts),
+            Expression::Sum(parts) | Expression::Product(parts) | Expression::Lookup(_, parts) => {
+                1 + highest(parts)
+            }
             Expression::Negate(part) | Expression::Apply(_, part) => 1 + part.height(),
             Expression::Quotient(left, right) | Expression::Power(left, right) => {
                 1 + left.height().max(right.height())
@@ -240,7 +251,7 @@ impl Expression {
             | Expression::Pi
             | Expression::Variable(_)
             | Expression::Parameter(_) => {}
-            Expression::Sum(parts) | Expression::Product(parts) => {
+            Expression::Sum(parts) | Expression::Product(parts) | Expression::Lookup(_, parts) => {
                 parts.iter().for_each(|part| part.visit_new(inspect, known));
             }
             Expression::Negate(part) | Expression::Apply(_, part) => part.visit_new(inspect, known),

@@ -106,6 +106,10 @@ impl Names<'_> {
                 }
             },
             Expression::Apply(function, argument) => self.function(*function, argument),
+            Expression::Lookup(lookup, point) => {
+                let point = point.iter().map(|part| self.written(part).signed().text);
+                Written::atom(lookup.called(point))
+            }
             Expression::Where(parts) => {
                 let [c, a, b] = parts
                     .each_ref()

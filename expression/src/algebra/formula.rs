@@ -38,6 +38,10 @@ impl Ring {
             ),
             Generator::Power(u, a) => power(self.formula(u), self.coefficient_formula(a)),
             Generator::Function(f, u) => Expression::Apply(*f, Box::new(self.formula(u))),
+            Generator::Lookup(lookup, point) => {
+                let point = point.iter().map(|u| self.formula(u));
+                Expression::Lookup(*lookup, point.collect())
+            }
             Generator::Kept(side, u, v) => {
                 Expression::kept(*side, self.formula(u), self.formula(v))
             }
@@ -53,6 +57,10 @@ impl Ring {
                 power(self.coefficient_formula(c), Expression::Constant(r.clone()))
             }
             Atom::Power(c, d) => power(self.coefficient_formula(c), self.coefficient_formula(d)),
+            Atom::Lookup(lookup, point) => {
+                let point = point.iter().map(|c| self.coefficient_formula(c));
+                Expression::Lookup(*lookup, point.collect())
+            }
             Atom::Function(f, c) => Expression::Apply(*f, Box::new(self.coefficient_formula(c))),
         }
     }

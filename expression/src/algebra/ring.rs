@@ -11,6 +11,7 @@ use crate::expression::{Function, Side};
 use crate::function::Parity;
 use crate::rational::Rational;
 use crate::reach::Reach;
+use crate::table::Lookup;
 
 /// ℚ(parameters)[x₁^±, …, x_d^±, generators]: Laurent polynomials in the state variables and in
 /// adjoined functions of the state ([`Generator`]), closed under ∂/∂xᵢ.
@@ -246,6 +247,19 @@ impl Ring {
             self.derivatives.insert((symbol, variable), result.clone());
             return Ok(result);
         }
+        if let Generator::Lookup(lookup, point) = &generator {
+            let mut sum = Vec::with_capacity(point.len());
+            for (axis, u) in point.iter().enumerate() {
+                let inner = self.derivative(u, variable)?;
+                if let Some(slope) = lookup.derivative(axis).filter(|_| !inner.is_zero()) {
+                    let outer = self.look_up(slope, point)?;
+                    sum.push((Rational::one(), self.multiply(&outer, &inner)));
+                }
+            }
+            let result = self.combine(&sum);
+            self.derivatives.insert((symbol, variable), result.clone());
+            return Ok(result);
+        }
         let inner = self.derivative(generator.argument(), variable)?;
         let result = if inner.is_zero() {
             Polynomial::zero()
@@ -266,7 +280,7 @@ impl Ring {
                 }
                 Generator::Function(function, u) => function_derivative(self, *function, u, &g)?,
                 // Differentiated above.
-                Generator::Kept(..) => Polynomial::zero(),
+                Generator::Kept(..) | Generator::Lookup(..) => Polynomial::zero(),
             };
             self.multiply(&outer, &inner)
         };
@@ -507,6 +521,18 @@ impl Arithmetic for Ring {
         };
         let power = self.multiply(&integer, &power);
         self.unless_refused(power)
+    }
+
+    fn look_up(
+        &mut self,
+        lookup: Lookup,
+        point: &[Polynomial],
+    ) -> Result<Polynomial, AlgebraError> {
+        let constants: Option<Vec<_>> = point.iter().map(Polynomial::as_constant).collect();
+        Ok(match constants {
+            Some(point) => Polynomial::constant(self.atom_symbol(Atom::Lookup(lookup, point))),
+            None => Polynomial::symbol(self.adjoin(Generator::Lookup(lookup, point.to_vec()))),
+        })
     }
 
     /// Linear in v, whose factors that have a value everywhere stand outside.

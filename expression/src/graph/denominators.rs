@@ -130,6 +130,7 @@ impl Graph {
                 Operation::Parameter(_)
                 | Operation::StepSize(_)
                 | Operation::Input(_)
+                | Operation::Lookup(..)
                 | Operation::Analytic(..) => false,
             });
         }

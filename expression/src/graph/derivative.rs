@@ -5,6 +5,7 @@ use crate::arithmetic::{AlgebraError, Arithmetic, function_derivative};
 use crate::expression::Function;
 use crate::rational::Rational;
 use crate::reach::{Reach, SumReach};
+use crate::table::Lookup;
 
 /// Sums of more terms than this are indexed.
 const LONG: usize = 16;
@@ -81,6 +82,7 @@ impl Graph {
                     Operation::Reciprocal(_)
                     | Operation::Function(..)
                     | Operation::Analytic(..)
+                    | Operation::Lookup(..)
                     | Operation::Power(..) => OF_SLOPE,
                     _ => 0,
                 };
@@ -130,6 +132,18 @@ impl Graph {
                 let left = self.multiply(&da, &Term::of(b));
                 let right = self.multiply(&Term::of(a), &db);
                 self.add(&left, &right)
+            }
+            Operation::Lookup(lookup, point) => {
+                let (lookup, point) = (*lookup, point.clone());
+                let mut sum = Vec::with_capacity(point.len());
+                for (axis, at) in point.iter().enumerate() {
+                    let inner = self.node_derivative(*at, input)?;
+                    if !self.is_zero(&inner) {
+                        let outer = self.slope_along(lookup, axis, &point)?;
+                        sum.push((Rational::one(), self.multiply(&outer, &inner)));
+                    }
+                }
+                self.combine(&sum)
             }
             &Operation::Kept(side, c, v) => {
                 let inner = self.node_derivative(v, input)?;
@@ -182,6 +196,20 @@ impl Graph {
                 let depending = terms.iter().filter(|(_, inner)| depends(inner));
                 depending.cloned().collect()
             }
+        }
+    }
+
+    /// The derivative of a table along an axis, at a point.
+    pub(super) fn slope_along(
+        &mut self,
+        lookup: Lookup,
+        axis: usize,
+        point: &[Node],
+    ) -> Result<Term, AlgebraError> {
+        let point: Vec<Term> = point.iter().copied().map(Term::of).collect();
+        match lookup.derivative(axis) {
+            Some(slope) => self.look_up(slope, &point),
+            None => Ok(self.zero()),
         }
     }
 

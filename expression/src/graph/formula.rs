@@ -87,6 +87,10 @@ impl Graph {
             }
             Operation::Function(function, a) => Expression::Apply(*function, Box::new(of(*a)?)),
             Operation::Power(a, b) => Expression::Power(Box::new(of(*a)?), Box::new(of(*b)?)),
+            Operation::Lookup(lookup, point) => {
+                let point = point.iter().map(|at| of(*at));
+                Expression::Lookup(*lookup, point.collect::<Option<_>>()?)
+            }
             Operation::Kept(side, c, v) => Expression::kept(*side, of(*c)?, of(*v)?),
         })
     }

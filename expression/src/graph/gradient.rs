@@ -105,6 +105,13 @@ impl Graph {
             | Operation::Function(_, a)
             | Operation::Analytic(_, _, a)
             | Operation::Power(a, _) => vec![(a, self.outer_derivative(node)?)],
+            Operation::Lookup(lookup, point) => {
+                let mut slopes = Vec::with_capacity(point.len());
+                for (axis, at) in point.iter().enumerate() {
+                    slopes.push((*at, self.slope_along(lookup, axis, &point)?));
+                }
+                slopes
+            }
             Operation::One
             | Operation::Pi
             | Operation::Parameter(_)

@@ -63,6 +63,10 @@ impl Graph {
                 }
                 Operation::Function(function, a) => algebra.apply(*function, &of(*a))?,
                 Operation::Power(a, b) => algebra.power(&of(*a), &of(*b))?,
+                Operation::Lookup(lookup, point) => {
+                    let point: Vec<_> = point.iter().map(|at| of(*at)).collect();
+                    algebra.look_up(*lookup, &point)?
+                }
                 Operation::Kept(side, c, v) => algebra.kept(*side, &of(*c), &of(*v))?,
                 Operation::StepSize(_) | Operation::Analytic(..) => {
                     return Err(AlgebraError::NoSeries);
@@ -127,6 +131,10 @@ impl Graph {
                 Ok(self.apply_analytic(*function, *order, &of(*a)))
             }
             Operation::Power(a, b) => self.power(&of(*a), &of(*b)),
+            Operation::Lookup(lookup, point) => {
+                let point: Vec<Term> = point.iter().map(|at| of(*at)).collect();
+                self.look_up(*lookup, &point)
+            }
             Operation::Kept(side, c, v) => self.kept(*side, &of(*c), &of(*v)),
         }
     }

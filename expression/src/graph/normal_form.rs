@@ -7,6 +7,7 @@ use crate::analytic::AnalyticFunction;
 use crate::arithmetic::{AlgebraError, Arithmetic, simple_value};
 use crate::expression::{Function, Side};
 use crate::rational::Rational;
+use crate::table::Lookup;
 
 impl Graph {
     /// f⁽ᵏ⁾(a) for k = `order`.
@@ -325,6 +326,13 @@ impl Arithmetic for Graph {
         let exponent = self.unscaled(b);
         let tier = self.tier(base).max(Tier::Coefficient);
         Ok(self.unit(Operation::Power(base, exponent), tier))
+    }
+
+    fn look_up(&mut self, lookup: Lookup, point: &[Term]) -> Result<Term, AlgebraError> {
+        let point: Box<[Node]> = point.iter().map(|at| self.unscaled(at)).collect();
+        let tiers = point.iter().map(|at| self.tier(*at));
+        let tier = tiers.fold(Tier::Coefficient, Tier::max);
+        Ok(self.unit(Operation::Lookup(lookup, point), tier))
     }
 
     fn kept(&mut self, side: Side, c: &Term, v: &Term) -> Result<Term, AlgebraError> {

@@ -4,6 +4,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::code::Instruction;
 use super::draft::Draft;
+use super::lookups::LookupSlots;
 use crate::analytic::{AnalyticFunction, FunctionPair, Member};
 use crate::expression::{Function, Side};
 use crate::graph::{Graph, Node, Operation, StepSize, Term, Tier};
@@ -39,6 +40,7 @@ pub(super) struct Emitter<'a> {
     pub(super) code: Draft,
     pub(super) places: FxHashMap<Node, u32>,
     scaled: FxHashMap<(Node, u64), u32>,
+    pub(super) lookups: LookupSlots,
     /// Numbers that keep others on a side of a slot's 0.
     seams: FxHashMap<(Side, u32), [u32; 3]>,
     /// The slot of each graph input, where that is not its number.
@@ -61,6 +63,7 @@ impl<'a> Emitter<'a> {
             code: Draft::new(fixed),
             places: FxHashMap::default(),
             scaled: FxHashMap::default(),
+            lookups: LookupSlots::default(),
             seams: FxHashMap::default(),
             input_slots: None,
         }
@@ -166,6 +169,7 @@ impl<'a> Emitter<'a> {
                 self.push(|out| Instruction::Divide { out, a, b })
             }
             Operation::Function(function, a) => self.emit_function(function, a),
+            Operation::Lookup(lookup, point) => self.emit_lookup(lookup, &point),
             Operation::Kept(side, c, v) => {
                 let (c, v) = (self.place(c), self.place(v));
                 self.emit_kept(side, c, v)
