@@ -63,6 +63,9 @@ impl Names<'_> {
                 format!("({})^({})", self.polynomial(u), self.coefficient(exponent))
             }
             Some(Generator::Function(function, u)) => function.called(&self.polynomial(u)),
+            Some(Generator::Lookup(lookup, point)) => {
+                lookup.called(point.iter().map(|u| self.polynomial(u)))
+            }
             Some(Generator::Kept(side, u, v)) => {
                 let sign = match side {
                     Side::Above => ">",
@@ -83,6 +86,7 @@ impl Names<'_> {
             Atom::Power(c, exponent) => {
                 format!("({})^({})", self.coefficient(c), self.coefficient(exponent))
             }
+            Atom::Lookup(lookup, point) => lookup.called(point.iter().map(|c| self.coefficient(c))),
             Atom::Function(function, c) => format!("{function}({})", self.coefficient(c)),
         }
     }

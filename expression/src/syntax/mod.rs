@@ -30,6 +30,7 @@ mod display;
 mod error;
 mod formula;
 mod lexer;
+mod lookups;
 mod offsets;
 mod parser;
 mod pattern;

@@ -243,6 +243,7 @@ impl Key<'_> {
             Generator::Root(_, q) => format!("root{q}"),
             Generator::Power(_, exponent) => format!("power{exponent:?}"),
             Generator::Function(function, _) => function.to_string(),
+            Generator::Lookup(lookup, _) => format!("{lookup:?}"),
             Generator::Kept(side, ..) => format!("kept{side:?}"),
         };
         for argument in generator.arguments() {
