@@ -114,6 +114,19 @@ impl Expression {
         found
     }
 
+    /// The tables and derivatives of tables that occur, in the order of the formula.
+    pub fn lookups(&self) -> Vec<Lookup> {
+        let mut found = Vec::new();
+        self.visit(&mut |part| {
+            if let Expression::Lookup(lookup, _) = part
+                && !found.contains(lookup)
+            {
+                found.push(*lookup);
+            }
+        });
+        found
+    }
+
     /// The same formula with exact numbers in place of the parameters.
     ///
     /// # Panics

@@ -21,6 +21,7 @@ mod properties;
 mod signs;
 mod statistics;
 mod stepper;
+mod walls;
 
 pub use crate::compensation::Compensated;
 pub use anderson::Anderson;
@@ -49,6 +50,7 @@ pub use signs::{keeping_signs, kept_signs};
 pub use statistics::SolverStatistics;
 pub(crate) use stepper::add;
 pub use stepper::{StepCheck, Stepper};
+pub use walls::Walls;
 use stepper::{one_by_one, restore_each};
 
 use std::sync::Arc;

@@ -151,6 +151,11 @@ impl Table {
         self.0.degree
     }
 
+    /// What it is evaluated of, the last axis fastest: as many along each axis as it has cells, and the degree more.
+    pub fn coefficients(self) -> &'static [f64] {
+        &self.0.coefficients
+    }
+
     /// The function itself, of which derivatives are taken.
     pub fn value(self) -> Lookup {
         Lookup {
