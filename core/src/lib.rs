@@ -85,7 +85,7 @@ pub use realization::{
     Abilities, Accuracy, ChartCode, EndMaps, EndNumbers, Ends, MapCode, RealizationData,
     SourceRecursion, SourceSeries, SourceTarget, Space, SpaceChart,
 };
-pub use registry::{Part, Registry, RegistryError};
+pub use registry::{NumberArray, Part, Registry, RegistryError};
 pub use shadow::Shadow;
 pub use solver::{
     ByTangents, Differential, Factored, Inverse, MapAbilities, MapProperties, Pieces, Setting,

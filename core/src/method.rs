@@ -19,7 +19,8 @@ use crate::solution_series::start_of_solves;
 use crate::solver::{
     ByTangents, Checked, CorrectionMethod, Differential, Lanes, MakeCheck, MapAbilities,
     MapProperties, NewtonKernel, NewtonStepper, NumericSolver, Poles, ShadowTerms, Solved, StepMap,
-    Stepper, Structure, Uncoupled, by_parameters, check_variables, keeping_signs, kept_signs,
+    Stepper, Structure, Uncoupled, Walls, by_parameters, check_variables, keeping_signs,
+    kept_signs,
 };
 use crate::system::PoissonSystem;
 
@@ -35,6 +36,8 @@ pub struct Method {
     kept_signs: Vec<usize>,
     /// Poles of the equations of motion, which no step crosses.
     poles: Option<Arc<Poles>>,
+    /// Tables of the system, which no step leaves.
+    walls: Option<Arc<Walls>>,
     /// The derivatives by parameters of both ends, compiled when the first differential is asked for.
     by_parameters: Arc<OnceLock<Option<Arc<Kernel>>>>,
 }
@@ -146,6 +149,7 @@ impl Method {
             return Ok(Self {
                 kept_signs: kept_by(system, properties),
                 poles: Poles::of(system)?.map(Arc::new),
+                walls: Walls::of(system)?.map(Arc::new),
                 realization,
                 dynamics,
                 bisection,
@@ -234,6 +238,7 @@ impl Method {
         Ok(Self {
             kept_signs: kept_by(system, properties),
             poles: Poles::of(system)?.map(Arc::new),
+            walls: Walls::of(system)?.map(Arc::new),
             realization,
             dynamics,
             bisection,
@@ -482,9 +487,13 @@ impl StepMap for Method {
             }
         };
         let stepper = keeping_signs(stepper, &self.kept_signs);
-        match &self.poles {
+        let stepper = match &self.poles {
             None => stepper,
             Some(poles) => Checked::boxed(stepper, Arc::clone(poles).make(lanes, parameters)),
+        };
+        match &self.walls {
+            None => stepper,
+            Some(walls) => Checked::boxed(stepper, Arc::clone(walls).make(lanes, parameters)),
         }
     }
 

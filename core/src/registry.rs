@@ -2,6 +2,7 @@
 //! what is loaded at run time.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use thiserror::Error;
 
@@ -89,6 +90,17 @@ struct Entry {
 #[derive(Clone, Default)]
 pub struct Registry {
     entries: BTreeMap<&'static str, Entry>,
+    /// Arrays in the place of files, by the names of their tables.
+    arrays: BTreeMap<String, Arc<NumberArray>>,
+}
+
+/// Numbers at the nodes of a grid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NumberArray {
+    /// How many nodes there are along each axis.
+    pub shape: Vec<usize>,
+    /// The numbers, the last axis fastest.
+    pub numbers: Vec<f64>,
 }
 
 impl Registry {
@@ -111,6 +123,16 @@ impl Registry {
             }
         }
         registry
+    }
+
+    /// Adds the numbers of a table of scenes, in the place of a file.
+    pub fn add_array(&mut self, name: impl Into<String>, array: NumberArray) {
+        self.arrays.insert(name.into(), Arc::new(array));
+    }
+
+    /// The numbers of the table of this name, where they are given in the place of a file.
+    pub fn array(&self, name: &str) -> Option<Arc<NumberArray>> {
+        self.arrays.get(name).cloned()
     }
 
     /// Adds a part.

@@ -3,7 +3,7 @@
 pub(crate) use crate::step_map::MakeCheck;
 pub use crate::step_map::{
     Arranged, CodeStepMap, FactorProduct, Factored, MapAbilities, Poles, ProductStepper,
-    ShadowTerms, StepMap, WithoutPoles, keeping_signs, kept_signs,
+    ShadowTerms, StepMap, Walls, WithoutPoles, keeping_signs, kept_signs,
 };
 pub use leafwise_solver::{
     Anderson, Branch, ByTangents, Compensated, CorrectionMethod, CorrectionSize, DenseFactors,

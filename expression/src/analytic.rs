@@ -4,6 +4,7 @@ use std::fmt;
 use std::hash::{Hash, Hasher};
 
 use crate::elementary::NearZero;
+use crate::table::Table;
 
 /// An analytic function f of one variable that a crate evaluates itself: straight-line code calls
 /// it and its derivatives f⁽ᵏ⁾ like elementary functions.
@@ -23,6 +24,8 @@ enum Values {
     OfOrders(fn(u32, f64) -> f64),
     /// A pair and which of the two functions it is, with its derivative.
     OfPair(&'static FunctionPair, Member, fn() -> Slope),
+    /// The parts of a table, by their codes in the place of orders.
+    OfTable(Table),
 }
 
 /// f′ = constant + factor·g: the derivative of a function that is expressed by another one, or by itself.
@@ -58,10 +61,18 @@ impl AnalyticFunction {
         }
     }
 
+    /// The functions of one number of which a table is evaluated, by their codes in the place of orders.
+    pub(crate) fn of_table(table: Table) -> Self {
+        Self {
+            name: table.unique_name(),
+            values: Values::OfTable(table),
+        }
+    }
+
     /// The pair that it is a member of.
     pub fn pair(&self) -> Option<(&'static FunctionPair, Member)> {
         match self.values {
-            Values::OfOrders(_) => None,
+            Values::OfOrders(_) | Values::OfTable(_) => None,
             Values::OfPair(pair, member, _) => Some((pair, member)),
         }
     }
@@ -69,7 +80,7 @@ impl AnalyticFunction {
     /// Its derivative, where that is expressed by a function again.
     pub(crate) fn slope(&self) -> Option<Slope> {
         match self.values {
-            Values::OfOrders(_) => None,
+            Values::OfOrders(_) | Values::OfTable(_) => None,
             Values::OfPair(_, _, slope) => Some(slope()),
         }
     }
@@ -88,6 +99,7 @@ impl AnalyticFunction {
     pub fn derivative(&self, order: u32, s: f64) -> f64 {
         match self.values {
             Values::OfOrders(derivative) => derivative(order, s),
+            Values::OfTable(table) => table.part(order, s),
             Values::OfPair(pair, member, _) if order == 0 => {
                 let (f, g) = (pair.values)(s);
                 match member {
@@ -109,6 +121,7 @@ impl AnalyticFunction {
             Values::OfOrders(derivative) => {
                 values.iter_mut().for_each(|s| *s = derivative(order, *s));
             }
+            Values::OfTable(table) => table.part_lanes(order, values),
             Values::OfPair(pair, member, _) if order == 0 => {
                 (pair.lanes_alone[member as usize])(values);
             }

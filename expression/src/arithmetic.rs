@@ -9,6 +9,7 @@ use thiserror::Error;
 use crate::expression::{Binary, Function, Side};
 use crate::rational::Rational;
 use crate::special::Special;
+use crate::table::Lookup;
 
 /// Why an exact operation has no result.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -158,6 +159,15 @@ pub trait Arithmetic {
         function: Binary,
         a: &Self::Element,
         b: &Self::Element,
+    ) -> Result<Self::Element, AlgebraError>;
+    /// A table, or one of its derivatives, at a point.
+    ///
+    /// # Errors
+    /// [`AlgebraError`] where the algebra has no such element.
+    fn look_up(
+        &mut self,
+        lookup: Lookup,
+        point: &[Self::Element],
     ) -> Result<Self::Element, AlgebraError>;
     /// v where c is of this side of 0, 0 elsewhere, whatever v is there.
     ///

@@ -5,6 +5,7 @@ use crate::expression::{Binary, Function, Side};
 use crate::function::kept;
 use crate::graph::{Graph, Node, Operation, Term};
 use crate::rational::Rational;
+use crate::table::Lookup;
 
 /// A number as it is computed, and how far rounding may have moved it from the exact one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,6 +40,9 @@ const FUNCTION: f64 = 2.0 * f64::EPSILON;
 
 /// Largest rounding error of special functions and their first derivatives, of their values or of 1.
 const SPECIAL: f64 = 64.0 * f64::EPSILON;
+
+/// Largest rounding error of a table's weights and sums, of the sum of all magnitudes.
+const LOOKUP: f64 = 64.0 * f64::EPSILON;
 
 /// Formulas in plain double arithmetic at these values of the parameters, with a running error bound
 /// (N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, section 3.3).
@@ -101,6 +105,10 @@ impl BoundedNumbers {
                 Operation::Power(a, b) => self.power(&known[a.index()], &known[b.index()])?,
                 Operation::Binary(function, a, b) => {
                     self.apply_two(*function, &known[a.index()], &known[b.index()])?
+                }
+                Operation::Lookup(lookup, point) => {
+                    let point: Vec<_> = point.iter().map(|at| known[at.index()]).collect();
+                    self.look_up(*lookup, &point)?
                 }
                 Operation::Kept(side, c, v) => {
                     self.kept(*side, &known[c.index()], &known[v.index()])?
@@ -196,6 +204,16 @@ impl Arithmetic for BoundedNumbers {
             }
         }
         Ok(Bounded::rounded(value, error))
+    }
+    /// Rounding of the weights and of the sum, and slopes where the point is not known exactly.
+    fn look_up(&mut self, lookup: Lookup, point: &[Bounded]) -> Result<Bounded, AlgebraError> {
+        let at: Vec<f64> = point.iter().map(|x| x.value).collect();
+        let mut error = LOOKUP * lookup.magnitude(&at);
+        for (axis, x) in point.iter().enumerate().filter(|(_, x)| x.error > 0.0) {
+            let slope = lookup.derivative(axis).map_or(0.0, |slope| slope.at(&at));
+            error += slope.abs() * x.error;
+        }
+        Ok(Bounded::rounded(lookup.at(&at), error))
     }
     /// Without a bound where c may be of either side.
     fn kept(&mut self, side: Side, c: &Bounded, v: &Bounded) -> Result<Bounded, AlgebraError> {

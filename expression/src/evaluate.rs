@@ -90,6 +90,13 @@ impl Expression {
                 let b = b.value_in(arithmetic, variable, known)?;
                 arithmetic.apply_two(*function, &a, &b)
             }
+            Self::Lookup(lookup, point) => {
+                let mut elements = Vec::with_capacity(point.len());
+                for part in point {
+                    elements.push(part.value_in(arithmetic, variable, known)?);
+                }
+                arithmetic.look_up(*lookup, &elements)
+            }
             Self::Where(parts) => {
                 let [c, a, b] = &**parts;
                 let c = c.value_in(arithmetic, variable, known)?;

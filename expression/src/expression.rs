@@ -6,6 +6,7 @@ use crate::function::kept;
 pub use crate::function::{Binary, Function, Side};
 use crate::rational::Rational;
 use crate::shared::{Known, Shared};
+use crate::table::Lookup;
 
 /// A formula whose names are resolved: variables and parameters by their index.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,6 +33,8 @@ pub enum Expression {
     Apply(Function, Box<Expression>),
     /// f(a, b).
     Binary(Binary, Box<[Expression; 2]>),
+    /// A table, or one of its derivatives, at a point.
+    Lookup(Lookup, Vec<Expression>),
     /// a where c > 0, b where c ≤ 0, of c, a and b.
     Where(Box<[Expression; 3]>),
     /// A formula that stands elsewhere too.
@@ -80,6 +83,9 @@ impl Expression {
                 let [a, b] = pair.each_ref().map(value);
                 function.apply(a, b)
             }
+            Expression::Lookup(lookup, point) => {
+                lookup.at(&point.iter().map(value).collect::<Vec<_>>())
+            }
             Expression::Where(parts) => {
                 let [c, a, b] = parts.each_ref().map(value);
                 kept(Side::Above, c, a) + kept(Side::Below, c, b)
@@ -109,6 +115,19 @@ impl Expression {
         self.visit(&mut |part| {
             if let Expression::Parameter(index) = part {
                 found.insert(*index);
+            }
+        });
+        found
+    }
+
+    /// The tables and derivatives of tables that occur, in the order of the formula.
+    pub fn lookups(&self) -> Vec<Lookup> {
+        let mut found = Vec::new();
+        self.visit(&mut |part| {
+            if let Expression::Lookup(lookup, _) = part
+                && !found.contains(lookup)
+            {
+                found.push(*lookup);
             }
         });
         found
@@ -165,6 +184,9 @@ impl Expression {
             Expression::Binary(function, pair) => {
                 Expression::Binary(*function, Box::new(pair.each_ref().map(of)))
             }
+            Expression::Lookup(lookup, point) => {
+                Expression::Lookup(*lookup, point.iter().map(of).collect())
+            }
             Expression::Where(parts) => Expression::Where(Box::new(parts.each_ref().map(of))),
             Expression::Shared(shared) => {
                 Expression::Shared(known.get(shared).unwrap_or_else(|| {
@@ -207,7 +229,9 @@ impl Expression {
             | Expression::Pi
             | Expression::Variable(_)
             | Expression::Parameter(_) => 0,
-            Expression::Sum(parts) | Expression::Product(parts) => 1 + highest(parts),
+            Expression::Sum(parts) | Expression::Product(parts) | Expression::Lookup(_, parts) => {
+                1 + highest(parts)
+            }
             Expression::Negate(part) | Expression::Apply(_, part) => 1 + part.height(),
             Expression::Quotient(left, right) | Expression::Power(left, right) => {
                 1 + left.height().max(right.height())
@@ -286,7 +310,7 @@ impl Expression {
             | Expression::Pi
             | Expression::Variable(_)
             | Expression::Parameter(_) => {}
-            Expression::Sum(parts) | Expression::Product(parts) => {
+            Expression::Sum(parts) | Expression::Product(parts) | Expression::Lookup(_, parts) => {
                 parts.iter().for_each(|part| part.visit_new(inspect, known));
             }
             Expression::Negate(part) | Expression::Apply(_, part) => part.visit_new(inspect, known),

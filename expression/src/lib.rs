@@ -13,6 +13,7 @@
 //! - [`shared`]: values that several formulas hold.
 //! - [`series`]: Taylor coefficients of formulas along a curve, one order at a time.
 //! - [`graph`]: straight-line code with shared nodes and exact derivatives.
+//! - [`table`]: tables of numbers as functions, with all derivatives.
 //! - [`kernel`]: coefficient kernel and step kernel, evaluated W lanes at a time.
 //! - [`pairs`]: functions that are computed two at a time.
 //! - [`vector`]: loops with the widest registers of a machine.
@@ -39,6 +40,7 @@ pub mod shared;
 mod slope;
 pub mod special;
 pub mod syntax;
+pub mod table;
 pub mod vector;
 pub mod words;
 mod written;
@@ -53,3 +55,4 @@ pub use graph::{Graph, StepSize, Term};
 pub use kernel::{Aligned, Execution, Kernel, MachineCodeSize, OperationCount, Workspace};
 pub use operators::Quantity;
 pub use rational::Rational;
+pub use table::{Lookup, Outside, Table};

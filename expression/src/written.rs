@@ -110,6 +110,10 @@ impl Names<'_> {
                 let [a, b] = pair.each_ref().map(|part| self.written(part).signed().text);
                 Written::atom(format!("{}({a}, {b})", function.name()))
             }
+            Expression::Lookup(lookup, point) => {
+                let point = point.iter().map(|part| self.written(part).signed().text);
+                Written::atom(lookup.called(point))
+            }
             Expression::Where(parts) => {
                 let [c, a, b] = parts
                     .each_ref()

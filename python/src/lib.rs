@@ -15,6 +15,7 @@
 //! - [`text`]: tables of Python as text of a scene;
 //! - [`error`]: the program's failures as exceptions.
 
+mod arrays;
 mod command;
 mod ensemble;
 mod error;

@@ -14,8 +14,9 @@ use leafwise_cli::failure::Failure;
 use leafwise_cli::scene::SceneText;
 use pyo3::prelude::*;
 
+use crate::arrays::Arrays;
 use crate::command::with_plugins;
-use crate::error::exception;
+use crate::error::{LeafwiseError, exception};
 use crate::functions::Functions;
 use crate::kept::compose;
 
@@ -30,8 +31,13 @@ pub(crate) struct Read {
 }
 
 impl Read {
-    pub(crate) fn new(text: SceneText, system: Option<&Arc<Py<PyAny>>>) -> PyResult<Self> {
+    pub(crate) fn new(
+        text: SceneText,
+        system: Option<&Arc<Py<PyAny>>>,
+        arrays: &Arrays,
+    ) -> PyResult<Self> {
         let mut parts = with_plugins()?;
+        arrays.join(&mut parts.registry);
         let functions = system.map(|system| Functions::new(Arc::clone(system)));
         if let Some(functions) = &functions {
             functions.join(&mut parts.registry)?;
@@ -39,8 +45,21 @@ impl Read {
         let name = text.name.clone();
         let base = Path::new(&name).parent().unwrap_or(Path::new("."));
         let document = parts.document(text, base);
+        let document = document.map_err(|failure| exception(&failure))?;
+        let tables = &document.system.tables;
+        let is_known = |name: &&str| tables.iter().any(|(known, _)| known.value == **name);
+        if let Some(other) = arrays.names().find(|name| !is_known(name)) {
+            let known: Vec<&str> = tables.iter().map(|(name, _)| name.value.as_str()).collect();
+            let known = match known.is_empty() {
+                true => "no table: write [system.tables]".to_owned(),
+                false => format!("the tables {}", known.join(", ")),
+            };
+            return Err(LeafwiseError::new_err(format!(
+                "an array is given for the table `{other}`, and the scene has {known}"
+            )));
+        }
         Ok(Self {
-            document: document.map_err(|failure| exception(&failure))?,
+            document,
             registry: parts.registry,
             functions,
         })

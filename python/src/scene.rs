@@ -10,9 +10,10 @@ use leafwise::run::{Asked, Retraced as States, RunOutcome, StateError, run_in_me
 use leafwise::scene::{ComposedRun, SceneDocument};
 use leafwise_cli::failure::Failure;
 use leafwise_cli::scene::SceneText;
-use numpy::PyReadonlyArray2;
+use numpy::{PyArrayDyn, PyReadonlyArray2, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
 
+use crate::arrays::Arrays;
 use crate::ensemble::{Ensemble, Left};
 use crate::error::{LeafwiseError, exception, is_interruption, of_scene};
 use crate::functions::Functions;
@@ -34,6 +35,15 @@ type Parameters = Vec<(String, f64)>;
 /// Coordinates, Casimirs, parameters with their values, and the method in words.
 type Description = (Vec<String>, Vec<String>, Vec<(String, f64)>, Vec<String>);
 
+/// What makes a scene again.
+type Told<'a> = (
+    &'a str,
+    &'a str,
+    Overrides,
+    Option<Py<PyAny>>,
+    Vec<(String, Py<PyArrayDyn<f64>>)>,
+);
+
 /// A scene with its overrides.
 #[pyclass(frozen, module = "leafwise")]
 pub(crate) struct Scene {
@@ -43,6 +53,7 @@ pub(crate) struct Scene {
     overrides: Overrides,
     /// `leafwise.System`, where the scene's system is functions of Python.
     system: Option<Arc<Py<PyAny>>>,
+    arrays: Arrays,
     /// The method, which scenes share that were made from this one with other values.
     kept: Kept,
 }
@@ -106,7 +117,7 @@ impl Scene {
                 text: self.document.text.clone(),
                 overrides: more.clone(),
             };
-            return Read::new(text, self.system.as_ref());
+            return Read::new(text, self.system.as_ref(), &self.arrays);
         }
         let document = match more.is_empty() {
             true => self.document.clone(),
@@ -122,6 +133,32 @@ impl Scene {
             functions: None,
         })
     }
+
+    /// A scene of a text and its name.
+    fn read(
+        py: Python<'_>,
+        (source, name): (String, &str),
+        overrides: Overrides,
+        system: Option<Py<PyAny>>,
+        arrays: Arrays,
+    ) -> PyResult<Self> {
+        let text = SceneText {
+            name: name.to_owned(),
+            text: source.clone(),
+            overrides: overrides.clone(),
+        };
+        let system = system.map(Arc::new);
+        let read = py.detach(|| Read::new(text, system.as_ref(), &arrays))?;
+        Ok(Self {
+            document: read.document,
+            registry: read.registry,
+            source,
+            overrides,
+            system,
+            arrays,
+            kept: Kept::default(),
+        })
+    }
 }
 
 #[pymethods]
@@ -133,30 +170,18 @@ impl Scene {
         name: &str,
         overrides: Overrides,
         system: Option<Py<PyAny>>,
+        arrays: Vec<(String, PyReadonlyArrayDyn<'_, f64>)>,
     ) -> PyResult<Self> {
-        let text = SceneText {
-            name: name.to_owned(),
-            text: source.clone(),
-            overrides: overrides.clone(),
-        };
-        let system = system.map(Arc::new);
-        let read = py.detach(|| Read::new(text, system.as_ref()))?;
-        Ok(Self {
-            document: read.document,
-            registry: read.registry,
-            source,
-            overrides,
-            system,
-            kept: Kept::default(),
-        })
+        let arrays = Arrays::of(arrays);
+        Self::read(py, (source, name), overrides, system, arrays)
     }
 
     /// The same scene with more overrides, and with the same method where these are values.
     fn set(&self, py: Python<'_>, overrides: Overrides) -> PyResult<Self> {
         if !are_values(&overrides) || self.system.is_some() {
             let system = self.system.as_ref().map(|system| system.clone_ref(py));
-            let source = self.document.text.clone();
-            return Self::new(py, source, &self.document.name, overrides, system);
+            let text = (self.document.text.clone(), self.document.name.as_str());
+            return Self::read(py, text, overrides, system, self.arrays.clone());
         }
         let read = py.detach(|| self.with(&overrides))?;
         Ok(Self {
@@ -165,10 +190,10 @@ impl Scene {
             source: self.document.text.clone(),
             overrides,
             system: None,
+            arrays: self.arrays.clone(),
             kept: self.kept.clone(),
         })
     }
-
     /// The scene's name.
     #[getter]
     fn name(&self) -> &str {
@@ -181,12 +206,12 @@ impl Scene {
         &self.document.text
     }
 
-    /// Origin of the scene: its text, name, overrides, and a system of functions.
+    /// Origin of the scene: its text, name, overrides, a system of functions, and arrays of tables.
     #[getter]
-    fn origin(&self, py: Python<'_>) -> (&str, &str, Overrides, Option<Py<PyAny>>) {
+    fn origin(&self, py: Python<'_>) -> PyResult<Told<'_>> {
         let system = self.system.as_ref().map(|system| system.clone_ref(py));
-        let overrides = self.overrides.clone();
-        (&self.source, &self.document.name, overrides, system)
+        let (overrides, arrays) = (self.overrides.clone(), self.arrays.given(py)?);
+        Ok((&self.source, &self.document.name, overrides, system, arrays))
     }
 
     /// Whether it has a table `[ensemble]` or `[sweep]`.

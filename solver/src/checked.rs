@@ -62,11 +62,17 @@ impl Stepper for Checked {
             is_refused: false,
             then: check,
         };
-        let ended = self
+        let (made, ended) = self
             .stepper
             .advance(steps, state, low, increment, Some(&mut both));
         self.failures += u64::from(both.is_refused);
-        ended
+        // A step that failed by itself may not have been looked at.
+        let mut outcome = [ended];
+        if outcome[0].is_err() && !both.is_refused {
+            self.check.check(state, increment, &mut outcome);
+        }
+        let [ended] = outcome;
+        (made, ended)
     }
 
     fn solution(&self, lane: usize) -> Option<Vec<f64>> {

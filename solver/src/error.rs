@@ -3,7 +3,7 @@
 use std::fmt;
 use std::ops::Range;
 
-use leafwise_expression::AlgebraError;
+use leafwise_expression::{AlgebraError, Outside};
 use thiserror::Error;
 
 use crate::Pieces;
@@ -242,6 +242,7 @@ impl StepError {
             }
             Self::Singularity { .. } => Some(Hint::EndBefore),
             Self::NonFinite { .. } => Some(Hint::CheckInitialOrReduceStep),
+            Self::OutsideTable(_) => Some(Hint::EndAtWall),
             Self::OutsideImage { hint, .. } => Some(Hint::OfPart(hint)),
             Self::NoTangent | Self::Part { .. } => None,
         }
@@ -301,6 +302,7 @@ impl StepError {
                 f,
                 "the coordinates of {part} do not reach the state: {reason}"
             ),
+            Self::OutsideTable(outside) => write!(f, "{outside}"),
             Self::NonFinite { what } => write!(
                 f,
                 "{what} is not finite: the state left the formulas' domain (ln of a negative number, a division by \
@@ -399,6 +401,8 @@ pub enum StepError {
         /// Hint on what to try.
         hint: &'static str,
     },
+    /// A table of the system's formulas that the step would leave, where they have no value without it.
+    OutsideTable(Outside),
     /// A value that is not finite.
     NonFinite {
         /// Quantity that was being computed, in words.

@@ -18,6 +18,8 @@ pub enum Hint {
     CheckInitialOrReduceStep,
     /// A run that ends before a singularity of the motion, or shorter steps that pass it by.
     EndBefore,
+    /// A table that reaches farther, or a run that ends before its end.
+    EndAtWall,
     /// Advice of the part that failed, in its own words.
     OfPart(&'static str),
 }
@@ -32,6 +34,9 @@ impl fmt::Display for Hint {
             Self::CheckInitialOrReduceStep => "check `initial` or reduce epsilon*h",
             Self::EndBefore => {
                 "end the run before, or take a Poisson map of smaller steps if it only comes close"
+            }
+            Self::EndAtWall => {
+                "tabulate a larger box, or end the run a little inside of it by a condition, `stop`"
             }
             Self::OfPart(advice) => advice,
         })

@@ -199,6 +199,33 @@ impl<'a> LastStep<'a> {
         Ok(bracket)
     }
 
+    /// Of a step that cannot be taken as a whole, a part that can and at whose end the state is one that is looked for,
+    /// with that state. Parts are halved towards the longest one that can be taken.
+    pub fn reached(&mut self, mut is_it: impl FnMut(&[f64]) -> bool) -> Option<(f64, Vec<f64>)> {
+        let (mut least, mut most) = (0.0, 1.0);
+        for _ in 0..MOST_TRIED {
+            if most - least <= CLOSE {
+                break;
+            }
+            let part = 0.5 * (least + most);
+            match self.part(part) {
+                Ok(state) if is_it(&state) => return Some((part, state)),
+                Ok(_) => least = part,
+                Err(_) => most = part,
+            }
+        }
+        None
+    }
+
+    /// A look at a part of the last step as if it were the whole one.
+    pub fn within<T>(&mut self, part: f64, look: impl FnOnce(&mut Self) -> T) -> T {
+        let whole = self.h;
+        (self.h, self.stepper) = (part * whole, None);
+        let seen = look(self);
+        (self.h, self.stepper) = (whole, None);
+        seen
+    }
+
     /// The increment over a part of the last step. The stepper knows nothing of earlier ones.
     fn increment(&mut self, part: f64) -> Result<Vec<f64>, StepError> {
         let h = self.h * part;

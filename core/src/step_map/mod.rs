@@ -4,11 +4,13 @@ mod code;
 mod poles;
 mod product;
 mod signs;
+mod walls;
 
 pub use code::CodeStepMap;
 pub use poles::{Poles, WithoutPoles};
 pub use product::ProductStepper;
 pub use signs::{keeping_signs, kept_signs};
+pub use walls::Walls;
 
 use std::sync::Arc;
 

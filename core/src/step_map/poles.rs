@@ -10,6 +10,7 @@ use leafwise_expression::{Graph, Kernel, Term, Workspace};
 
 use leafwise_solver::{Checked, Crossing, Differential, MapProperties, StepCheck, Stepper, looks};
 
+use super::walls::Walls;
 use super::{Factored, MakeCheck, MapAbilities, StepMap};
 use crate::error::{BuildError, StepError};
 use crate::system::PoissonSystem;
@@ -171,24 +172,28 @@ impl StepCheck for Crossings {
     }
 }
 
-/// A step map whose steps do not cross the poles of a system.
+/// A step map whose steps do not cross the poles of a system, nor leave its tables.
 pub struct WithoutPoles {
     map: Arc<dyn StepMap>,
     poles: Arc<dyn MakeCheck>,
 }
 
 impl WithoutPoles {
-    /// `map` for `system`; the map itself where the system has no poles to cross.
+    /// `map` for `system`; the map itself where the system has no poles to cross and no tables to leave.
     ///
     /// # Errors
-    /// Those of [`Poles::of`].
+    /// Those of [`Poles::of`] and [`Walls::of`].
     pub fn of(
         system: &PoissonSystem,
         map: Arc<dyn StepMap>,
     ) -> Result<Arc<dyn StepMap>, BuildError> {
-        Ok(match Poles::of(system)? {
+        let map = match Poles::of(system)? {
             None => map,
             Some(poles) => Self::checked(map, Arc::new(poles)),
+        };
+        Ok(match Walls::of(system)? {
+            None => map,
+            Some(walls) => Self::checked(map, Arc::new(walls)),
         })
     }
 

@@ -67,6 +67,9 @@ impl Names<'_> {
                 let [u, v] = [u, v].map(|part| self.polynomial(part));
                 format!("{}({u}, {v})", function.name())
             }
+            Some(Generator::Lookup(lookup, point)) => {
+                lookup.called(point.iter().map(|u| self.polynomial(u)))
+            }
             Some(Generator::Kept(side, u, v)) => {
                 let sign = match side {
                     Side::Above => ">",
@@ -91,6 +94,7 @@ impl Names<'_> {
                 let [c, d] = [c, d].map(|part| self.coefficient(part));
                 format!("{}({c}, {d})", function.name())
             }
+            Atom::Lookup(lookup, point) => lookup.called(point.iter().map(|c| self.coefficient(c))),
             Atom::Function(function, c) => format!("{function}({})", self.coefficient(c)),
         }
     }

@@ -41,6 +41,10 @@ impl Ring {
             Generator::Binary(f, u, v) => {
                 Expression::Binary(*f, Box::new([self.formula(u), self.formula(v)]))
             }
+            Generator::Lookup(lookup, point) => {
+                let point = point.iter().map(|u| self.formula(u));
+                Expression::Lookup(*lookup, point.collect())
+            }
             Generator::Kept(side, u, v) => {
                 Expression::kept(*side, self.formula(u), self.formula(v))
             }
@@ -59,6 +63,10 @@ impl Ring {
             Atom::Binary(f, c, d) => {
                 let pair = [c, d].map(|part| self.coefficient_formula(part));
                 Expression::Binary(*f, Box::new(pair))
+            }
+            Atom::Lookup(lookup, point) => {
+                let point = point.iter().map(|c| self.coefficient_formula(c));
+                Expression::Lookup(*lookup, point.collect())
             }
             Atom::Function(f, c) => Expression::Apply(*f, Box::new(self.coefficient_formula(c))),
         }

@@ -3,6 +3,7 @@
 use super::polynomial::{Coefficient, Polynomial};
 use crate::expression::{Binary, Function, Side};
 use crate::rational::Rational;
+use crate::table::Lookup;
 
 /// A function of the state adjoined to the ring. Its derivative is again in the ring. A relation,
 /// where it has one, fixes a normal form.
@@ -19,6 +20,7 @@ use crate::rational::Rational;
 /// | `Function(exp, u)` | none: e^{−u} is the exponent −1 | any |
 /// | any other `Function(f, u)` | none | any |
 /// | `Binary(f, u, v)` | none | any |
+/// | `Lookup(f, u)` | none | any |
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Generator {
     /// 1/u.
@@ -31,14 +33,17 @@ pub enum Generator {
     Function(Function, Polynomial),
     /// f(u, v).
     Binary(Binary, Polynomial, Polynomial),
+    /// A table, or one of its derivatives, at a point.
+    Lookup(Lookup, Vec<Polynomial>),
     /// v where u is of this side of 0, 0 elsewhere, of u and v.
     Kept(Side, Polynomial, Polynomial),
 }
 
 impl Generator {
-    /// The argument u.
+    /// The argument u, of a table its first one.
     pub fn argument(&self) -> &Polynomial {
         match self {
+            Self::Lookup(_, point) => &point[0],
             Self::Inverse(u)
             | Self::Root(u, _)
             | Self::Power(u, _)
@@ -50,11 +55,12 @@ impl Generator {
 
     /// The polynomials that it is a function of: u, and v where there is one.
     pub fn arguments(&self) -> impl Iterator<Item = &Polynomial> {
-        let value = match self {
-            Self::Kept(_, _, value) | Self::Binary(_, _, value) => Some(value),
-            _ => None,
+        let others = match self {
+            Self::Kept(_, _, value) | Self::Binary(_, _, value) => std::slice::from_ref(value),
+            Self::Lookup(_, point) => &point[1..],
+            _ => &[],
         };
-        [self.argument()].into_iter().chain(value)
+        [self.argument()].into_iter().chain(others)
     }
 }
 
@@ -75,4 +81,6 @@ pub enum Atom {
     Function(Function, Coefficient),
     /// f(c, d).
     Binary(Binary, Coefficient, Coefficient),
+    /// A table, or one of its derivatives, at a point.
+    Lookup(Lookup, Vec<Coefficient>),
 }

@@ -14,6 +14,7 @@ use crate::expression::{Binary, Function, Side};
 use crate::function::Parity;
 use crate::rational::Rational;
 use crate::reach::Reach;
+use crate::table::Lookup;
 
 /// ℚ(parameters)[x₁^±, …, x_d^±, generators]: Laurent polynomials in the state variables and in
 /// adjoined functions of the state ([`Generator`]), closed under ∂/∂xᵢ.
@@ -267,6 +268,19 @@ impl Ring {
             self.derivatives.insert((symbol, variable), result.clone());
             return Ok(result);
         }
+        if let Generator::Lookup(lookup, point) = &generator {
+            let mut sum = Vec::with_capacity(point.len());
+            for (axis, u) in point.iter().enumerate() {
+                let inner = self.derivative(u, variable)?;
+                if let Some(slope) = lookup.derivative(axis).filter(|_| !inner.is_zero()) {
+                    let outer = self.look_up(slope, point)?;
+                    sum.push((Rational::one(), self.multiply(&outer, &inner)));
+                }
+            }
+            let result = self.combine(&sum);
+            self.derivatives.insert((symbol, variable), result.clone());
+            return Ok(result);
+        }
         let inner = self.derivative(generator.argument(), variable)?;
         let result = if inner.is_zero() {
             Polynomial::zero()
@@ -287,7 +301,9 @@ impl Ring {
                 }
                 Generator::Function(function, u) => function_derivative(self, *function, u, &g)?,
                 // Differentiated above.
-                Generator::Kept(..) | Generator::Binary(..) => Polynomial::zero(),
+                Generator::Kept(..) | Generator::Binary(..) | Generator::Lookup(..) => {
+                    Polynomial::zero()
+                }
             };
             self.multiply(&outer, &inner)
         };
@@ -604,6 +620,17 @@ impl Arithmetic for Ring {
         }
         let generator = Generator::Binary(function, a.clone(), b.clone());
         Ok(Polynomial::symbol(self.adjoin(generator)))
+    }
+    fn look_up(
+        &mut self,
+        lookup: Lookup,
+        point: &[Polynomial],
+    ) -> Result<Polynomial, AlgebraError> {
+        let constants: Option<Vec<_>> = point.iter().map(Polynomial::as_constant).collect();
+        Ok(match constants {
+            Some(point) => Polynomial::constant(self.atom_symbol(Atom::Lookup(lookup, point))),
+            None => Polynomial::symbol(self.adjoin(Generator::Lookup(lookup, point.to_vec()))),
+        })
     }
 
     /// Linear in v, whose factors that have a value everywhere stand outside.

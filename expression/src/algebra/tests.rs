@@ -102,6 +102,21 @@ impl DualNumbers<'_> {
                     .map(|(slope, inner)| self.numbers.multiply(&slope.0, &inner));
                 Dual(value, self.numbers.add(&parts[0], &parts[1]))
             }
+            Expression::Lookup(lookup, point) => {
+                let point: Vec<Dual> = point.iter().map(|part| self.of(part)).collect();
+                let at: Vec<Bounded> = point.iter().map(|part| part.0).collect();
+                let mut of = |lookup| self.numbers.look_up(lookup, &at).expect("a number");
+                let value = of(*lookup);
+                let slopes = (0..at.len()).map(|axis| lookup.derivative(axis).map(&mut of));
+                let slopes: Vec<Option<Bounded>> = slopes.collect();
+                let mut slope = Bounded::exact(0.0);
+                for (part, outer) in point.iter().zip(slopes) {
+                    let outer = outer.unwrap_or(Bounded::exact(0.0));
+                    let inner = self.numbers.multiply(&outer, &part.1);
+                    slope = self.numbers.add(&slope, &inner);
+                }
+                Dual(value, slope)
+            }
             Expression::Where(parts) => {
                 let [c, a, b] = parts.each_ref().map(|part| self.of(part));
                 let mut kept =

@@ -132,7 +132,8 @@ impl Graph {
                 | Operation::StepSize(_)
                 | Operation::Input(_)
                 | Operation::Analytic(..)
-                | Operation::Binary(..) => false,
+                | Operation::Binary(..)
+                | Operation::Lookup(..) => false,
             });
         }
         known

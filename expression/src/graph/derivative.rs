@@ -5,6 +5,7 @@ use crate::arithmetic::{AlgebraError, Arithmetic, binary_derivative, function_de
 use crate::expression::Function;
 use crate::rational::Rational;
 use crate::reach::{Reach, SumReach};
+use crate::table::Lookup;
 
 /// Sums of more terms than this are indexed.
 const LONG: usize = 16;
@@ -81,6 +82,7 @@ impl Graph {
                     Operation::Reciprocal(_)
                     | Operation::Function(..)
                     | Operation::Analytic(..)
+                    | Operation::Lookup(..)
                     | Operation::Power(..) => OF_SLOPE,
                     Operation::Binary(..) => 2 * OF_SLOPE,
                     _ => 0,
@@ -144,6 +146,18 @@ impl Graph {
                 }
                 self.combine(&parts)
             }
+            Operation::Lookup(lookup, point) => {
+                let (lookup, point) = (*lookup, point.clone());
+                let mut sum = Vec::with_capacity(point.len());
+                for (axis, at) in point.iter().enumerate() {
+                    let inner = self.node_derivative(*at, input)?;
+                    if !self.is_zero(&inner) {
+                        let outer = self.slope_along(lookup, axis, &point)?;
+                        sum.push((Rational::one(), self.multiply(&outer, &inner)));
+                    }
+                }
+                self.combine(&sum)
+            }
             &Operation::Kept(side, c, v) => {
                 let inner = self.node_derivative(v, input)?;
                 self.kept(side, &Term::of(c), &inner)?
@@ -195,6 +209,20 @@ impl Graph {
                 let depending = terms.iter().filter(|(_, inner)| depends(inner));
                 depending.cloned().collect()
             }
+        }
+    }
+
+    /// The derivative of a table along an axis, at a point.
+    pub(super) fn slope_along(
+        &mut self,
+        lookup: Lookup,
+        axis: usize,
+        point: &[Node],
+    ) -> Result<Term, AlgebraError> {
+        let point: Vec<Term> = point.iter().copied().map(Term::of).collect();
+        match lookup.derivative(axis) {
+            Some(slope) => self.look_up(slope, &point),
+            None => Ok(self.zero()),
         }
     }
 

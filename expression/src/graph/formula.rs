@@ -90,6 +90,10 @@ impl Graph {
             Operation::Binary(function, a, b) => {
                 Expression::Binary(*function, Box::new([of(*a)?, of(*b)?]))
             }
+            Operation::Lookup(lookup, point) => {
+                let point = point.iter().map(|at| of(*at));
+                Expression::Lookup(*lookup, point.collect::<Option<_>>()?)
+            }
             Operation::Kept(side, c, v) => Expression::kept(*side, of(*c)?, of(*v)?),
         })
     }

@@ -126,6 +126,13 @@ impl Graph {
                 }
                 partials
             }
+            Operation::Lookup(lookup, point) => {
+                let mut slopes = Vec::with_capacity(point.len());
+                for (axis, at) in point.iter().enumerate() {
+                    slopes.push((*at, self.slope_along(lookup, axis, &point)?));
+                }
+                slopes
+            }
             Operation::One
             | Operation::Pi
             | Operation::Parameter(_)

@@ -66,6 +66,10 @@ impl Graph {
                 Operation::Binary(function, a, b) => {
                     algebra.apply_two(*function, &of(*a), &of(*b))?
                 }
+                Operation::Lookup(lookup, point) => {
+                    let point: Vec<_> = point.iter().map(|at| of(*at)).collect();
+                    algebra.look_up(*lookup, &point)?
+                }
                 Operation::Kept(side, c, v) => algebra.kept(*side, &of(*c), &of(*v))?,
                 Operation::StepSize(_) | Operation::Analytic(..) => {
                     return Err(AlgebraError::NoSeries);
@@ -131,6 +135,10 @@ impl Graph {
             }
             Operation::Power(a, b) => self.power(&of(*a), &of(*b)),
             Operation::Binary(function, a, b) => self.apply_two(*function, &of(*a), &of(*b)),
+            Operation::Lookup(lookup, point) => {
+                let point: Vec<Term> = point.iter().map(|at| of(*at)).collect();
+                self.look_up(*lookup, &point)
+            }
             Operation::Kept(side, c, v) => self.kept(*side, &of(*c), &of(*v)),
         }
     }

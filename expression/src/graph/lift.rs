@@ -75,6 +75,13 @@ impl Lifting<'_> {
                         let value = self.polynomial(graph, value)?;
                         graph.kept(*side, &argument, &value)?
                     }
+                    Generator::Lookup(lookup, point) => {
+                        let mut terms = Vec::with_capacity(point.len());
+                        for at in point {
+                            terms.push(self.polynomial(graph, at)?);
+                        }
+                        graph.look_up(*lookup, &terms)?
+                    }
                     Generator::Inverse(_) => {
                         let one = graph.one();
                         graph.divide(&one, &argument)?
@@ -147,6 +154,13 @@ impl Lifting<'_> {
                 let c = self.coefficient(graph, c)?;
                 let d = self.coefficient(graph, d)?;
                 graph.apply_two(*function, &c, &d)
+            }
+            Atom::Lookup(lookup, point) => {
+                let mut terms = Vec::with_capacity(point.len());
+                for at in point {
+                    terms.push(self.coefficient(graph, at)?);
+                }
+                graph.look_up(*lookup, &terms)
             }
             Atom::Function(function, c) => {
                 let c = self.coefficient(graph, c)?;

@@ -9,6 +9,7 @@ mod formula;
 mod gradient;
 mod import;
 mod lift;
+mod lookups;
 mod node;
 mod normal_form;
 #[cfg(test)]

@@ -7,6 +7,7 @@ use crate::arithmetic::AlgebraError;
 use crate::expression::{Binary, Function, Side};
 use crate::rational::Rational;
 use crate::reach::{Reach, SumReach};
+use crate::table::Lookup;
 
 /// A node of a [`Graph`]; nodes are numbered so that operands come before their uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -68,6 +69,8 @@ pub enum Operation {
     Power(Node, Node),
     /// f(a, b).
     Binary(Binary, Node, Node),
+    /// A table, or one of its derivatives, at a point.
+    Lookup(Lookup, Box<[Node]>),
     /// v where c is of this side, 0 elsewhere, of c and v.
     Kept(Side, Node, Node),
 }
@@ -185,6 +188,7 @@ impl Graph {
             | Operation::StepSize(_)
             | Operation::Input(_) => Vec::new(),
             Operation::Sum(terms) => terms.iter().map(|t| t.1).collect(),
+            Operation::Lookup(_, point) => point.to_vec(),
             Operation::Scale(_, a)
             | Operation::Reciprocal(a)
             | Operation::Function(_, a)

@@ -7,6 +7,7 @@ use crate::analytic::AnalyticFunction;
 use crate::arithmetic::{AlgebraError, Arithmetic, simple_value, simple_value_of_two};
 use crate::expression::{Binary, Function, Side};
 use crate::rational::Rational;
+use crate::table::Lookup;
 
 impl Graph {
     /// f⁽ᵏ⁾(a) for k = `order`.
@@ -336,6 +337,12 @@ impl Arithmetic for Graph {
         let [a, b] = [a, b].map(|term| self.unscaled(term));
         let tier = self.tier(a).max(self.tier(b)).max(Tier::Coefficient);
         Ok(self.unit(Operation::Binary(function, a, b), tier))
+    }
+    fn look_up(&mut self, lookup: Lookup, point: &[Term]) -> Result<Term, AlgebraError> {
+        let point: Box<[Node]> = point.iter().map(|at| self.unscaled(at)).collect();
+        let tiers = point.iter().map(|at| self.tier(*at));
+        let tier = tiers.fold(Tier::Coefficient, Tier::max);
+        Ok(self.unit(Operation::Lookup(lookup, point), tier))
     }
 
     fn kept(&mut self, side: Side, c: &Term, v: &Term) -> Result<Term, AlgebraError> {

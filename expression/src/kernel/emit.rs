@@ -4,6 +4,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::code::Instruction;
 use super::draft::Draft;
+use super::lookups::LookupSlots;
 use crate::analytic::{AnalyticFunction, FunctionPair, Member};
 use crate::expression::{Function, Side};
 use crate::graph::{Graph, Node, Operation, StepSize, Term, Tier};
@@ -41,6 +42,7 @@ pub(super) struct Emitter<'a> {
     scaled: FxHashMap<(Node, u64), u32>,
     /// Slots with 0 where another is a number.
     nothings: FxHashMap<u32, u32>,
+    pub(super) lookups: LookupSlots,
     /// The slot of each graph input, where that is not its number.
     pub(super) input_slots: Option<FxHashMap<u32, u32>>,
 }
@@ -62,6 +64,7 @@ impl<'a> Emitter<'a> {
             places: FxHashMap::default(),
             scaled: FxHashMap::default(),
             nothings: FxHashMap::default(),
+            lookups: LookupSlots::default(),
             input_slots: None,
         }
     }
@@ -175,6 +178,7 @@ impl<'a> Emitter<'a> {
                     b,
                 })
             }
+            Operation::Lookup(lookup, point) => self.emit_lookup(lookup, &point),
             Operation::Kept(side, c, v) => {
                 let (c, v) = (self.place(c), self.place(v));
                 self.emit_kept(side, c, v)

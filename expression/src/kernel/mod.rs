@@ -15,6 +15,7 @@ mod interpreter;
 #[allow(unsafe_code)]
 mod jit;
 mod kinds;
+mod lookups;
 #[cfg(not(all(feature = "jit", any(target_arch = "x86_64", target_arch = "aarch64"))))]
 mod no_jit;
 mod sequence;

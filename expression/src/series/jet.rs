@@ -5,6 +5,7 @@ use crate::arithmetic::{AlgebraError, Arithmetic};
 use crate::expression::{Binary, Function, Side};
 use crate::graph::{Graph, StepSize, Term};
 use crate::rational::Rational;
+use crate::table::Lookup;
 
 /// x_1, …, x_p of the solution x(t) = Σ x_k (t/h)ᵏ of ẋ = f(x) through the first inputs x_0 of `graph`, as code. The
 /// recursion is x_{k+1} = h f_k/(k + 1), where `field` is f at x_0 (Jorba, Zou, Experimental Mathematics 14 (2005),
@@ -110,6 +111,9 @@ impl Arithmetic for Code<'_> {
     }
     fn power(&mut self, a: &Term, b: &Term) -> Result<Term, AlgebraError> {
         self.graph.power(a, b)
+    }
+    fn look_up(&mut self, lookup: Lookup, point: &[Term]) -> Result<Term, AlgebraError> {
+        self.graph.look_up(lookup, point)
     }
     fn kept(&mut self, side: Side, c: &Term, v: &Term) -> Result<Term, AlgebraError> {
         self.graph.kept(side, c, v)

@@ -1,6 +1,7 @@
 //! Truncated power series of formulas, one order at a time.
 
 mod jet;
+mod lookups;
 mod polynomial;
 mod tape;
 

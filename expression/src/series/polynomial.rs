@@ -3,6 +3,7 @@
 use crate::arithmetic::{AlgebraError, Arithmetic};
 use crate::expression::{Binary, Function, Side};
 use crate::rational::Rational;
+use crate::table::Lookup;
 
 /// Σ cⱼ sʲ as its list of coefficients, without trailing zeros.
 pub type UnivariateElement<E> = Vec<E>;
@@ -130,6 +131,18 @@ impl<A: Arithmetic> Arithmetic for Univariate<'_, A> {
     ) -> Result<Self::Element, AlgebraError> {
         let (base, exponent) = (self.constant_part(a, "^")?, self.constant_part(b, "^")?);
         let value = self.inner.power(&base, &exponent)?;
+        Ok(self.trim(vec![value]))
+    }
+    fn look_up(
+        &mut self,
+        lookup: Lookup,
+        point: &[Self::Element],
+    ) -> Result<Self::Element, AlgebraError> {
+        let mut constants = Vec::with_capacity(point.len());
+        for at in point {
+            constants.push(self.constant_part(at, lookup.table().name())?);
+        }
+        let value = self.inner.look_up(lookup, &constants)?;
         Ok(self.trim(vec![value]))
     }
     fn kept(

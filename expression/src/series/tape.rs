@@ -2,10 +2,12 @@
 
 use rustc_hash::FxHashMap;
 
+use super::lookups::Lookups;
 use crate::arithmetic::{AlgebraError, Arithmetic, binary_derivative, function_derivative};
 use crate::expression::{Binary, Expression, Function, Side};
 use crate::rational::Rational;
 use crate::special::Special;
+use crate::table::Lookup;
 
 /// A node of a [`Tape`].
 pub type TapeIndex = usize;
@@ -25,6 +27,8 @@ enum Step {
     Power(TapeIndex, TapeIndex),
     /// g = f(u, v); its partial derivatives stand beside it, see [`Tape::partials`].
     Binary(Binary, TapeIndex, TapeIndex),
+    /// A table, or one of its derivatives, at a point.
+    Lookup(Lookup, Vec<TapeIndex>),
     /// v where c is of this side: along the curve, where it begins.
     Kept(Side, TapeIndex, TapeIndex),
 }
@@ -82,6 +86,7 @@ impl Tape {
             | Step::Binary(_, a, b)
             | Step::Kept(_, a, b) => self.is_constant(*a) && self.is_constant(*b),
             Step::Function(_, u) => self.is_constant(*u),
+            Step::Lookup(_, point) => point.iter().all(|u| self.is_constant(*u)),
         }
     }
 }
@@ -188,6 +193,9 @@ impl Arithmetic for Tape {
             None => Ok(self.push(Step::Kept(side, *c, *v))),
         }
     }
+    fn look_up(&mut self, lookup: Lookup, point: &[TapeIndex]) -> Result<TapeIndex, AlgebraError> {
+        Ok(self.push(Step::Lookup(lookup, point.to_vec())))
+    }
     fn apply(&mut self, function: Function, a: &TapeIndex) -> Result<TapeIndex, AlgebraError> {
         let step = Step::Function(function, *a);
         let known = self.known.contains_key(&step);
@@ -205,9 +213,11 @@ impl Arithmetic for Tape {
 /// The Taylor coefficients of every node of a tape known so far.
 #[derive(Clone, Debug)]
 pub struct TaylorState<E> {
-    coefficients: Vec<Vec<E>>,
+    pub(super) coefficients: Vec<Vec<E>>,
     /// The coefficients of f′(u), f″(u), … of each special function f(u).
     towers: FxHashMap<TapeIndex, Vec<Vec<E>>>,
+    /// The coefficients of tables and their derivatives, each at a point.
+    pub(super) lookups: Lookups<E>,
     order: usize,
 }
 
@@ -217,6 +227,7 @@ impl<E: Clone + std::fmt::Debug> TaylorState<E> {
         Self {
             coefficients: vec![Vec::new(); tape.steps.len()],
             towers: FxHashMap::default(),
+            lookups: Lookups::default(),
             order: 0,
         }
     }
@@ -278,6 +289,8 @@ impl<E: Clone + std::fmt::Debug> TaylorState<E> {
                         arithmetic.add(&of_u, &of_v)
                     }
                 },
+                Step::Lookup(..) if k > 0 && tape.is_constant(at) => arithmetic.zero(),
+                Step::Lookup(lookup, point) => self.look_up(arithmetic, *lookup, point, k)?,
                 Step::Kept(side, c, v) => {
                     arithmetic.kept(*side, &self.coefficients[*c][0], &self.coefficients[*v][k])?
                 }

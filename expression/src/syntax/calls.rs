@@ -3,8 +3,10 @@
 use super::composite::Composite;
 use super::error::SyntaxError;
 use super::lexer::{Symbol, TokenKind};
+use super::lookups::unknown_function;
 use super::parser::{CLOSE, Parsed, Parser, node};
-use super::tree::{Kind, Span};
+use super::suggestion::alias;
+use super::tree::{Kind, Node, Span};
 use crate::expression::Function;
 
 impl Parser<'_> {
@@ -53,6 +55,29 @@ impl Parser<'_> {
         }
         let close = self.expect(Symbol::Close, CLOSE)?;
         node(span.to(close), Kind::Composite(composite, arguments))
+    }
+
+    /// A table of the scene: whether there is one is known where names are.
+    pub(super) fn lookup(&mut self, span: Span) -> Parsed {
+        let name = span.of(self.text);
+        let arguments = self.arguments(span).map_err(|error| {
+            // Of functions of other languages the arguments may be no formulas.
+            match alias(&name.to_lowercase()) {
+                Some(_) => Box::new(unknown_function(name, span, std::iter::empty())),
+                None => error,
+            }
+        });
+        let (arguments, close) = arguments?;
+        node(span.to(close), Kind::Lookup(span, arguments))
+    }
+
+    fn arguments(&mut self, span: Span) -> Result<(Vec<Node>, Span), Box<SyntaxError>> {
+        self.open("`(` and the arguments after a function's name")?;
+        let mut arguments = vec![*self.deeper(span, Self::sum)?];
+        while self.accept(Symbol::Comma) {
+            arguments.push(*self.deeper(span, Self::sum)?);
+        }
+        Ok((arguments, self.expect(Symbol::Close, CLOSE)?))
     }
 
     pub(super) fn choice(&mut self, span: Span) -> Parsed {

@@ -81,6 +81,7 @@ impl Printer<'_, '_> {
                 }
                 self.write(")")
             }
+            Kind::Lookup(name, arguments) => self.called(name.of(self.text), arguments),
             Kind::Composite(composite, arguments) => self.called(composite.name(), arguments),
             Kind::If(parts) => self.called(super::vocabulary::IF, parts.as_slice()),
             Kind::Compare(relation, pair) => {

@@ -7,6 +7,7 @@ use super::tree::Span;
 use super::vocabulary::function_names;
 use crate::arithmetic::AlgebraError;
 use crate::rational::DecimalError;
+use crate::words::counted;
 
 /// An error in a formula: where, what, and the nearest valid spelling when there is one.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -272,6 +273,31 @@ pub enum SyntaxErrorKind {
     )]
     NameAndFunction {
         /// The name.
+        name: String,
+    },
+    /// A table without a point.
+    #[error("`{name}` is a table: write its arguments behind it, in parentheses")]
+    TableWithoutPoint {
+        /// The table.
+        name: String,
+    },
+    /// A table with too few or too many arguments.
+    #[error("`{name}` is a table of {}, and {found} {} here: write `{name}({})`",
+        counted(axes.len(), "variable"), if *found == 1 { "argument stands" } else { "arguments stand" }, axes.join(", "))]
+    Arguments {
+        /// The table.
+        name: String,
+        /// Its variables.
+        axes: Vec<String>,
+        /// How many arguments there are.
+        found: usize,
+    },
+    /// An order of a table's derivative that is no whole number.
+    #[error(
+        "behind its arguments `{name}` takes the orders of a derivative, whole numbers from 0 to 255"
+    )]
+    Orders {
+        /// The table.
         name: String,
     },
     /// A derivative by what is no variable and no parameter.

@@ -31,6 +31,7 @@ mod display;
 mod error;
 mod formula;
 mod lexer;
+mod lookups;
 mod margin;
 mod offsets;
 mod parser;

@@ -3,9 +3,8 @@
 use super::composite::Composite;
 use super::error::{SyntaxError, SyntaxErrorKind};
 use super::lexer::{Symbol, Token, TokenKind, tokens};
-use super::suggestion::{alias, is_elsewhere, nearest, written};
 use super::tree::{Anchor, Kind, Node, Reference, Site, Span};
-use super::vocabulary::{DERIVATIVE, IF, LENGTH, PI, SUM, function_names, is_reserved};
+use super::vocabulary::{DERIVATIVE, IF, LENGTH, PI, SUM, is_reserved};
 use crate::expression::Function;
 use crate::rational::Rational;
 
@@ -180,7 +179,7 @@ impl<'a> Parser<'a> {
             (IF, _) => self.choice(span),
             (DERIVATIVE, _) => self.derivative(span),
             (_, Some(composite)) => self.composite(span, composite),
-            (_, None) => Err(unknown_function(name, span)),
+            (_, None) => self.lookup(span),
         }
     }
 
@@ -424,17 +423,6 @@ fn pair(parts: [Box<Node>; 2], kind: fn(Box<[Node; 2]>) -> Kind) -> Parsed {
 pub(super) fn list(parts: Vec<Node>, kind: fn(Vec<Node>) -> Kind) -> Parsed {
     let span = parts[0].span.to(parts[parts.len() - 1].span);
     node(span, kind(parts))
-}
-
-fn unknown_function(name: &str, span: Span) -> Box<SyntaxError> {
-    let known = function_names();
-    let misspelt = || nearest(name, known).filter(|_| !is_elsewhere(name));
-    let suggestion = alias(&name.to_lowercase()).or_else(|| written(name));
-    let suggestion = suggestion.or_else(misspelt);
-    let kind = SyntaxErrorKind::UnknownFunction {
-        name: name.to_owned(),
-    };
-    Box::new(SyntaxError::new(span, kind).suggesting(suggestion))
 }
 
 fn too_deep(span: Span) -> Box<SyntaxError> {

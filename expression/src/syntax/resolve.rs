@@ -94,6 +94,14 @@ impl<'a> Resolver<'a> {
                 let argument = self.expression(argument, bound)?;
                 Ok(even_powers::apply(*function, argument))
             }
+            Kind::Lookup(name, arguments) => {
+                let (lookup, _, point) = self.scope.lookup(self.text, *name, arguments)?;
+                let point = self.expressions(point, bound)?;
+                Ok(match lookup {
+                    Some(lookup) => Expression::Lookup(lookup, point),
+                    None => 0.into(),
+                })
+            }
             Kind::Composite(composite, arguments) => {
                 self.scope
                     .check_call(self.text, composite.name(), node.span)?;

@@ -9,6 +9,7 @@ use super::suggestion::{constant, nearest};
 use super::tree::{Anchor, Node, Reference, Site, Span};
 use super::vocabulary::{LENGTH, PI, SUM, is_reserved};
 use crate::expression::Expression;
+use crate::table::Table;
 
 /// Meaning of a reference beyond the ends of a family.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
@@ -30,6 +31,7 @@ pub(super) enum Entry {
     },
     Parameter(usize),
     Definition(usize),
+    Table(usize),
 }
 
 /// Lengths of a family along its axes.
@@ -79,6 +81,7 @@ pub struct Scope {
     scalars: usize,
     parameters: usize,
     definitions: Vec<Definition>,
+    pub(super) tables: Vec<Table>,
     /// The lengths of the longest family, one an axis.
     longest: Option<Shape>,
     shown_length: Option<usize>,
@@ -197,7 +200,11 @@ impl Scope {
         self.entries.contains_key(name)
     }
 
-    fn declare(&mut self, name: &str, entry: Entry) {
+    pub(super) fn entry_of(&self, name: &str) -> Option<Entry> {
+        self.entries.get(name).copied()
+    }
+
+    pub(super) fn declare(&mut self, name: &str, entry: Entry) {
         if self.entries.insert(name.to_owned(), entry).is_none() {
             self.names.push(name.to_owned());
         }
@@ -451,6 +458,10 @@ impl Scope {
             (Entry::Variable(_) | Entry::Parameter(_) | Entry::Definition(_), false) => {
                 let kind = SyntaxErrorKind::NotAFamily { name: name() };
                 return Err(SyntaxError::new(reference.span(), kind));
+            }
+            (Entry::Table(_), _) => {
+                let kind = SyntaxErrorKind::TableWithoutPoint { name: name() };
+                return Err(SyntaxError::new(reference.name, kind));
             }
             (Entry::Family { .. }, true) => {
                 let kind = SyntaxErrorKind::IndexMissing { name: name() };

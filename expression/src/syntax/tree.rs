@@ -126,6 +126,8 @@ pub(super) enum Kind {
     Length,
     Reference(Reference),
     Call(Function, Box<Node>),
+    /// A table of the scene by its name, or a function that there is none of.
+    Lookup(Span, Vec<Node>),
     /// A function that is a formula of its arguments.
     Composite(Composite, Vec<Node>),
     /// A condition, the value where it holds, and that elsewhere.
@@ -163,6 +165,7 @@ impl Kind {
             Kind::Sum(children)
             | Kind::Product(children)
             | Kind::Composite(_, children)
+            | Kind::Lookup(_, children)
             | Kind::And(children)
             | Kind::Or(children) => children,
             Kind::Quotient(pair)

@@ -57,6 +57,14 @@ impl Evaluator<'_> {
                     .check_call(self.text, function.name(), node.span)?;
                 Ok(function.apply(self.value(argument, bound)?))
             }
+            Kind::Lookup(name, arguments) => {
+                let (lookup, _, point) = self.scope.lookup(self.text, *name, arguments)?;
+                let mut at = Vec::with_capacity(point.len());
+                for part in point {
+                    at.push(self.value(part, bound)?);
+                }
+                Ok(lookup.map_or(0.0, |lookup| lookup.at(&at)))
+            }
             Kind::Composite(composite, arguments) => {
                 self.scope
                     .check_call(self.text, composite.name(), node.span)?;
@@ -222,6 +230,9 @@ impl Evaluator<'_> {
                 None => SyntaxErrorKind::ParameterWithoutValue {
                     name: name.to_owned(),
                 },
+            },
+            Entry::Table(_) => SyntaxErrorKind::TableWithoutPoint {
+                name: name.to_owned(),
             },
             Entry::Variable(_) | Entry::Family { .. } | Entry::Definition(_) => {
                 SyntaxErrorKind::NotAFunctionOfParameters {

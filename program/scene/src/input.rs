@@ -8,7 +8,7 @@ use std::path::Path;
 pub const LARGEST_SCENE: u64 = 1 << 26;
 
 /// A file of states is no larger, in bytes.
-const LARGEST_TABLE: u64 = 1 << 32;
+pub(crate) const LARGEST_TABLE: u64 = 1 << 32;
 
 /// Bytes read between two looks at them.
 const CHUNK: u64 = 1 << 20;

@@ -12,6 +12,7 @@ pub mod diagnostic;
 pub mod document;
 pub mod input;
 pub mod json;
+mod npy;
 pub mod table;
 
 pub use compose::{ComposedRun, ComposedSystem, Refusal, SceneChecks, compose, compose_system};

@@ -1,6 +1,6 @@
 //! The looks at a step.
 
-use leafwise_core::BuildError;
+use leafwise_core::{BuildError, StepError};
 
 use super::{EventLanes, Watched};
 use crate::domain::outside;
@@ -120,6 +120,48 @@ impl Watched<'_> {
                     if self.is_on_the_way(lane, time) {
                         self.end_between(lane, Why::Stopped, time, between.state);
                     }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Ends the lanes that the condition ends in the part of a step before it leaves a table.
+    pub(super) fn look_for_stops_on_the_way(&mut self) -> Result<(), BuildError> {
+        let Some((stop, _)) = &self.course.stop else {
+            return Ok(());
+        };
+        for (lane, error) in self.walk.failed().to_vec() {
+            if !matches!(error, StepError::OutsideTable(_)) || self.ends[lane].is_some() {
+                continue;
+            }
+            let steps = self.walk.last(lane).0 + 1;
+            let alone = self.alones.at(lane, &self.start)?;
+            let own = &mut alone.stop;
+            let mut difference =
+                |state: &[f64]| own.as_mut().map_or(f64::NAN, |own| own.at(state)[0]);
+            let last = &mut alone.last;
+            let found = last.reached(|state| stop.holds(difference(state)));
+            let Some((part, after)) = found else {
+                continue;
+            };
+            let value = difference(&after);
+            let within = last.within(part, |last| end(stop, &mut difference, last, &after, value));
+            if let Ok(Some(between)) = within {
+                let between = Between {
+                    part: part * between.part,
+                    ..between
+                };
+                let time = time_of(self.course.pace.as_ref(), last, steps, &between);
+                if self.is_on_the_way(lane, time) {
+                    let ended = Ended {
+                        why: Why::Stopped,
+                        steps,
+                        time,
+                        state: between.state,
+                        is_between: true,
+                    };
+                    self.end(lane, ended);
                 }
             }
         }

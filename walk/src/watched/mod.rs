@@ -349,6 +349,7 @@ impl<'a> Watched<'a> {
             self.start.keep(&self.walk);
         }
         if self.walk.step().is_err() {
+            self.look_for_stops_on_the_way()?;
             self.take_failures();
         }
         if self.walk.living() > 0 {
@@ -454,6 +455,9 @@ impl<'a> Watched<'a> {
 
     fn take_failures(&mut self) {
         for (lane, error) in self.walk.failed().to_vec() {
+            if self.ends[lane].is_some() {
+                continue;
+            }
             let (steps, state) = self.walk.last(lane);
             let ended = Ended {
                 why: Why::Failed(error.into()),

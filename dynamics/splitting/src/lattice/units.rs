@@ -244,6 +244,7 @@ impl Key<'_> {
             Generator::Power(_, exponent) => format!("power{exponent:?}"),
             Generator::Function(function, _) => function.to_string(),
             Generator::Binary(function, ..) => function.name().to_owned(),
+            Generator::Lookup(lookup, _) => format!("{lookup:?}"),
             Generator::Kept(side, ..) => format!("kept{side:?}"),
         };
         for argument in generator.arguments() {

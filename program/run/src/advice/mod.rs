@@ -9,6 +9,7 @@
 //! - `solutions`: a step whose equation has several solutions inside it;
 //! - `defect`: a truncated realization that hardly keeps the tensor;
 //! - `leaves`: forces over a realization that is not exact;
+//! - `degree`: a table whose derivatives jump below the order of the method;
 //! - `direction`: Hamilton's equations that run backwards in time;
 //! - `energy`: an energy that is kept badly;
 //! - `exact`: an exact realization that costs no more;
@@ -28,6 +29,7 @@ mod chart;
 mod claims;
 mod constraints;
 mod defect;
+mod degree;
 mod direction;
 mod dynamics;
 mod energy;
@@ -112,6 +114,8 @@ pub enum AdviceKind {
     ShortenedStep,
     /// A Hamiltonian that is smooth in pieces, under a method of a higher order than steps across a seam have.
     Seams,
+    /// A table whose derivatives jump below the order of the method.
+    TableDegree,
     /// A parameter that no formula names.
     UnusedParameter,
     /// Rows of states that are no member's.
@@ -184,13 +188,14 @@ pub(crate) fn orbit_from(
 }
 
 /// Advice about a scene, with no step of its method. It tells of parameters that no formula names and of an initial state
-/// off the constraints. It also tells of motion backwards in time, shortened steps and seams of the Hamiltonian.
+/// off the constraints. It also tells of motion backwards in time, shortened steps, seams of the Hamiltonian and degrees of tables.
 pub fn about_the_scene(document: &SceneDocument, run: &ComposedRun) -> Vec<Advice> {
     let mut advice = unused::unused_parameters(document);
     advice.extend(off_constraints(document, run, &run.plan.initial, ""));
     advice.extend(direction::advice(document, run));
     advice.extend(shortened::advice(document));
     advice.extend(seams::advice(run));
+    advice.extend(degree::advice(run));
     advice
 }
 

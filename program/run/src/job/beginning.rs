@@ -16,7 +16,7 @@ use super::manifest::{
 use super::subject::JobSubject;
 use super::time::now;
 use crate::{RunError, replace, samples, states};
-use leafwise_scene::compose::{ComposedRun, PartChoice, RecordedStates, StateSlice};
+use leafwise_scene::compose::{ComposedRun, PartChoice, RecordedStates, RunPlan, StateSlice};
 use leafwise_scene::json::{Double, object, pretty};
 
 /// Beginning of a manifest: all that it says before the first step.
@@ -266,14 +266,15 @@ pub(crate) fn files(run: &ComposedRun) -> Option<FilesRecord> {
     let paths = run.plan.files.clone();
     (!paths.is_empty()).then(|| FilesRecord {
         paths,
-        sha256: hexadecimal(&digest(&run.plan.initial)),
+        sha256: hexadecimal(&digest(&run.plan)),
     })
 }
 
-/// SHA-256 of the doubles' bytes.
-fn digest(values: &[f64]) -> [u8; 32] {
+/// SHA-256 of the bytes of all doubles that files give: the initial state, then the coefficients of tables.
+fn digest(plan: &RunPlan) -> [u8; 32] {
     let mut digest = Sha256::new();
-    for value in values {
+    let tables = plan.tables.iter().map(|table| table.coefficients());
+    for value in std::iter::once(&plan.initial[..]).chain(tables).flatten() {
         digest.update(value.to_le_bytes());
     }
     digest.finalize().into()

@@ -23,7 +23,7 @@ pub(super) fn scope(
     lattice: &LatticeGeometry,
     time: Option<usize>,
 ) -> Result<Scope, Refusal> {
-    let mut scope = declared(document, lattice);
+    let mut scope = declared(document, lattice)?;
     if let Some(time) = time {
         scope = scope.with_variable(TIME, time);
         if let Some(t0) = &document.run.t0 {

@@ -65,6 +65,7 @@ mod states;
 mod stepping;
 mod sum;
 mod system;
+mod tables;
 mod tensor;
 #[cfg(test)]
 mod tests;

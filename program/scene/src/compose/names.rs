@@ -9,12 +9,19 @@ use leafwise_expression::{AlgebraError, Expression, Graph, Rational};
 
 use super::Refusal;
 use super::dense::WRITTEN_LIMIT;
+use super::tables::tables;
 use super::time::{about_time, is_time};
 use crate::document::{Located, Number, SceneDocument, nearest};
 
 /// The variables, parameters and families of a scene, with the families as long as those of `lattice`; `N` as a
 /// number stays the true length.
-pub(super) fn declared(document: &SceneDocument, lattice: &LatticeGeometry) -> Scope {
+///
+/// # Errors
+/// A table whose file or numbers make none, underlined in the scene.
+pub(super) fn declared(
+    document: &SceneDocument,
+    lattice: &LatticeGeometry,
+) -> Result<Scope, Refusal> {
     let system = &document.system;
     let names = |list: &[Located<String>]| -> Vec<String> {
         list.iter().map(|name| name.value.clone()).collect()
@@ -42,7 +49,11 @@ pub(super) fn declared(document: &SceneDocument, lattice: &LatticeGeometry) -> S
         true => Boundary::Periodic,
         false => Boundary::Open,
     });
-    scope.with_boundaries(&boundaries.collect::<Vec<_>>())
+    scope = scope.with_boundaries(&boundaries.collect::<Vec<_>>());
+    for table in tables(document)? {
+        scope = scope.with_table(table);
+    }
+    Ok(scope)
 }
 
 /// The names of the coordinates: single variables, then the members of each family, `x[0]`, `x[1]`, … or `x[0,0]`, ….
@@ -64,6 +75,9 @@ pub(super) fn check_names(document: &SceneDocument) -> Result<(), Refusal> {
         .chain(system.define.iter().map(|(name, _)| name));
     for name in declared {
         Scope::check_name(&name.value).map_err(|error| refusal(document, name, &error))?;
+    }
+    for (name, _) in &system.tables {
+        Scope::check_table_name(&name.value).map_err(|error| refusal(document, name, &error))?;
     }
     let energy = system
         .casimirs

@@ -9,7 +9,7 @@ use leafwise_core::{
     BuildError, Method, Origin, PartKind, PoissonSystem, Registry, StepMap, Structure, Walk,
     WithoutPoles,
 };
-use leafwise_expression::Expression;
+use leafwise_expression::{Expression, Table};
 use leafwise_walk::{Direction, SampleTimes, Section};
 
 use super::Refusal;
@@ -28,6 +28,7 @@ use super::shadow::{RecordedShadow, with_shadows};
 use super::states::{RecordedStates, recorded_states};
 use super::stepping::{LatticeBase, LatticeStepping, MapStepping, Stepping};
 use super::system::{ComposedSystem, compose_system};
+use super::tables::tables;
 use crate::document::{Located, Number, PartSpec, SceneDocument};
 
 /// Plan of a run: its step, length, initial state, records and parts.
@@ -55,8 +56,10 @@ pub struct RunPlan {
     /// The number of the scene's own coordinates, the first of a state: behind them stand parameters of sites, the time
     /// and its energy.
     pub coordinates: usize,
-    /// Files that values of sites are read from.
+    /// Files that values of sites and tables are read from.
     pub files: Vec<String>,
+    /// The tables that formulas call.
+    pub tables: Vec<Table>,
     /// The coordinates that are recorded.
     pub states: RecordedStates,
     /// Realization and dynamics as chosen.
@@ -209,6 +212,7 @@ fn compose_at_its_values(
         initial: composed.initial,
         coordinates: document.system.coordinates(),
         files: document.files(),
+        tables: tables(document)?,
         observables: composed.observables,
         shadow,
         events: composed.events,

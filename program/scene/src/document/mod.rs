@@ -47,6 +47,7 @@ mod sweep;
 mod system;
 mod system_schema;
 mod system_section;
+mod tables;
 #[cfg(test)]
 mod tests;
 
@@ -73,3 +74,4 @@ pub use sweep::{
     refuse_key,
 };
 pub use system_section::{Boundary, Convention, NumbersSystem, SystemSection, VectorFamily};
+pub use tables::TableSpec;

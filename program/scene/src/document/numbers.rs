@@ -53,7 +53,7 @@ pub(super) fn read_numbers(
         problems.conflict("library", item, advice);
         return None;
     }
-    for key in ["casimirs", "forces", "torque", "damping", "noise"] {
+    for key in ["tables", "casimirs", "forces", "torque", "damping", "noise"] {
         if let Some(item) = table.get(key) {
             let advice = format!(
                 "`{}` computes numbers, and `{key}` stands beside formulas of a system alone",
@@ -157,6 +157,7 @@ fn section(id: &Located<String>, system: PoissonSystem, given: PartParameters) -
         vectors: Vec::new(),
         parameters: parameters.collect(),
         define: Vec::new(),
+        tables: Vec::new(),
         constraints: Vec::new(),
         bracket: Located::new(BracketSpec::Entries(Vec::new()), id.place()),
         boundary: None,

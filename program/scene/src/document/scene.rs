@@ -118,7 +118,7 @@ impl SceneDocument {
         Path::new(&self.name).parent().unwrap_or(Path::new(""))
     }
 
-    /// The files that it reads values of sites from.
+    /// The files that it reads values of sites and tables from; an array in the place of a file by its table's name.
     pub fn files(&self) -> Vec<String> {
         let fields = match &self.run.initial.value {
             InitialSpec::Fields(fields) => fields.as_slice(),
@@ -129,7 +129,15 @@ impl SceneDocument {
             FieldSpec::File { file, .. } => Some(file.value.clone()),
             _ => None,
         });
-        files.collect()
+        let tables = self
+            .system
+            .tables
+            .iter()
+            .map(|(name, table)| match &table.file {
+                Some(file) if table.numbers.is_none() => file.value.clone(),
+                _ => format!("the array `{}`", name.value),
+            });
+        files.chain(tables).collect()
     }
 
     /// A diagnostic at a place of this scene.

@@ -23,6 +23,7 @@ use super::reader::{Item, Problems, Table};
 use super::suggest::nearest;
 use super::system_schema::SYSTEM;
 use super::system_section::{Convention, SystemSection};
+use super::tables::{TableSpec, read_tables};
 
 /// Reads `[system]`, going to the library when it names one; the fragment used is left in
 /// `fragment` as id and text.
@@ -34,7 +35,7 @@ pub(super) fn read_system(
 ) -> Option<SystemSection> {
     table.only(&SYSTEM, problems);
     let Some(item) = table.get("library") else {
-        return read_inline(table, problems);
+        return read_inline(table, registry, problems);
     };
     let id = item.string(problems)?;
     let Ok(part) = registry.system(&id.value) else {
@@ -50,7 +51,10 @@ pub(super) fn read_system(
         _ => return read_numbers(table, &id, &part, problems),
     };
     *fragment = Some((id.value.clone(), text.to_string()));
-    let mut system = read_fragment(&id.value, text, problems)?;
+    let mut system = read_fragment(&id.value, text, registry, problems)?;
+    let tables = read_tables(table.get("tables"), registry, problems)?;
+    check_tables(&system, &tables, problems);
+    system.tables.extend(tables);
     system.casimirs = read_casimirs(table, std::mem::take(&mut system.casimirs), problems)?;
     system.forces = read_forces(table, std::mem::take(&mut system.forces), problems)?;
     system.noise = read_noise(table, std::mem::take(&mut system.noise), problems)?;
@@ -79,7 +83,12 @@ fn system_names(registry: &Registry) -> Vec<&'static str> {
     systems.into_iter().map(|(info, _)| info.name).collect()
 }
 
-fn read_fragment(id: &str, text: &str, problems: &mut Problems) -> Option<SystemSection> {
+fn read_fragment(
+    id: &str,
+    text: &str,
+    registry: &Registry,
+    problems: &mut Problems,
+) -> Option<SystemSection> {
     let source = Source::Library(Arc::from(id));
     let document = match DeTable::parse(text) {
         Ok(document) => document,
@@ -98,7 +107,7 @@ fn read_fragment(id: &str, text: &str, problems: &mut Problems) -> Option<System
         .require("system", "[system]", problems)?
         .table("[system]", "a table", problems)?;
     table.only(&SYSTEM[1..], problems);
-    read_inline(&table, problems)
+    read_inline(&table, registry, problems)
 }
 
 /// Replaces parameter values and family lengths given beside `library`, and adds parameters of forces; where the system has numbers
@@ -267,7 +276,11 @@ fn replace<T>(
     }
 }
 
-fn read_inline(table: &Table<'_>, problems: &mut Problems) -> Option<SystemSection> {
+fn read_inline(
+    table: &Table<'_>,
+    registry: &Registry,
+    problems: &mut Problems,
+) -> Option<SystemSection> {
     let variables = match table.get("variables") {
         Some(item) => item.list_of("a list of names", problems, Item::string),
         None => Some(Vec::new()),
@@ -285,6 +298,7 @@ fn read_inline(table: &Table<'_>, problems: &mut Problems) -> Option<SystemSecti
         Some(item) => item.pairs("a table of formulas", problems, Item::formula),
         None => Some(Vec::new()),
     };
+    let tables = read_tables(table.get("tables"), registry, problems);
     if table.get("variables").is_none() && table.get("families").is_none() {
         table.require(
             "variables",
@@ -345,6 +359,7 @@ fn read_inline(table: &Table<'_>, problems: &mut Problems) -> Option<SystemSecti
         parameters,
         sites,
         define: define?,
+        tables: tables?,
         bracket: bracket?,
         constraints: constraints?,
         boundary: boundary?,
@@ -386,6 +401,7 @@ fn check_names(system: &SystemSection, problems: &mut Problems) {
                 .map(|(name, _)| ("parameter", name)),
         )
         .chain(system.define.iter().map(|(name, _)| ("definition", name)))
+        .chain(system.tables.iter().map(|(name, _)| ("table", name)))
         .chain(
             system
                 .families
@@ -423,6 +439,28 @@ fn check_names(system: &SystemSection, problems: &mut Problems) {
                 },
                 name.place(),
             );
+        }
+    }
+}
+
+/// Tables beside a library system have names that it does not use.
+fn check_tables(
+    system: &SystemSection,
+    tables: &[(Located<String>, TableSpec)],
+    problems: &mut Problems,
+) {
+    let named = system.parameters.iter().map(|(name, _)| name);
+    let named = named.chain(system.define.iter().map(|(name, _)| name));
+    let taken: HashSet<&str> = (named.chain(system.declared()))
+        .chain(system.tables.iter().map(|(name, _)| name))
+        .map(|name| name.value.as_str())
+        .collect();
+    for (name, _) in tables {
+        if taken.contains(name.value.as_str()) {
+            let cause = SceneProblemCause::Duplicate {
+                name: name.value.clone(),
+            };
+            problems.push(cause, name.place());
         }
     }
 }

@@ -56,7 +56,7 @@ static NOISE_BESIDE: [Beside; 2] = [
     Beside::Note(NUMBERS_ALONE),
 ];
 
-pub(super) static SYSTEM: [Key; 15] = [
+pub(super) static SYSTEM: [Key; 16] = [
     key(
         "library",
         Shape::System,
@@ -93,6 +93,14 @@ pub(super) static SYSTEM: [Key; 15] = [
         "Names for formulas that other formulas use: { B = \"sqrt(x^2 + y^2)\" }",
     )
     .default("{}"),
+    key(
+        "tables",
+        Shape::Names(&table(&LOOKUP, &[&["axes"]])),
+        "Tables of numbers that formulas call as functions: { psi = { file = \"psi.npy\", axes = { R = [0.8, 1.2], Z = [-0.2, 0.2] } } } \
+         for psi(R, Z)",
+    )
+    .otherwise("none")
+    .not_beside(&[Beside::Note(NUMBERS_ALONE)]),
     key(
         "bracket",
         Shape::Either(&[CANONICAL, KIND, table(&SUM, &[&["sum"]]), PAIRS]),
@@ -164,6 +172,43 @@ pub(super) static SYSTEM: [Key; 15] = [
     .otherwise("none")
     .not_beside(&NOISE_BESIDE),
 ];
+
+pub(super) static LOOKUP: [Key; 5] = [
+    key(
+        "file",
+        Shape::Text,
+        "A file beside the scene: an array of NumPy's (.npy) of the axes' nodes; for one axis also a column, for two a grid \
+         of numbers in CSV or JSON, a row for each node of the first",
+    )
+    .otherwise("an array given in Python"),
+    key(
+        "column",
+        Shape::Text,
+        "The name of its column, for one axis and a file of several columns",
+    )
+    .otherwise("the only one"),
+    key(
+        "axes",
+        Shape::Names(&Shape::List(&CONSTANT)),
+        "The first and the last node of each axis, one to three in the order of the arguments; nodes stand at equal \
+         distances",
+    ),
+    key(
+        "periodic",
+        Shape::List(&Shape::Text),
+        "Axes that are periods: the last node is left out of the file, for it is the first again",
+    )
+    .default("[]"),
+    key(
+        "degree",
+        Shape::Whole(1),
+        "The degree of the polynomials between nodes, 1 to 9; derivatives are continuous up to the one below it",
+    )
+    .default("5"),
+];
+
+/// A number, or a formula of numbers.
+const CONSTANT: Shape = Shape::Formula;
 
 pub(super) static NOISE: [Key; 2] = [
     key(

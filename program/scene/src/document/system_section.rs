@@ -9,6 +9,7 @@ use super::field::{FieldSpec, family_of};
 use super::forces::ForcesSpec;
 use super::located::{Located, Number};
 use super::noise::NoiseSpec;
+use super::tables::TableSpec;
 
 /// Sites beyond the ends of an indexed family.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,6 +50,8 @@ pub struct SystemSection {
     pub sites: Vec<(Located<String>, FieldSpec)>,
     /// Names for formulas, in the order of the text.
     pub define: Vec<(Located<String>, Located<String>)>,
+    /// Tables that formulas call as functions.
+    pub tables: Vec<(Located<String>, TableSpec)>,
     /// The Poisson tensor.
     pub bracket: Located<BracketSpec>,
     /// Second-class constraints, for Dirac's bracket.

@@ -1,0 +1,239 @@
+//! Tables of numbers that formulas call as functions.
+
+use std::path::Path;
+use std::sync::{Arc, OnceLock};
+
+use leafwise_core::NumberArray;
+use leafwise_core::Registry;
+use leafwise_expression::table::{
+    HIGHEST_DEGREE, MOST_AXES, Table as Spline, TableAxis, USUAL_DEGREE,
+};
+
+use super::error::SceneProblemCause;
+use super::located::{Located, Number, Place};
+use super::reader::{Item, Problems};
+use super::suggest::nearest;
+use super::system_schema::LOOKUP;
+use crate::npy::read_npy;
+use crate::table::{read_column, read_grid};
+
+/// A table: where its numbers are, and what its axes are.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TableSpec {
+    /// The file of its numbers.
+    pub file: Option<Located<String>>,
+    /// Its column, where it has one axis and a file of several.
+    pub column: Option<Located<String>>,
+    /// The numbers, where they are given in the place of a file.
+    pub numbers: Option<Arc<NumberArray>>,
+    /// Names of the axes with their ends.
+    pub axes: Vec<(Located<String>, [Located<Number>; 2])>,
+    /// The axes that are periods.
+    pub periodic: Vec<Located<String>>,
+    /// The degree of its polynomials.
+    pub degree: u8,
+    /// The place of all of it.
+    pub place: Place,
+    spline: Made,
+}
+
+/// The spline, made once for all copies of a document.
+#[derive(Clone, Debug, Default)]
+struct Made(Arc<OnceLock<Result<Spline, (Place, String)>>>);
+
+/// The numbers decide: of equal tables the splines are.
+impl PartialEq for Made {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+impl TableSpec {
+    /// The function that formulas call `name`, of files beside the scene.
+    ///
+    /// # Errors
+    /// What is wrong with its file or its numbers, and the place to underline.
+    pub fn spline(&self, name: &str, directory: &Path) -> Result<Spline, (Place, String)> {
+        let made = self.spline.0.get_or_init(|| self.make(name, directory));
+        made.clone()
+    }
+
+    fn make(&self, name: &str, directory: &Path) -> Result<Spline, (Place, String)> {
+        let place = match (&self.numbers, &self.file) {
+            (None, Some(file)) => file.place(),
+            _ => self.place.clone(),
+        };
+        let array = self
+            .array(name, directory)
+            .map_err(|reason| (place.clone(), reason))?;
+        if array.shape.len() != self.axes.len() {
+            let reason = format!(
+                "the numbers of `{name}` have the shape {:?}, and the table has {} axes: one number of nodes for each is needed",
+                array.shape,
+                self.axes.len()
+            );
+            return Err((place, reason));
+        }
+        let axes = self.axes.iter().zip(&array.shape);
+        let axes = axes.map(|((axis, [first, last]), nodes)| TableAxis {
+            name: axis.value.clone(),
+            first: first.value.value,
+            last: last.value.value,
+            nodes: *nodes,
+            is_periodic: self.periodic.iter().any(|own| own.value == axis.value),
+        });
+        Spline::new(name, axes.collect(), self.degree, &array.numbers)
+            .map_err(|error| (place, format!("the table `{name}`: {error}")))
+    }
+
+    fn array(&self, name: &str, directory: &Path) -> Result<Arc<NumberArray>, String> {
+        if let Some(numbers) = &self.numbers {
+            return Ok(Arc::clone(numbers));
+        }
+        let Some(file) = &self.file else {
+            return Err(format!("the table `{name}` has no numbers"));
+        };
+        let path = directory.join(&file.value);
+        let is_npy = path
+            .extension()
+            .is_some_and(|end| end.eq_ignore_ascii_case("npy"));
+        let column = self.column.as_ref().map(|column| column.value.as_str());
+        let array = match (is_npy, self.axes.len()) {
+            (true, _) => read_npy(&path)?,
+            (false, 1) => {
+                let numbers = read_column(&path, column)?;
+                NumberArray {
+                    shape: vec![numbers.len()],
+                    numbers,
+                }
+            }
+            (false, 2) => read_grid(&path)?,
+            _ => {
+                return Err(format!(
+                    "{}: a table of three axes is read from a file of NumPy's, written by numpy.save(\"{name}.npy\", array)",
+                    path.display()
+                ));
+            }
+        };
+        Ok(Arc::new(array))
+    }
+}
+
+/// Tables by their names; of those that the registry has arrays for the numbers are these.
+pub(super) fn read_tables(
+    item: Option<&Item<'_>>,
+    registry: &Registry,
+    problems: &mut Problems,
+) -> Option<Vec<(Located<String>, TableSpec)>> {
+    let Some(item) = item else {
+        return Some(Vec::new());
+    };
+    let tables = item.pairs("a table of tables", problems, read_table)?;
+    let with_arrays = tables.into_iter().map(|(name, mut table)| {
+        table.numbers = registry.array(&name.value);
+        (name, table)
+    });
+    Some(with_arrays.collect())
+}
+
+/// `{ file = "psi.npy", axes = { R = [0.8, 1.2], Z = [-0.2, 0.2] }, degree = 5, periodic = [] }`.
+fn read_table(item: &Item<'_>, problems: &mut Problems) -> Option<TableSpec> {
+    let table = item.table(&item.title, "a table with `file` and `axes`", problems)?;
+    table.only(&LOOKUP, problems);
+    let text = |key: &str, problems: &mut Problems| match table.get(key) {
+        Some(item) => item.string(problems).map(Some),
+        None => Some(None),
+    };
+    let (file, column) = (text("file", problems), text("column", problems));
+    let axes = table
+        .require(
+            "axes",
+            "axes = { R = [0.8, 1.2], Z = [-0.2, 0.2] }",
+            problems,
+        )
+        .and_then(|item| {
+            let axes = item.pairs("a table of ends, { x = [0, 1] }", problems, ends)?;
+            if (1..=MOST_AXES).contains(&axes.len()) {
+                return Some(axes);
+            }
+            let cause = SceneProblemCause::Shape {
+                what: "axes".to_owned(),
+                found: format!("{} axes", axes.len()),
+                expected: format!("1 to {MOST_AXES}"),
+            };
+            problems.push(cause, item.place());
+            None
+        });
+    let degree = match table.get("degree") {
+        Some(item) => item
+            .whole_in(1, HIGHEST_DEGREE.into(), problems)
+            .map(|degree| degree.value),
+        None => Some(USUAL_DEGREE.into()),
+    };
+    let periodic = match table.get("periodic") {
+        Some(item) => item.list_of("a list of axes", problems, Item::string),
+        None => Some(Vec::new()),
+    };
+    let (axes, periodic) = (axes?, periodic?);
+    for name in &periodic {
+        let known = axes.iter().map(|(axis, _)| axis.value.as_str());
+        if known.clone().any(|axis| axis == name.value) {
+            continue;
+        }
+        let cause = SceneProblemCause::UnknownName {
+            kind: "axis of this table",
+            name: name.value.clone(),
+            nearest: nearest(&name.value, known.clone()),
+            valid: known.map(str::to_owned).collect(),
+        };
+        problems.push(cause, name.place());
+    }
+    let (file, column) = (file?, column?);
+    if let Some(column) = column.as_ref().filter(|_| axes.len() > 1) {
+        let cause = SceneProblemCause::Shape {
+            what: "`column`".to_owned(),
+            found: format!("a table of {} axes beside it", axes.len()),
+            expected: "a table of one axis: of several axes the file is a grid of numbers"
+                .to_owned(),
+        };
+        problems.push(cause, column.place());
+    }
+    Some(TableSpec {
+        file,
+        column,
+        numbers: None,
+        axes,
+        periodic,
+        degree: degree? as u8,
+        place: item.place(),
+        spline: Made::default(),
+    })
+}
+
+/// The first and the last node.
+fn ends(item: &Item<'_>, problems: &mut Problems) -> Option<[Located<Number>; 2]> {
+    let numbers = item.list_of("its two ends, [0, 1]", problems, Item::constant)?;
+    let found = numbers.len();
+    let ends: Result<[Located<Number>; 2], _> = numbers.try_into();
+    match ends {
+        Ok(ends) if ends[0].value.value < ends[1].value.value => Some(ends),
+        Ok([first, last]) => {
+            let cause = SceneProblemCause::OutOfRange {
+                key: item.title.clone(),
+                value: format!("[{}, {}]", first.value.literal, last.value.literal),
+                allowed: "two ends, the first below the last".to_owned(),
+            };
+            problems.push(cause, item.place());
+            None
+        }
+        Err(_) => {
+            let cause = SceneProblemCause::Shape {
+                what: item.title.clone(),
+                found: format!("{found} numbers"),
+                expected: "two, the first and the last node".to_owned(),
+            };
+            problems.push(cause, item.place());
+            None
+        }
+    }
+}
