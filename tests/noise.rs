@@ -6,6 +6,7 @@
     reason = "measured numbers, read with --nocapture"
 )]
 
+mod chains;
 mod equilibrium;
 mod lattices;
 

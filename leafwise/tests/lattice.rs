@@ -254,7 +254,7 @@ fn a_million_sites_are_built_as_quickly_as_a_hundred() {
         let chain = volterra(&[sites], true, "sum(i, x[i])");
         let method = compose(&chain, 2, 2).expect("a lattice method");
         assert_eq!(method.dimension(), sites);
-        method.operations()
+        method.cost().operations
     };
     assert_eq!(operations(1_000_000), 10_000 * operations(100));
 }

@@ -7,12 +7,13 @@ use leafwise_expression::{Kernel, StepSize, Term};
 use super::differential::SolvedSweeps;
 use super::geometry::{LatticeGeometry, Proxy};
 use super::locality::proxy_of;
-use super::map::LatticeMap;
+use super::map::{LatticeCost, LatticeMap};
 use super::program::LatticeProgram;
 use super::slopes::LatticeSlopes;
 use super::source::LatticeSource;
 use super::stages::{MethodFields, StageBuilder, StageEnds};
 use super::stepper::LatticeTrajectory;
+use super::swept::Swept;
 use crate::error::BuildError;
 use crate::solver::{Differential, Lanes, MapProperties, StepMap, Stepper};
 use crate::system::PoissonSystem;
@@ -118,16 +119,16 @@ impl LatticeMap for ImplicitSweeps {
         &self.proxy_geometry
     }
 
-    fn operations(&self) -> usize {
-        self.program.operations()
+    fn cost(&self) -> LatticeCost {
+        LatticeCost {
+            operations: self.program.operations(),
+            work: self.program.work(),
+            fields: self.program.fields(),
+        }
     }
 
-    fn work(&self) -> u64 {
-        self.program.work()
-    }
-
-    fn fields(&self) -> usize {
-        self.program.fields()
+    fn swept(&self) -> Option<Swept> {
+        None
     }
 }
 

@@ -1,6 +1,7 @@
 //! Step maps of long lattices.
 
 use super::geometry::LatticeGeometry;
+use super::swept::Swept;
 use crate::solver::StepMap;
 use crate::system::PoissonSystem;
 
@@ -12,11 +13,19 @@ pub trait LatticeMap: StepMap {
     fn proxy(&self) -> &PoissonSystem;
     /// The proxy lattice.
     fn proxy_geometry(&self) -> &LatticeGeometry;
-    /// The operations of one evaluation, all sites together: of a solver's iteration, of an explicit
-    /// step.
-    fn operations(&self) -> usize;
+    /// Cost of one evaluation: of a solver's iteration, of an explicit step.
+    fn cost(&self) -> LatticeCost;
+    /// The map as a product of sweeps that others may share fields with, where it is one.
+    fn swept(&self) -> Option<Swept>;
+}
+
+/// Cost of an evaluation on a lattice, all sites together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LatticeCost {
+    /// Operations.
+    pub operations: usize,
     /// The same, weighted as [`SolverStatistics::operations`](crate::SolverStatistics) is.
-    fn work(&self) -> u64;
-    /// The numbers a coordinate that an evaluation keeps.
-    fn fields(&self) -> usize;
+    pub work: u64,
+    /// Numbers a coordinate that it keeps.
+    pub fields: usize,
 }

@@ -6,8 +6,9 @@ use leafwise_expression::Kernel;
 
 use super::geometry::LatticeGeometry;
 use super::implicit::ImplicitSweeps;
-use super::map::LatticeMap;
+use super::map::{LatticeCost, LatticeMap};
 use super::source::LatticeSource;
+use super::swept::Swept;
 use crate::dynamics::DynamicApproximation;
 use crate::error::BuildError;
 use crate::realization::RealizationData;
@@ -96,16 +97,12 @@ impl LatticeMap for LatticeMethod {
         self.sweeps.proxy_geometry()
     }
 
-    fn operations(&self) -> usize {
-        self.sweeps.operations()
+    fn cost(&self) -> LatticeCost {
+        self.sweeps.cost()
     }
 
-    fn work(&self) -> u64 {
-        self.sweeps.work()
-    }
-
-    fn fields(&self) -> usize {
-        self.sweeps.fields()
+    fn swept(&self) -> Option<Swept> {
+        self.sweeps.swept()
     }
 }
 

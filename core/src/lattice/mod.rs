@@ -17,6 +17,7 @@
 //! - [`program`]: stages compiled to stencils.
 //! - [`map`](mod@map): step maps of long lattices.
 //! - [`implicit`]: step maps that solve for one point.
+//! - [`swept`]: maps that are products of flows by sweeps.
 //! - [`method`](mod@method): realization and dynamics combined over a lattice.
 //! - `stepper`: the linear iteration for β̂(L(y)) = x.
 //! - [`slopes`]: tangents and covectors by sweeps.
@@ -44,6 +45,7 @@ mod source;
 pub mod stages;
 mod stencil;
 mod stepper;
+pub mod swept;
 #[cfg(test)]
 mod tests;
 
@@ -52,7 +54,7 @@ pub use fields::Fields;
 pub use geometry::{Axis, LatticeGeometry, PerAxis, Proxy};
 pub use implicit::{ImplicitSweeps, ProxyCode};
 pub use locality::proxy_of;
-pub use map::LatticeMap;
+pub use map::{LatticeCost, LatticeMap};
 pub use method::LatticeMethod;
 pub use observables::LatticeObservables;
 pub use program::{LatticeProgram, Prepared};
@@ -60,3 +62,4 @@ pub use reach::TemplateReach;
 pub use slopes::{LatticeSlopes, SlopesAlong};
 pub use source::LatticeSource;
 pub use stages::{Field, StageBuilder, StageCode, StageEnds};
+pub use swept::{Swept, SweptKernels};

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use leafwise_core::lattice::{
-    Cells, Field, LatticeGeometry, LatticeMap, LatticeProgram, LatticeSlopes, LatticeSource,
-    PerAxis, Proxy, StageBuilder, TemplateReach,
+    Cells, Field, LatticeCost, LatticeGeometry, LatticeMap, LatticeProgram, LatticeSlopes,
+    LatticeSource, PerAxis, Proxy, StageBuilder, Swept, TemplateReach,
 };
 use leafwise_core::solver::{Factored, MapProperties, StepMap, Stepper, Structure};
 use leafwise_core::{BuildError, Differential, PoissonSystem};
@@ -19,7 +19,7 @@ use crate::piece::{NAME, Piece};
 use crate::probe::LONGEST;
 use crate::product::{Product, Splits};
 use crate::rounding::settled;
-use crate::schedule::{Flow, STRANG, passes};
+use crate::schedule::{STRANG, passes};
 
 /// The most sites of a cell that are tried.
 const LONGEST_PERIOD: usize = 4;
@@ -35,7 +35,7 @@ const FARTHEST: usize = LONGEST + 1;
 /// sweep, in place, over the sites that it moves.
 #[derive(Clone, Debug)]
 pub struct LatticeSplitting {
-    pub(super) shared: Arc<Shared>,
+    pub(crate) shared: Arc<Shared>,
 }
 
 impl LatticeSplitting {
@@ -153,6 +153,9 @@ impl LatticeSplitting {
         order.sort_by_key(|stage| program.stage_work(*stage));
         Ok(Found::Splitting(Box::new(Self {
             shared: Arc::new(Shared {
+                described: described(order.len(), cells.period()),
+                structure: Structure::Exact,
+                constants: Arc::default(),
                 cells: cells.clone(),
                 proxy,
                 slopes: Arc::new(slopes),
@@ -180,6 +183,14 @@ impl LatticeSplitting {
     pub fn period(&self) -> usize {
         self.shared.cells.period()
     }
+}
+
+fn described(pieces: usize, period: usize) -> String {
+    let every = match period {
+        1 => "site".to_owned(),
+        period => format!("{period} sites"),
+    };
+    format!("{NAME} into {pieces} pieces that repeat every {every}")
 }
 
 /// Outcome of a search for pieces on a proxy.
@@ -236,18 +247,13 @@ impl StepMap for LatticeSplitting {
     fn properties(&self) -> MapProperties {
         MapProperties {
             order: 2,
-            structure: Structure::Exact,
+            structure: self.shared.structure,
             self_adjoint: Some(true),
         }
     }
 
     fn describe(&self) -> String {
-        let every = match self.period() {
-            1 => "site".to_owned(),
-            period => format!("{period} sites"),
-        };
-        let pieces = self.pieces();
-        format!("{NAME} into {pieces} pieces that repeat every {every}")
+        self.shared.described.clone()
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
@@ -307,19 +313,24 @@ impl LatticeMap for LatticeSplitting {
         self.shared.proxy_cells.sites()
     }
 
-    fn operations(&self) -> usize {
-        let flows = passes(&self.shared.order, &STRANG);
-        let operations = |flow: &Flow| self.shared.program.stage_operations(flow.piece);
-        flows.iter().map(operations).sum()
+    fn cost(&self) -> LatticeCost {
+        let (flows, program) = (passes(&self.shared.order, &STRANG), &self.shared.program);
+        let stages = || flows.iter().map(|flow| flow.piece);
+        LatticeCost {
+            operations: stages().map(|stage| program.stage_operations(stage)).sum(),
+            work: stages().map(|stage| program.stage_work(stage)).sum(),
+            fields: program.fields(),
+        }
     }
 
-    fn work(&self) -> u64 {
-        let flows = passes(&self.shared.order, &STRANG);
-        let work = |flow: &Flow| self.shared.program.stage_work(flow.piece);
-        flows.iter().map(work).sum()
-    }
-
-    fn fields(&self) -> usize {
-        self.shared.program.fields()
+    fn swept(&self) -> Option<Swept> {
+        let shared = self.shared.as_ref();
+        (self.period() == 1).then(|| Swept {
+            program: Arc::clone(&shared.program),
+            state: shared.state,
+            sum: shared.sum,
+            constants: Arc::clone(&shared.constants),
+            order: shared.order.clone(),
+        })
     }
 }

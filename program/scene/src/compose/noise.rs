@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use leafwise_core::noise::{Noise, NoisyMap, Seed, SplitNoise};
+use leafwise_core::lattice::LatticeMap;
+use leafwise_core::noise::{Noise, NoisyMap, Seed, SplitNoise, SweptNoise};
 use leafwise_core::part::Family;
 use leafwise_core::registry::StepperPart;
 use leafwise_core::system::Forces;
@@ -137,34 +138,41 @@ impl<'a> NoisySteps<'a> {
             channels,
         } = &self.noise;
         let mut map = Arc::clone(&stepping.stepped);
+        let mut swept = None;
         if let (Noise::Split, Some(lattice)) = (way, &self.lattice) {
             let flows = SiteTerms::of_flows(channels.len()).into_iter();
             let flow = |terms: SiteTerms| {
                 let channel = terms.channel();
                 let lattice = lattice.with_flow(terms);
                 let flow = exact_flow(registry, |part| {
-                    let map = part.build_on_lattice(&lattice, &PartParameters::new())?;
-                    Ok(map as Arc<dyn StepMap>)
+                    part.build_on_lattice(&lattice, &PartParameters::new())
                 });
                 self.single(document, channel, flow)
             };
-            let flows = flows.map(flow).collect::<Result<_, _>>()?;
+            let flows: Vec<Arc<dyn LatticeMap>> = flows.map(flow).collect::<Result<_, _>>()?;
+            let sweeps: Option<Vec<_>> = flows.iter().map(|flow| flow.swept()).collect();
+            let own = stepping.swept().zip(sweeps);
+            swept = own.and_then(|(drift, flows)| SweptNoise::new(drift, flows));
+            let flows = flows
+                .into_iter()
+                .map(|flow| flow as Arc<dyn StepMap>)
+                .collect();
             map = Arc::new(SplitNoise::new(map, flows));
         }
         let groups = groups(document, &stepping.geometry)?;
-        Ok(NoisyMap::of_sites(map, *way, groups, Arc::new(*seed)))
+        Ok(NoisyMap::of_sites(map, *way, groups, Arc::new(*seed)).by_sweeps(swept))
     }
 
     /// The flow of a channel, where it is one.
     ///
     /// # Errors
     /// Where there is none, and where it comes apart into several, underlined in the scene.
-    fn single(
+    fn single<M: StepMap + ?Sized>(
         &self,
         document: &SceneDocument,
         channel: usize,
-        flow: Result<Arc<dyn StepMap>, BuildError>,
-    ) -> Result<Arc<dyn StepMap>, Refusal> {
+        flow: Result<Arc<M>, BuildError>,
+    ) -> Result<Arc<M>, Refusal> {
         let refuse = |reason: String| {
             let message = format!(
                 "noise = \"split\" needs the exact flow of every channel, and `{}` has none: {reason}",
@@ -183,8 +191,8 @@ impl<'a> NoisySteps<'a> {
             refusal(document, spec, message, help)
         };
         match flow {
-            Ok(map) if map.pieces() == 1 => Ok(map),
-            Ok(map) => Err(refuse(match map.pieces() {
+            Ok(map) if pieces(map.as_ref()) == 1 => Ok(map),
+            Ok(map) => Err(refuse(match pieces(map.as_ref()) {
                 0 => "nothing moves under it".to_owned(),
                 pieces if self.lattice.is_some() => format!(
                     "its flows at neighbouring sites do not commute, and come apart into {pieces} pieces"
@@ -224,11 +232,16 @@ impl<'a> NoisySteps<'a> {
     }
 }
 
+/// How many flows a map is a product of.
+fn pieces<M: StepMap + ?Sized>(map: &M) -> usize {
+    map.factored().map_or(0, |own| own.pieces)
+}
+
 /// The map of the registry's stepper that is a product of exact flows.
-fn exact_flow(
+fn exact_flow<M: ?Sized>(
     registry: &Registry,
-    build: impl FnOnce(StepperPart) -> Result<Arc<dyn StepMap>, BuildError>,
-) -> Result<Arc<dyn StepMap>, BuildError> {
+    build: impl FnOnce(StepperPart) -> Result<Arc<M>, BuildError>,
+) -> Result<Arc<M>, BuildError> {
     let parts = registry.parts();
     let splitting = parts
         .iter()

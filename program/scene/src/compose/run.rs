@@ -181,7 +181,7 @@ fn compose_at_its_values(
         let map = stepping.base.map();
         let written = own.write_out(&stepping.written);
         composed.system = written.map_err(|error| refused(&composed, &error))?;
-        has_room(document, map.geometry().dimension(), map.fields())?;
+        has_room(document, map.geometry().dimension(), map.cost().fields)?;
         composed.near = shortened(&composed.initial, &stepping.geometry, &stepping.written);
     }
     let step = &document.method.step;

@@ -415,7 +415,7 @@ const ORDERS_OF_THREE: [&str; 3] = ["1 2 3", "1 3 2", "2 1 3"];
 /// Operations of one evaluation on a lattice.
 fn lattice_work(candidate: &Candidate) -> Option<u64> {
     match &candidate.run.method {
-        Stepping::Lattice(lattice) => Some(lattice.base.map().work()),
+        Stepping::Lattice(lattice) => Some(lattice.base.map().cost().work),
         _ => None,
     }
 }

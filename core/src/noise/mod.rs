@@ -9,10 +9,13 @@
 //! stays one.
 //!
 //! Of second order in the mean is Φ_{t/2} ∘ exp(ΔW_1 σ_1 X_1) ∘ … ∘ exp(ΔW_K σ_K X_K) ∘ Φ_{t/2}. Here Φ is a
-//! self-adjoint map of H alone, and the flows of the channels come forwards or backwards with probability 1/2 (S.
-//! Ninomiya, N. Victoir, *Weak approximation of stochastic differential equations and application to derivative
-//! pricing*, Applied Mathematical Finance 15 (2008)). Both orders stand in one product, 1 … K … 1, where the flows of
+//! self-adjoint map of H alone. Where Φ = χ*_{t/2} ∘ χ_{t/2}, χ_{t/2} stands before and χ*_{t/2} behind. The flows of the
+//! channels come forwards or backwards with probability 1/2 (S. Ninomiya, N. Victoir, *Weak approximation of stochastic
+//! differential equations and application to derivative pricing*, Applied Mathematical Finance 15 (2008)). Both orders stand
+//! in one product, 1 … K … 1, where the flows of
 //! one pass have no time.
+
+mod swept;
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -20,15 +23,23 @@ use std::sync::Arc;
 use leafwise_expression::Kernel;
 
 use crate::error::StepError;
-use crate::random::Random;
+use crate::random::{self, Random};
 use crate::solver::Differential;
 use crate::solver::{MapProperties, ProductStepper, SolverStatistics, StepMap, Stepper};
+pub use swept::SweptNoise;
+use swept::SweptNoiseSteps;
 
 /// Where standard normal numbers ξ come from: ΔW = √t ξ.
 pub trait Normals: Send + Sync {
     /// ξ of a member's step, counted from 0, and a channel. Of a [split](Noise::Split) step the channel behind the last
     /// tells by its sign which pass the flows take.
     fn normal(&self, member: u64, channel: u32, step: u64) -> f64;
+    /// The same of a channel and those behind it, as many as there are places.
+    fn normals(&self, member: u64, channel: u32, step: u64, into: &mut [f64]) {
+        for (channel, normal) in (channel..).zip(into) {
+            *normal = self.normal(member, channel, step);
+        }
+    }
 }
 
 /// By Philox: what a member draws depends on the seed, its number, the channel and the step alone. |ξ| is at most
@@ -44,6 +55,10 @@ pub struct Seed {
 impl Normals for Seed {
     fn normal(&self, member: u64, channel: u32, step: u64) -> f64 {
         Random::of_step(self.seed, self.first + member, channel, step).normal()
+    }
+
+    fn normals(&self, member: u64, channel: u32, step: u64, into: &mut [f64]) {
+        random::normals_of_step(self.seed, self.first + member, channel, step, into);
     }
 }
 
@@ -80,16 +95,26 @@ impl Noise {
 /// [parameters](Noise::parameters).
 #[derive(Clone)]
 pub struct SplitNoise {
+    /// Those of H alone.
+    described: String,
+    properties: MapProperties,
     stages: Vec<(Arc<dyn StepMap>, f64)>,
 }
 
 impl SplitNoise {
     /// Φ_{t/2} ∘ φ_1 ∘ … ∘ φ_K ∘ … ∘ φ_1 ∘ Φ_{t/2}: Φ of H alone, and a flow for each parameter w_j, of w_j σ_k H_k.
+    /// Of a product of χ and χ* the first stands before and the second behind.
     pub fn new(drift: Arc<dyn StepMap>, flows: Vec<Arc<dyn StepMap>>) -> Self {
-        let mut stages = vec![(Arc::clone(&drift), 0.5)];
+        let factors = drift.factored().map(|own| own.factors);
+        let [before, behind] = factors.unwrap_or_else(|| [Arc::clone(&drift), Arc::clone(&drift)]);
+        let mut stages = vec![(before, 0.5)];
         stages.extend(flows.into_iter().map(|flow| (flow, 1.0)));
-        stages.push((drift, 0.5));
-        Self { stages }
+        stages.push((behind, 0.5));
+        Self {
+            described: drift.describe(),
+            properties: drift.properties(),
+            stages,
+        }
     }
 }
 
@@ -99,16 +124,13 @@ impl StepMap for SplitNoise {
     }
 
     fn properties(&self) -> MapProperties {
-        self.stages[0].0.properties()
+        self.properties
     }
 
     fn describe(&self) -> String {
         let flows = self.stages.len() - 2;
         let noun = if flows == 1 { "flow" } else { "flows" };
-        format!(
-            "halves of {} about {flows} {noun} of noise",
-            self.stages[0].0.describe()
-        )
+        format!("halves of {} about {flows} {noun} of noise", self.described)
     }
 
     fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
@@ -150,6 +172,8 @@ pub struct NoisyMap {
     groups: Vec<SiteNoise>,
     entry: Entry,
     normals: Arc<dyn Normals>,
+    /// The same map as sweeps over one set of fields.
+    swept: Option<SweptNoise>,
 }
 
 impl NoisyMap {
@@ -170,6 +194,7 @@ impl NoisyMap {
             groups: vec![alone; channels],
             entry: Entry::Parameters,
             normals,
+            swept: None,
         }
     }
 
@@ -187,7 +212,13 @@ impl NoisyMap {
             groups,
             entry: Entry::Coordinates,
             normals,
+            swept: None,
         }
+    }
+
+    /// The same as sweeps over one set of fields.
+    pub fn by_sweeps(self, swept: Option<SweptNoise>) -> Self {
+        Self { swept, ..self }
     }
 
     /// The same with other numbers: of paths that are given, or of a quadrature.
@@ -259,6 +290,10 @@ impl StepMap for NoisyMap {
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
+        if let Some(swept) = &self.swept {
+            let sizes = (epsilon, h);
+            return Box::new(SweptNoiseSteps::new(self, swept, lanes, parameters, sizes));
+        }
         let increments = self.increments() * lanes;
         let (mut parameters, own) = (parameters.to_vec(), parameters.len());
         if matches!(self.entry, Entry::Parameters) {
