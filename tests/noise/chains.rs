@@ -47,7 +47,10 @@ fn eight_hot_spins_have_fishers_energy() {
     let (run, members) = (composed(&chain(8, 0.1)), 256_usize);
     let each =
         |values: &[f64]| -> Vec<f64> { values.iter().flat_map(|v| vec![*v; members]).collect() };
-    let (parameters, initial) = (each(&run.system.parameter_values()), each(&run.initial));
+    let (parameters, initial) = (
+        each(&run.system.parameter_values()),
+        each(&run.plan.initial),
+    );
     let mut all = Walk::side_by_side(run.method.map(), members, (&parameters, &initial), 1.0, 0.1);
     let mut means = vec![0.0; members];
     let (before, steps) = (100, 400);

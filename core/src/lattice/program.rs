@@ -49,7 +49,7 @@ impl LatticeProgram {
                 let stencil = Stencil::compile(geometry, proxy, *class, graph, stage, parameters)?;
                 stencils.extend(stencil);
             }
-            let aside = write_aside(&mut stencils, builder);
+            let aside = write_aside(&mut stencils, builder.fields);
             let in_place = |stencil: Stencil| stencil.in_place(geometry, &offsets);
             let stencils = stencils.into_iter().map(in_place).collect();
             fields = fields.max(builder.fields + aside.len());
@@ -215,9 +215,8 @@ impl LatticeProgram {
     }
 }
 
-/// Gives fields that the stage reads at other sites than it writes a place aside, behind those of the builder.
-fn write_aside(stencils: &mut [Stencil], builder: &StageBuilder) -> Vec<(usize, usize)> {
-    let fields = builder.fields;
+/// Gives fields that the stage reads at other sites than it writes a place aside, from `fields` on.
+fn write_aside(stencils: &mut [Stencil], fields: usize) -> Vec<(usize, usize)> {
     let is_written = |field: usize, family: usize| {
         stencils
             .iter()
@@ -226,7 +225,6 @@ fn write_aside(stencils: &mut [Stencil], builder: &StageBuilder) -> Vec<(usize, 
     let taps = stencils.iter().flat_map(|s| &s.taps);
     let mut read: Vec<usize> = taps
         .filter(|tap| tap.shift != [0; AXES] && is_written(tap.field, tap.family))
-        .filter(|tap| !builder.in_place.contains(&Field(tap.field)))
         .map(|tap| tap.field)
         .collect();
     read.sort_unstable();

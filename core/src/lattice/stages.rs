@@ -33,8 +33,6 @@ pub struct StageBuilder {
     pub(super) stages: Vec<Vec<Written>>,
     pub(super) current: Vec<Written>,
     pub(super) reach: Option<Field>,
-    /// Fields that are written where they stand.
-    pub(super) in_place: Vec<Field>,
 }
 
 impl StageBuilder {
@@ -47,7 +45,6 @@ impl StageBuilder {
             stages: Vec::new(),
             current: Vec::new(),
             reach: None,
-            in_place: Vec::new(),
         }
     }
 
@@ -74,12 +71,6 @@ impl StageBuilder {
     /// same code reads the new ones in later stages.
     pub fn update(&mut self, field: Field, values: Vec<Option<Term>>) {
         self.current.push((field, values));
-    }
-
-    /// Says that no stage reads a site that it changes at another one that it changes. The field is then written where it
-    /// stands.
-    pub fn write_in_place(&mut self, field: Field) {
-        self.in_place.push(field);
     }
 
     /// Stores values that are an output of the whole program.

@@ -2,10 +2,9 @@
 
 use std::sync::Arc;
 
-use super::{NoisyMap, Normals, SiteNoise};
+use super::increments::{Normals, SiteNoise};
 use crate::error::StepError;
-use crate::lattice::SweptKernels;
-use crate::lattice::{Fields, Swept};
+use crate::lattice::{Fields, Swept, SweptKernels};
 use crate::solver::{SolverStatistics, Stepper};
 
 /// χ*_{t/2} ∘ flows of the noise ∘ χ_{t/2} of a lattice, all of them sweeps. The channels' flows are numbered 1 … K … 1, as
@@ -29,6 +28,14 @@ impl SweptNoise {
     }
 }
 
+/// Numbers that a step draws.
+pub(super) struct Draws {
+    pub(super) groups: Vec<SiteNoise>,
+    pub(super) normals: Arc<dyn Normals>,
+    /// Where the increments of each pass begin behind the coordinates, and behind the last their number.
+    pub(super) starts: Vec<usize>,
+}
+
 /// One trajectory's fields and kernels.
 struct Trajectory {
     drift: SweptKernels,
@@ -39,10 +46,9 @@ struct Trajectory {
 /// Draws, and steps with what was drawn: only the flows of the pass that has time are swept.
 pub(super) struct SweptNoiseSteps {
     map: SweptNoise,
-    groups: Vec<SiteNoise>,
-    normals: Arc<dyn Normals>,
-    /// Where the increments of each pass begin in the state.
-    starts: Vec<usize>,
+    draws: Draws,
+    /// The coordinates of a state, without increments.
+    own: usize,
     trajectories: Vec<Trajectory>,
     members: Vec<u64>,
     sizes: (f64, f64),
@@ -52,24 +58,23 @@ pub(super) struct SweptNoiseSteps {
 }
 
 impl SweptNoiseSteps {
-    /// Steps of `noisy`, whose map is `map`.
+    /// Steps of a map that draws so.
     ///
     /// # Panics
     /// When the map was made without [`SweptNoise::new`].
     pub(super) fn new(
-        noisy: &NoisyMap,
         map: &SweptNoise,
+        draws: Draws,
         lanes: usize,
         parameters: &[f64],
         sizes: (f64, f64),
     ) -> Self {
         let fields = map.fields().expect("its maps work on the same fields");
-        let own = fields.get(map.drift.state).len() - noisy.increments();
+        let increments = draws.starts.last().copied().unwrap_or(0);
         let mut this = Self {
             map: map.clone(),
-            groups: noisy.groups.clone(),
-            normals: Arc::clone(&noisy.normals),
-            starts: noisy.starts().iter().map(|start| own + start).collect(),
+            own: fields.get(map.drift.state).len() - increments,
+            draws,
             trajectories: Vec::new(),
             members: (0..lanes as u64).collect(),
             sizes,
@@ -108,18 +113,17 @@ impl SweptNoiseSteps {
 
     /// Draws the increments of a lane where the flows of their pass read them; whether the second pass has the time.
     fn draw(&mut self, lane: usize) -> bool {
-        let Self {
-            map,
+        let Draws {
             groups,
             normals,
             starts,
-            ..
-        } = self;
+        } = &self.draws;
         let (member, last) = (self.members[lane], groups.len().saturating_sub(1));
         let all: usize = groups.iter().map(SiteNoise::channels).sum();
         let is_second = last > 0 && normals.normal(member, all as u32, self.step) < 0.0;
         let root = libm::sqrt(self.sizes.0 * self.sizes.1);
-        let state = self.trajectories[lane].fields.get_mut(map.drift.state);
+        let state = self.trajectories[lane].fields.get_mut(self.map.drift.state);
+        let state = &mut state[self.own..];
         let mut channel = 0;
         for (at, group) in groups.iter().enumerate() {
             let pass = if is_second { 2 * last - at } else { at };
@@ -139,7 +143,8 @@ impl SweptNoiseSteps {
     }
 
     /// One step of a lane from `x`; whether it is finite.
-    fn advance(&mut self, lane: usize, x: impl Iterator<Item = f64>, own: usize) -> bool {
+    fn advance(&mut self, lane: usize, x: impl Iterator<Item = f64>) -> bool {
+        let own = self.own;
         let (state, sum) = (self.map.drift.state, self.map.drift.sum);
         let fields = &mut self.trajectories[lane].fields;
         let to = fields.get_mut(state)[..own].iter_mut();
@@ -152,8 +157,8 @@ impl SweptNoiseSteps {
             fields,
         } = &mut self.trajectories[lane];
         self.map.drift.run(drift, fields, false);
-        let last = self.groups.len().saturating_sub(1);
-        for at in 0..self.groups.len() {
+        let last = self.draws.groups.len().saturating_sub(1);
+        for at in 0..self.draws.groups.len() {
             let pass = if is_second { last + at } else { at };
             self.map.flows[pass].run(&mut flows[pass], fields, false);
         }
@@ -175,11 +180,11 @@ impl Stepper for SweptNoiseSteps {
         outcome: &mut [Result<(), StepError>],
     ) {
         let lanes = self.trajectories.len();
-        let own = x.len() / lanes.max(1);
+        let own = self.own;
         for (lane, outcome) in outcome.iter_mut().enumerate() {
             let is_finite = match lanes {
-                1 => self.advance(lane, x.iter().copied(), own),
-                _ => self.advance(lane, x.iter().skip(lane).step_by(lanes).copied(), own),
+                1 => self.advance(lane, x.iter().copied()),
+                _ => self.advance(lane, x.iter().skip(lane).step_by(lanes).copied()),
             };
             let to = increment.iter_mut().skip(lane).step_by(lanes);
             *outcome = match is_finite {
@@ -219,7 +224,7 @@ impl Stepper for SweptNoiseSteps {
     }
 
     fn statistics(&self) -> SolverStatistics {
-        let taken = self.map.flows.iter().take(self.groups.len());
+        let taken = self.map.flows.iter().take(self.draws.groups.len());
         let work = 2 * self.map.drift.work() + taken.map(Swept::work).sum::<u64>();
         SolverStatistics {
             operations: Some(self.statistics.steps * work),

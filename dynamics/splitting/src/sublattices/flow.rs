@@ -6,8 +6,9 @@
 //! ds/dt = κ g × s + λ a κ² (g × s) × s.
 //! ```
 //!
-//! S = |s| is constant. The spin turns about g by the angle κ t |g|, and z = s·g/|g| obeys dz/dt = −λ a κ² |g| (S² − z²),
-//! whose solution is a hyperbolic tangent. Together, with q = κ t g, b = λ a κ, n = |q| and N = |b| S n,
+//! S = |s| is constant. The spin turns about g by the angle κ t |g|. The part z = s·g/|g| obeys
+//! dz/dt = −λ a κ² |g| (S² − z²), whose solution is a hyperbolic tangent. With q = κ t g, b = λ a κ, n = |q| and N = |b| S n
+//! this is
 //!
 //! ```text
 //! s(t) = (R s + q ((q·s) (cosh N − 1)/n² − b S² sinh N/N)) / (1 + E),

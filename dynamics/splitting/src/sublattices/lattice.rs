@@ -44,8 +44,6 @@ pub(super) fn build(
     let mut builder = StageBuilder::new(dimension);
     let (state, x) = builder.unwritten();
     let (sum, sums) = builder.unwritten();
-    // Over no time spins stay as they are, whatever has become of those beside them.
-    builder.write_in_place(state);
     for _ in 0..OTHERS {
         builder.unwritten();
     }

@@ -22,7 +22,7 @@ pub(super) struct Spin {
 
 /// All spins of a system, with the code of what moves them.
 pub(super) struct Spins<'a> {
-    system: &'a SystemFormulas,
+    pub(super) system: &'a SystemFormulas,
     ring: Ring,
     pub(super) all: Vec<Spin>,
     /// The coordinates that each spin's field depends on.
