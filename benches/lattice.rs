@@ -29,8 +29,11 @@ const SPINS: [(&[usize], &str); 5] = [
     (&[64, 64, 64], "open"),
 ];
 
-/// A spiral along the last axis.
-fn spins_scene(lengths: &[usize], boundary: &str) -> String {
+/// The same at temperature: damping and noise at every site.
+const HOT: [&[usize]; 3] = [&[262_144], &[512, 512], &[64, 64, 64]];
+
+/// A spiral along the last axis, which steps as `method` says.
+fn spins_scene(lengths: &[usize], boundary: &str, system: &str, method: &str) -> String {
     let indices = &["i", "j", "k"][..lengths.len()];
     let here = indices.join(",");
     let mut bonds = Vec::new();
@@ -44,7 +47,7 @@ fn spins_scene(lengths: &[usize], boundary: &str) -> String {
     format!(
         "[system]\nfamilies = {{ s = {{ components = [\"x\", \"y\", \"z\"], length = {lengths:?} }} }}\n\
          boundary = \"{boundary}\"\nbracket = {{ lie-algebra = \"so3\" }}\nhamiltonian = \"-sum({}, {})\"\n\
-         [method]\nstepper = \"splitting\"\ntime-step = 0.05\n[run]\nsteps = 1\n[run.initial]\n\
+         {system}[method]\n{method}time-step = 0.05\n[run]\nsteps = 1\n[run.initial]\n\
          \"s.x[{here}]\" = \"0.6*cos(pi*{last}/8)\"\n\"s.y[{here}]\" = \"0.6*sin(pi*{last}/8)\"\n\"s.z[{here}]\" = 0.8\n",
         indices.join(", "),
         bonds.join(" + ")
@@ -55,12 +58,45 @@ fn spins(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("ten steps, Heisenberg spins");
     group.sample_size(10);
     for (lengths, boundary) in SPINS {
-        let run = composed(&spins_scene(lengths, boundary));
+        let run = composed(&spins_scene(
+            lengths,
+            boundary,
+            "",
+            "stepper = \"splitting\"\n",
+        ));
         let sites: usize = lengths.iter().product();
         group.throughput(Throughput::Elements(STEPS * sites as u64));
         group.bench_function(format!("{lengths:?} {boundary}"), |bencher| {
             bencher.iter_batched(|| run.walk(), advance, BatchSize::PerIteration);
         });
+    }
+    group.finish();
+}
+
+/// Channels of noise at temperature 1/2, for a damping of 1/10.
+fn bath(lengths: &[usize]) -> String {
+    let here = &"i,j,k"[..2 * lengths.len() - 1];
+    let channel = |c| format!("{{ hamiltonian = \"s.{c}[{here}]\", strength = \"sqrt(0.1)\" }}");
+    let channels = ["x", "y", "z"].map(channel).join(", ");
+    format!("damping = {{ rate = 0.1 }}\nnoise = [{channels}]\n")
+}
+
+fn hot(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("ten steps, hot Heisenberg spins");
+    group.sample_size(10);
+    for lengths in HOT {
+        let sites: usize = lengths.iter().product();
+        group.throughput(Throughput::Elements(STEPS * sites as u64));
+        for (name, stepper) in [
+            ("sublattices", "stepper = \"sublattices\"\n"),
+            ("one-form", ""),
+        ] {
+            let method = format!("{stepper}noise = \"split\"\n");
+            let run = composed(&spins_scene(lengths, "periodic", &bath(lengths), &method));
+            group.bench_function(format!("{lengths:?} {name}"), |bencher| {
+                bencher.iter_batched(|| run.walk(), advance, BatchSize::PerIteration);
+            });
+        }
     }
     group.finish();
 }
@@ -86,5 +122,5 @@ fn lattice(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, lattice, spins);
+criterion_group!(benches, lattice, spins, hot);
 criterion_main!(benches);

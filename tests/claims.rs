@@ -45,6 +45,7 @@ mod spins;
 mod starts;
 mod stepped_over;
 mod stress;
+mod sublattices;
 mod theorems;
 mod time;
 mod truncation_high;

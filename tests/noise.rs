@@ -6,13 +6,14 @@
     reason = "measured numbers, read with --nocapture"
 )]
 
+mod chains;
 mod equilibrium;
 mod lattices;
 
 use std::sync::Arc;
 
 use leafwise::core::diagnostics::{TensorDefect, fit_slope};
-use leafwise::core::noise::{NoisyMap, Normals, Seed};
+use leafwise::core::noise::{NoisyMap, Normals, Seed, normals_of};
 use leafwise::core::{Registry, StepMap, Walk};
 use leafwise::scene::{ComposedRun, compose};
 use leafwise_tests::numbers::{UNIT_ROUNDOFF, distance};
@@ -178,7 +179,7 @@ impl Nodes {
 
 fn normals(nodes: &Arc<Nodes>) -> Normals {
     let nodes = Arc::clone(nodes);
-    Arc::new(move |member, channel, _| match channel == nodes.channels {
+    normals_of(move |member, channel, _| match channel == nodes.channels {
         true if member < nodes.members() / 2 => 1.0,
         true => -1.0,
         false => nodes.node(member, channel).0,
@@ -251,7 +252,7 @@ fn means_are_of_weak_order_one_and_split_of_two() {
 
 /// Coarse increments are sums of `each` fine ones.
 fn path(fine: Seed, each: u64) -> Normals {
-    Arc::new(move |member, channel, step| {
+    normals_of(move |member, channel, step| {
         let from = step * each;
         let fine = (from..from + each).map(|at| fine.normal(member, channel, at));
         fine.sum::<f64>() / libm::sqrt(each as f64)
@@ -455,7 +456,7 @@ fn a_step_is_that_of_the_hamiltonian_it_draws() {
         "stepper = \"dop853\"",
     ] {
         let run = spin(ONE, method, 0.25);
-        let map = noisy(&run).with_normals(Arc::new(|_, _, _| 0.7));
+        let map = noisy(&run).with_normals(normals_of(|_, _, _| 0.7));
         let values = run.system.parameter_values();
         let mut drawn = Walk::new(&map, &values, 1.0, 0.25, &START);
         // w = ξ/√t = 1.4, σ = 0.5.
@@ -490,7 +491,7 @@ fn damping_does_not_follow_the_noise() {
     let field = free + damping + generator(0) * m * (0.5 * w);
     for method in ["realization = \"auto\"", "stepper = \"rk4\""] {
         let run = composed(&text(method));
-        let map = noisy(&run).with_normals(Arc::new(|_, _, _| 5.0));
+        let map = noisy(&run).with_normals(normals_of(|_, _, _| 5.0));
         let moved = after(&run, &map, 1, 1);
         let moved = (Vector3::from_column_slice(&moved[0]) - m) / 0.001;
         // The noise moves by 0.08, and the next order is half of its square.

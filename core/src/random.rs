@@ -3,6 +3,8 @@
 //! Every number has a counter of its own under the key of the seed: it is the same on any machine, in any order, and
 //! whatever else is drawn.
 
+use leafwise_expression::elementary;
+
 /// Philox4x32-10: ten rounds that scatter a counter under a key (J. Salmon, M. Moraes, R. Dror,
 /// D. Shaw, *Parallel random numbers: as easy as 1, 2, 3*, SC11).
 fn philox(counter: [u32; 4], key: [u32; 2]) -> [u32; 4] {
@@ -41,12 +43,10 @@ impl Random {
         Self::from_counter(seed, [0, stream, member as u32, (member >> 32) as u32])
     }
 
-    /// The two numbers of a member's step, below 2⁴⁸, for a channel of noise below 2¹⁵: no stream of another purpose
+    /// The two numbers of the step, below 2⁴⁸, of a member below 2⁴⁷, for a channel of noise: no stream of another purpose
     /// shares their counter.
     pub fn of_step(seed: u64, member: u64, channel: u32, step: u64) -> Self {
-        let purpose = 1 << 31 | channel << 16 | (step >> 32) as u32;
-        let counter = [step as u32, purpose, member as u32, (member >> 32) as u32];
-        Self::from_counter(seed, counter)
+        Self::from_counter(seed, counter_of_step(member, channel, step))
     }
 
     fn from_counter(seed: u64, counter: [u32; 4]) -> Self {
@@ -69,7 +69,7 @@ impl Random {
 
     /// Uniform in (0, 1): an odd multiple of 2⁻⁵³.
     pub fn uniform(&mut self) -> f64 {
-        ((self.bits() >> 12) as f64 + 0.5) / (1_u64 << 52) as f64
+        uniform(self.bits())
     }
 
     /// Standard normal, by Box and Muller; |ξ| ≤ √(2·53·ln 2) < [`LARGEST_NORMAL`], as a uniform number is at least 2⁻⁵³.
@@ -77,6 +77,49 @@ impl Random {
         let radius = libm::sqrt(-2.0 * libm::log(self.uniform()));
         radius * libm::cos(2.0 * std::f64::consts::PI * self.uniform())
     }
+}
+
+/// The counter of a step. The channel's low 15 bits stand beside the purpose, the others above the member.
+fn counter_of_step(member: u64, channel: u32, step: u64) -> [u32; 4] {
+    let purpose = 1 << 31 | (channel & 0x7FFF) << 16 | (step >> 32) as u32;
+    let above = (channel >> 15) << 15;
+    [
+        step as u32,
+        purpose,
+        member as u32,
+        (member >> 32) as u32 | above,
+    ]
+}
+
+/// Numbers that are drawn together.
+const TOGETHER: usize = 64;
+
+/// [`normal`](Random::normal) of each channel from `channel` on, of [`of_step`](Random::of_step): the same bits.
+pub fn normals_of_step(seed: u64, member: u64, channel: u32, step: u64, into: &mut [f64]) {
+    let key = [seed as u32, (seed >> 32) as u32];
+    let mut channel = channel;
+    for normals in into.chunks_mut(TOGETHER) {
+        let (mut radii, mut turns) = ([1.0; TOGETHER], [0.0; TOGETHER]);
+        let places = radii.iter_mut().zip(&mut turns).take(normals.len());
+        for (radius, turn) in places {
+            let [a, b, c, d] = philox(counter_of_step(member, channel, step), key);
+            *radius = uniform(u64::from(a) | u64::from(b) << 32);
+            *turn = 2.0 * std::f64::consts::PI * uniform(u64::from(c) | u64::from(d) << 32);
+            channel = channel.wrapping_add(1);
+        }
+        elementary::ln_lanes(&mut radii);
+        radii.iter_mut().for_each(|radius| *radius *= -2.0);
+        elementary::sqrt_lanes(&mut radii);
+        elementary::cos_lanes(&mut turns);
+        for (normal, (radius, cosine)) in normals.iter_mut().zip(radii.iter().zip(turns)) {
+            *normal = radius * cosine;
+        }
+    }
+}
+
+/// Uniform in (0, 1), of random bits: an odd multiple of 2⁻⁵³.
+fn uniform(bits: u64) -> f64 {
+    ((bits >> 12) as f64 + 0.5) / (1_u64 << 52) as f64
 }
 
 #[cfg(test)]
@@ -109,7 +152,15 @@ mod tests {
         let mut seen = std::collections::HashSet::new();
         let steps = [0, 1, u64::from(u32::MAX), 1 << 32, 1 << 40, (1 << 48) - 1];
         for member in [0, 1, 1 << 32] {
-            for channel in [0, 1, (1 << 15) - 1] {
+            for channel in [
+                0,
+                1,
+                (1 << 15) - 1,
+                1 << 15,
+                1 << 16,
+                3 << 20,
+                (1 << 30) + 1,
+            ] {
                 for step in steps {
                     assert!(seen.insert(Random::of_step(3, member, channel, step).counter));
                 }
@@ -118,6 +169,22 @@ mod tests {
                 assert!(seen.insert(Random::new(3, member, stream).counter));
             }
         }
+    }
+
+    /// Drawn together numbers have the bits of those drawn alone, also where their channels pass the 2¹⁵-th.
+    #[test]
+    fn numbers_drawn_together_are_those_drawn_alone() {
+        let mut compared = 0;
+        for (count, first) in [(1, 0), (7, 3), (1000, (1 << 15) - 500), (130, 262_100)] {
+            let mut together = vec![0.0; count];
+            normals_of_step(9, 5, first, 77, &mut together);
+            for (channel, normal) in (first..).zip(&together) {
+                let alone = Random::of_step(9, 5, channel, 77).normal();
+                assert_eq!(alone.to_bits(), normal.to_bits(), "channel {channel}");
+                compared += 1;
+            }
+        }
+        assert_eq!(compared, 1138);
     }
 
     /// √(−2 ln 2⁻⁵³), the largest that Box and Muller's radius becomes.

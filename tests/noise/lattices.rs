@@ -133,6 +133,30 @@ fn a_lattice_draws_and_moves_as_the_system_written_out() {
     assert_eq!(compared, 8);
 }
 
+/// Sublattices of an open chain are the same two by templates and written out. There the flows sweep over one set of fields,
+/// and are one kernel and flows of their own here.
+#[test]
+fn sublattices_of_a_lattice_draw_and_move_as_those_written_out() {
+    for (damping, channels) in [
+        ("damping = { rate = \"k\" }", &CHANNELS[..1]),
+        ("", &[CHANNELS[0], CHANNELS[2]]),
+        ("damping = { rate = \"k\" }", &[CHANNELS[2]]),
+    ] {
+        let by_sublattices =
+            |text: String| text.replace("[method]\n", "[method]\nstepper = \"sublattices\"\n");
+        let text = by_sublattices(by_templates("open", "split", damping, channels));
+        assert!(composed(&text).method.lattice().is_some());
+        let written = by_sublattices(written_out("open", "split", damping, channels));
+        assert!(composed(&written).method.lattice().is_none());
+        // 20 steps whose flows round states of size 1 in another order.
+        let apart = distance(&end(&text), &end(&written));
+        assert!(apart < 1e-13, "{damping}: {apart:e}");
+        let other = text.replace("stepper = \"sublattices\"\n", "");
+        let between = distance(&end(&text), &end(&other));
+        assert!(between > 1e-6 && between < 1e-2, "{between:e}");
+    }
+}
+
 /// A resumed walk draws on where it stood, and lengths of spins stay.
 #[test]
 fn a_lattice_goes_on_with_the_numbers_of_the_next_step() {

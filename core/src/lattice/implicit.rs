@@ -91,6 +91,7 @@ impl ImplicitSweeps {
         };
         let slopes = LatticeSlopes::new(&program, written, builder, parameters);
         Ok(LatticeMap {
+            swept: None,
             operations: program.operations(),
             work: program.work(),
             fields: program.fields(),

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::geometry::LatticeGeometry;
+use super::swept::Swept;
 use crate::solver::StepMap;
 
 /// Step map of a long lattice, built on a short one that stands for it.
@@ -21,6 +22,8 @@ pub struct LatticeMap {
     pub work: u64,
     /// The numbers a coordinate that an evaluation keeps.
     pub fields: usize,
+    /// The map as a product of sweeps that others may share fields with, where it is one.
+    pub swept: Option<Swept>,
 }
 
 impl std::fmt::Debug for LatticeMap {

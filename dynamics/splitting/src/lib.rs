@@ -19,6 +19,7 @@
 //! - [`splitting`]: Strang's product as a step map.
 //! - `product`: its factors χ and χ*, the flows' product in one order and its adjoint, and products of both.
 //! - [`lattice`]: the same on long lattices, by sweeps.
+//! - `sublattices`: the same for damped spins, each in the field of the others.
 //! - `tensor`: fields of Hamiltonians in exact algebra.
 //! - `rates`, `display`: rates that are multiples of one, elements of the ring as text.
 
@@ -38,6 +39,7 @@ mod rates;
 mod rounding;
 pub mod schedule;
 pub mod splitting;
+mod sublattices;
 mod tensor;
 
 pub use lattice::LatticeSplitting;

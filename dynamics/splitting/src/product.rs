@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use leafwise_core::solver::{MapAbilities, MapProperties, StepMap, Stepper, Structure};
+use leafwise_core::solver::{MapAbilities, MapProperties, StepMap, Stepper};
 use leafwise_core::{BuildError, ByTangents, Differential, Shadow, SystemFormulas};
 
-/// … ∘ χ*_{α_2 h} ∘ χ_{α_1 h} of a splitting, exactly Poisson, with χ = φʳ ∘ … ∘ φ¹ and χ* = φ¹ ∘ … ∘ φʳ. Alone, χ and
+/// … ∘ χ*_{α_2 h} ∘ χ_{α_1 h} of a splitting, with χ = φʳ ∘ … ∘ φ¹ and χ* = φ¹ ∘ … ∘ φʳ. Alone, χ and
 /// χ* are of order 1, each the other's adjoint.
 pub(crate) struct Product<S> {
     splitting: S,
@@ -74,7 +74,7 @@ impl<S: Splits> StepMap for Product<S> {
     fn properties(&self) -> MapProperties {
         MapProperties {
             order: 1,
-            structure: Structure::Exact,
+            structure: self.splitting.properties().structure,
             self_adjoint: Some(is_symmetric(&self.parts)),
         }
     }

@@ -15,6 +15,7 @@ Units are those of the scene. States have the shape (d,), recorded ones (samples
 parts and systems are ``lw.list()``.
 """
 
+from . import lattice
 from ._commands import command, describe, list_parts as list, load_plugin
 from ._comparison import Comparison
 from ._ensemble import Ensemble
@@ -56,6 +57,7 @@ __all__ = [
     "command",
     "describe",
     "generating_function",
+    "lattice",
     "load_plugin",
     "solve",
 ]

@@ -27,8 +27,10 @@ impl Way {
         (epsilon, h): (f64, f64),
     ) -> Option<Self> {
         let stages = flows.map(|flow| (flow.piece, flow.part * h));
+        let mut along = SlopesAlong::new(&shared.slopes, stages, parameters, epsilon)?;
+        shared.write_constants(along.fields_mut());
         Some(Self {
-            along: SlopesAlong::new(&shared.slopes, stages, parameters, epsilon)?,
+            along,
             from: vec![0.0; shared.cells.sites().dimension()],
             known: None,
         })

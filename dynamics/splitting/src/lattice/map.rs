@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use leafwise_core::lattice::{
     Cells, Field, LatticeMap, LatticeProgram, LatticeSlopes, LatticeSource, PerAxis, Proxy,
-    StageBuilder, TemplateReach,
+    StageBuilder, Swept, TemplateReach,
 };
 use leafwise_core::solver::{Factored, MapAbilities, MapProperties, StepMap, Stepper, Structure};
 use leafwise_core::{BuildError, Differential};
@@ -35,7 +35,7 @@ const FARTHEST: usize = LONGEST + 1;
 /// sweep, in place, over the sites that it moves.
 #[derive(Clone, Debug)]
 pub struct LatticeSplitting {
-    pub(super) shared: Arc<Shared>,
+    pub(crate) shared: Arc<Shared>,
 }
 
 impl LatticeSplitting {
@@ -153,6 +153,9 @@ impl LatticeSplitting {
         order.sort_by_key(|stage| program.stage_work(*stage));
         Ok(Found::Splitting(Box::new(Self {
             shared: Arc::new(Shared {
+                described: described(order.len(), cells.period()),
+                structure: Structure::Exact,
+                constants: Arc::default(),
                 cells: cells.clone(),
                 slopes: Arc::new(slopes),
                 proxy_cells,
@@ -179,6 +182,14 @@ impl LatticeSplitting {
     pub fn period(&self) -> usize {
         self.shared.cells.period()
     }
+}
+
+fn described(pieces: usize, period: usize) -> String {
+    let every = match period {
+        1 => "site".to_owned(),
+        period => format!("{period} sites"),
+    };
+    format!("{NAME} into {pieces} pieces that repeat every {every}")
 }
 
 /// Outcome of a search for pieces on a proxy.
@@ -235,18 +246,13 @@ impl StepMap for LatticeSplitting {
     fn properties(&self) -> MapProperties {
         MapProperties {
             order: 2,
-            structure: Structure::Exact,
+            structure: self.shared.structure,
             self_adjoint: Some(true),
         }
     }
 
     fn describe(&self) -> String {
-        let every = match self.period() {
-            1 => "site".to_owned(),
-            period => format!("{period} sites"),
-        };
-        let pieces = self.pieces();
-        format!("{NAME} into {pieces} pieces that repeat every {every}")
+        self.shared.described.clone()
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
@@ -308,6 +314,13 @@ impl From<LatticeSplitting> for LatticeMap {
             operations: flows.iter().map(operations).sum(),
             work: flows.iter().map(work).sum(),
             fields: shared.program.fields(),
+            swept: (splitting.period() == 1).then(|| Swept {
+                program: Arc::clone(&shared.program),
+                state: shared.state,
+                sum: shared.sum,
+                constants: Arc::clone(&shared.constants),
+                order: shared.order.clone(),
+            }),
             map: Arc::new(splitting),
         }
     }

@@ -12,3 +12,4 @@ mod sweeps;
 pub mod units;
 
 pub use map::LatticeSplitting;
+pub(crate) use sweeps::Shared;

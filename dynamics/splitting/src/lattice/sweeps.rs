@@ -4,24 +4,45 @@ use std::sync::Arc;
 
 use leafwise_core::StepError;
 use leafwise_core::lattice::{Cells, Field, Fields, LatticeProgram, LatticeSlopes, Prepared};
-use leafwise_core::solver::{SolverStatistics, Stepper};
+use leafwise_core::solver::{SolverStatistics, Stepper, Structure};
 
 use crate::product::evaluations;
 use crate::schedule::{Flow, passes};
 
 /// A splitting as its steps need it.
 #[derive(Clone, Debug)]
-pub(super) struct Shared {
-    pub(super) cells: Cells,
-    pub(super) proxy_cells: Cells,
-    pub(super) program: Arc<LatticeProgram>,
+pub(crate) struct Shared {
+    pub(crate) cells: Cells,
+    pub(crate) proxy_cells: Cells,
+    pub(crate) program: Arc<LatticeProgram>,
     /// Slopes of the state alone.
-    pub(super) slopes: Arc<LatticeSlopes>,
-    pub(super) state: Field,
+    pub(crate) slopes: Arc<LatticeSlopes>,
+    pub(crate) state: Field,
     /// Φ(x) − x as it adds up.
-    pub(super) sum: Field,
+    pub(crate) sum: Field,
     /// The pieces' stages in the order of the first half of a step, the costliest last.
-    pub(super) order: Vec<usize>,
+    pub(crate) order: Vec<usize>,
+    /// Fields that hold numbers of every coordinate throughout.
+    pub(crate) constants: Arc<Vec<(Field, Vec<f64>)>>,
+    /// Name and structure of the map.
+    pub(crate) described: String,
+    pub(crate) structure: Structure,
+}
+
+impl Shared {
+    /// Fields of zeros but for the constants.
+    fn empty_fields(&self) -> Fields {
+        let mut fields = self.program.empty_fields();
+        self.write_constants(&mut fields);
+        fields
+    }
+
+    /// Writes the constants.
+    pub(super) fn write_constants(&self, fields: &mut Fields) {
+        for (field, numbers) in self.constants.iter() {
+            fields.get_mut(*field).copy_from_slice(numbers);
+        }
+    }
 }
 
 /// χ and χ* over α₁h, α₂h, … in turn, flows of one piece that meet being one.
@@ -85,7 +106,7 @@ impl Sweeps {
             let prepare = |flow: &Flow| program.prepare(flow.piece, &own, epsilon, flow.part * h);
             Trajectory {
                 prepared: distinct.iter().map(prepare).collect(),
-                fields: program.empty_fields(),
+                fields: shared.empty_fields(),
             }
         });
         Self {

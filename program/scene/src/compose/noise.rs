@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use leafwise_core::noise::{Noise, NoisyMap, Seed, SplitNoise};
+use leafwise_core::lattice::Swept;
+use leafwise_core::noise::{Noise, NoisyMap, Seed, SplitNoise, SweptNoise};
 use leafwise_core::part::Family;
 use leafwise_core::registry::StepperPart;
 use leafwise_core::system::Forces;
@@ -137,21 +138,30 @@ impl<'a> NoisySteps<'a> {
             channels,
         } = &self.noise;
         let mut map = Arc::clone(&stepping.stepped);
+        let mut swept = None;
         if let (Noise::Split, Some(lattice)) = (way, &self.lattice) {
             let flows = SiteTerms::of_flows(channels.len()).into_iter();
             let flow = |terms: SiteTerms| {
                 let channel = terms.channel();
                 let lattice = lattice.with_flow(terms);
+                let mut swept = None;
                 let flow = exact_flow(registry, |part| {
-                    Ok(part.build_on_lattice(&lattice, &PartParameters::new())?.map)
+                    let flow = part.build_on_lattice(&lattice, &PartParameters::new())?;
+                    swept = flow.swept;
+                    Ok(flow.map)
                 });
-                self.single(document, channel, flow)
+                Ok((self.single(document, channel, flow)?, swept))
             };
-            let flows = flows.map(flow).collect::<Result<_, _>>()?;
+            let flows: Vec<(Arc<dyn StepMap>, Option<Swept>)> =
+                flows.map(flow).collect::<Result<_, Refusal>>()?;
+            let (flows, sweeps): (Vec<_>, Vec<_>) = flows.into_iter().unzip();
+            let sweeps: Option<Vec<Swept>> = sweeps.into_iter().collect();
+            let own = stepping.swept().zip(sweeps);
+            swept = own.and_then(|(drift, flows)| SweptNoise::new(drift, flows));
             map = Arc::new(SplitNoise::new(map, flows));
         }
         let groups = groups(document, &stepping.geometry)?;
-        Ok(NoisyMap::of_sites(map, *way, groups, (*seed).into()))
+        Ok(NoisyMap::of_sites(map, *way, groups, (*seed).into()).by_sweeps(swept))
     }
 
     /// The flow of a channel, where it is one.
@@ -182,8 +192,8 @@ impl<'a> NoisySteps<'a> {
             refusal(document, spec, message, help)
         };
         match flow {
-            Ok(map) if map.pieces() == 1 => Ok(map),
-            Ok(map) => Err(refuse(match map.pieces() {
+            Ok(map) if pieces(map.as_ref()) == 1 => Ok(map),
+            Ok(map) => Err(refuse(match pieces(map.as_ref()) {
                 0 => "nothing moves under it".to_owned(),
                 pieces if self.lattice.is_some() => format!(
                     "its flows at neighbouring sites do not commute, and come apart into {pieces} pieces"
@@ -223,11 +233,16 @@ impl<'a> NoisySteps<'a> {
     }
 }
 
+/// How many flows a map is a product of.
+fn pieces(map: &dyn StepMap) -> usize {
+    map.abilities().factored.map_or(0, |own| own.pieces)
+}
+
 /// The map of the registry's stepper that is a product of exact flows.
-fn exact_flow(
+fn exact_flow<M: ?Sized>(
     registry: &Registry,
-    build: impl FnOnce(StepperPart) -> Result<Arc<dyn StepMap>, BuildError>,
-) -> Result<Arc<dyn StepMap>, BuildError> {
+    build: impl FnOnce(StepperPart) -> Result<Arc<M>, BuildError>,
+) -> Result<Arc<M>, BuildError> {
     let parts = registry.parts();
     let splitting = parts
         .iter()

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use leafwise_core::lattice::{LatticeGeometry, LatticeMap, LatticeMethod};
+use leafwise_core::lattice::{LatticeGeometry, LatticeMap, LatticeMethod, Swept};
 use leafwise_core::noise::NoisyMap;
 use leafwise_core::{Method, StepMap, Structure};
 
@@ -87,6 +87,17 @@ pub struct LatticeStepping {
     pub invariants: LatticeFunctions,
     /// Formulas of the state that the scene records.
     pub formulas: LatticeFunctions,
+}
+
+impl LatticeStepping {
+    /// The map that is stepped as a product of sweeps, where it is one: the base itself.
+    pub(super) fn swept(&self) -> Option<Swept> {
+        let LatticeBase::Sweeps(map) = &self.base else {
+            return None;
+        };
+        let is_base = std::ptr::addr_eq(Arc::as_ptr(&map.map), Arc::as_ptr(&self.stepped));
+        map.swept.clone().filter(|_| is_base)
+    }
 }
 
 impl Stepping {

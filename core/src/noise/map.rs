@@ -1,142 +1,12 @@
-//! Noise: steps with parameters that are drawn anew before each.
-//!
-//! Stratonovich's dx = {H, x} dt + Σ_k σ_k {H_k, x} ∘ dW_k moves along leaves, and its flow is a Poisson map almost
-//! surely (J.-M. Bismut, *Mécanique aléatoire*, 1981; J.-A. Lázaro-Camí, J.-P. Ortega, *Stochastic Hamiltonian
-//! dynamical systems*, Reports on Mathematical Physics 61 (2008)). Over a step t with increments ΔW_k it is, to first
-//! order in the mean, the flow of a Hamiltonian H_w. That is H_w = H + Σ_k w_k σ_k H_k with w_k = ΔW_k/t (G. N.
-//! Milstein, Yu. M. Repin, M. V. Tretyakov, *Numerical methods for stochastic systems preserving symplectic structure*,
-//! SIAM Journal on Numerical Analysis 40 (2002)). Any map of systems with the parameters w_k serves, and a Poisson map
-//! stays one.
-//!
-//! Of second order in the mean is Φ_{t/2} ∘ exp(ΔW_1 σ_1 X_1) ∘ … ∘ exp(ΔW_K σ_K X_K) ∘ Φ_{t/2}. Here Φ is a
-//! self-adjoint map of H alone, and the flows of the channels come forwards or backwards with probability 1/2 (S.
-//! Ninomiya, N. Victoir, *Weak approximation of stochastic differential equations and application to derivative
-//! pricing*, Applied Mathematical Finance 15 (2008)). Both orders stand in one product, 1 … K … 1, where the flows of
-//! one pass have no time.
+//! Step maps that draw.
 
-use std::ops::Range;
 use std::sync::Arc;
 
+use super::increments::{Noise, Normals, SiteNoise, normal};
+use super::swept::{Draws, SweptNoise, SweptNoiseSteps};
 use crate::error::StepError;
-use crate::random::Random;
 use crate::solver::Differential;
-use crate::solver::{
-    MapAbilities, MapProperties, ProductStepper, Setting, SolverStatistics, StepMap, Stepper,
-};
-
-/// Standard normal numbers ξ, ΔW = √t ξ, of a member, a channel and a step, counted from 0. Of a [split](Noise::Split) step
-/// the channel behind the last tells by its sign which pass the flows take.
-pub type Normals = Arc<dyn Fn(u64, u32, u64) -> f64 + Send + Sync>;
-
-/// By Philox: what a member draws depends on the seed, its number, the channel and the step alone. |ξ| is at most
-/// [`LARGEST_NORMAL`](crate::random::LARGEST_NORMAL).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Seed {
-    /// The key of all numbers.
-    pub seed: u64,
-    /// Number under which member 0 draws: the numbers of member m are those of `first` + m.
-    pub first: u64,
-}
-
-impl Seed {
-    /// ξ of a member's step and a channel.
-    pub fn normal(&self, member: u64, channel: u32, step: u64) -> f64 {
-        Random::of_step(self.seed, self.first + member, channel, step).normal()
-    }
-}
-
-impl From<Seed> for Normals {
-    fn from(seed: Seed) -> Self {
-        Arc::new(move |member, channel, step| seed.normal(member, channel, step))
-    }
-}
-
-/// How increments enter a step.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Noise {
-    /// With H, as parameters w_k of one step: weak order 1.
-    #[default]
-    Joint,
-    /// As flows between two halves of a step of H alone: weak order 2.
-    Split,
-}
-
-impl Noise {
-    /// How many parameters hold the increments of `channels` of noise, behind the system's own: w_1, …, w_K, and, split,
-    /// w_{K−1}, …, w_1 of the second pass.
-    pub fn parameters(self, channels: usize) -> usize {
-        match self {
-            Self::Joint => channels,
-            Self::Split => (2 * channels).saturating_sub(1),
-        }
-    }
-
-    /// The order of means in t.
-    pub fn weak_order(self) -> usize {
-        match self {
-            Self::Joint => 1,
-            Self::Split => 2,
-        }
-    }
-}
-
-/// The product of flows of a [split](Noise::Split) step, as a map of systems that have its
-/// [parameters](Noise::parameters).
-#[derive(Clone)]
-pub struct SplitNoise {
-    stages: Vec<(Arc<dyn StepMap>, f64)>,
-}
-
-impl SplitNoise {
-    /// Φ_{t/2} ∘ φ_1 ∘ … ∘ φ_K ∘ … ∘ φ_1 ∘ Φ_{t/2}: Φ of H alone, and a flow for each parameter w_j, of w_j σ_k H_k.
-    pub fn new(drift: Arc<dyn StepMap>, flows: Vec<Arc<dyn StepMap>>) -> Self {
-        let mut stages = vec![(Arc::clone(&drift), 0.5)];
-        stages.extend(flows.into_iter().map(|flow| (flow, 1.0)));
-        stages.push((drift, 0.5));
-        Self { stages }
-    }
-}
-
-impl StepMap for SplitNoise {
-    fn dimension(&self) -> usize {
-        self.stages[0].0.dimension()
-    }
-
-    fn properties(&self) -> MapProperties {
-        self.stages[0].0.properties()
-    }
-
-    fn describe(&self) -> String {
-        let flows = self.stages.len() - 2;
-        let noun = if flows == 1 { "flow" } else { "flows" };
-        format!(
-            "halves of {} about {flows} {noun} of noise",
-            self.stages[0].0.describe()
-        )
-    }
-
-    fn abilities(&self) -> MapAbilities<'_> {
-        let maps = self.stages[1..].iter();
-        MapAbilities {
-            kernels: maps.flat_map(|(map, _)| map.abilities().kernels).collect(),
-            ..MapAbilities::default()
-        }
-    }
-
-    fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
-        let stages = &self.stages;
-        Box::new(ProductStepper::new(stages, lanes, parameters, epsilon, h))
-    }
-}
-
-/// Increments that enter a step at the sites of a lattice: coordinates behind the state's own, at rest in the step.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct SiteNoise {
-    /// How many sites there are.
-    pub sites: usize,
-    /// The sites that are moved, each by a channel of its own; `None` where one channel moves all.
-    pub apart: Option<Range<usize>>,
-}
+use crate::solver::{MapAbilities, MapProperties, Setting, SolverStatistics, StepMap, Stepper};
 
 /// Where a map finds the increments.
 #[derive(Clone, Debug)]
@@ -157,6 +27,8 @@ pub struct NoisyMap {
     groups: Vec<SiteNoise>,
     entry: Entry,
     normals: Normals,
+    /// The same map as sweeps over one set of fields.
+    swept: Option<SweptNoise>,
 }
 
 impl NoisyMap {
@@ -172,6 +44,7 @@ impl NoisyMap {
             groups: vec![alone; channels],
             entry: Entry::Parameters,
             normals,
+            swept: None,
         }
     }
 
@@ -189,7 +62,13 @@ impl NoisyMap {
             groups,
             entry: Entry::Coordinates,
             normals,
+            swept: None,
         }
+    }
+
+    /// The same as sweeps over one set of fields.
+    pub fn by_sweeps(self, swept: Option<SweptNoise>) -> Self {
+        Self { swept, ..self }
     }
 
     /// The same with other numbers: of paths that are given, or of a quadrature.
@@ -219,12 +98,6 @@ impl NoisyMap {
     /// How many increments of a lane a step reads.
     fn increments(&self) -> usize {
         *self.starts().last().unwrap_or(&0)
-    }
-}
-
-impl SiteNoise {
-    fn channels(&self) -> usize {
-        self.apart.as_ref().map_or(1, Range::len)
     }
 }
 
@@ -264,6 +137,15 @@ impl StepMap for NoisyMap {
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
+        if let Some(swept) = &self.swept {
+            let sizes = (epsilon, h);
+            let draws = Draws {
+                groups: self.groups.clone(),
+                normals: Arc::clone(&self.normals),
+                starts: self.starts(),
+            };
+            return Box::new(SweptNoiseSteps::new(swept, draws, lanes, parameters, sizes));
+        }
         let increments = self.increments() * lanes;
         let (mut parameters, own) = (parameters.to_vec(), parameters.len());
         if matches!(self.entry, Entry::Parameters) {
@@ -368,7 +250,7 @@ impl NoisyStepper {
         };
         let (all, last) = (self.map.channels(), groups.len().saturating_sub(1));
         for (lane, member) in self.members.iter().enumerate() {
-            let normal = |channel: usize| normals(*member, channel as u32, self.step);
+            let normal = |channel: usize| normal(normals, *member, channel as u32, self.step);
             let is_second = *noise == Noise::Split && groups.len() > 1 && normal(all) < 0.0;
             let mut channel = 0;
             for (at, group) in groups.iter().enumerate() {

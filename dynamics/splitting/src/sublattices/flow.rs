@@ -1,0 +1,124 @@
+//! The damped precession of one spin in a field that does not move, in closed form.
+//!
+//! With g = ∂H/∂s at rest, {s1,s2} = −κ s3 and the damping λ a of a spin s,
+//!
+//! ```text
+//! ds/dt = κ g × s + λ a κ² (g × s) × s.
+//! ```
+//!
+//! S = |s| is constant. The spin turns about g by the angle κ t |g|. The part z = s·g/|g| obeys
+//! dz/dt = −λ a κ² |g| (S² − z²), whose solution is a hyperbolic tangent. With q = κ t g, b = λ a κ, n = |q| and N = |b| S n
+//! this is
+//!
+//! ```text
+//! s(t) = (R s + q ((q·s) (cosh N − 1)/n² − b S² sinh N/N)) / (1 + E),
+//! E    = cosh N − 1 − b (q·s) sinh N/N,
+//! ```
+//!
+//! where R turns by q. Everything is even in n and N: nothing is divided by a field.
+
+use leafwise_expression::pairs::{EXPONENTIAL_MINUS_1, SINE, VERSINE};
+use leafwise_expression::{AlgebraError, Arithmetic, Function, Graph, Rational, Term};
+
+/// Added to a square before its root is taken: 2⁻⁹⁴⁰, which no number beside which it counts survives.
+fn smallest(graph: &mut Graph) -> Term {
+    let mut factor = graph.constant(&Rational::new(1, 1 << 47));
+    for _ in 0..2 {
+        factor = graph.multiply(&factor, &factor);
+    }
+    // 2⁻¹⁸⁸ five times.
+    let mut product = factor.clone();
+    for _ in 0..4 {
+        product = graph.multiply(&product, &factor);
+    }
+    product
+}
+
+fn cross(graph: &mut Graph, a: &[Term], b: &[Term]) -> Vec<Term> {
+    let component = |i: usize| {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        (j, k)
+    };
+    (0..3)
+        .map(|i| {
+            let (j, k) = component(i);
+            let (left, right) = (graph.multiply(&a[j], &b[k]), graph.multiply(&a[k], &b[j]));
+            graph.subtract(&left, &right)
+        })
+        .collect()
+}
+
+fn dot(graph: &mut Graph, a: &[Term], b: &[Term]) -> Term {
+    let products = a.iter().zip(b).map(|(a, b)| graph.multiply(a, b));
+    let products: Vec<(Rational, Term)> = products.map(|p| (Rational::one(), p)).collect();
+    graph.combine(&products)
+}
+
+/// s(t) − s for the rotation vector `q` = κ t ∂H/∂s, and for the `damping` b = λ a κ where there is one.
+///
+/// # Errors
+/// [`AlgebraError`] where a function has no code.
+pub(super) fn increment(
+    graph: &mut Graph,
+    s: &[Term],
+    q: &[Term],
+    damping: Option<&Term>,
+) -> Result<Vec<Term>, AlgebraError> {
+    let (one, tiny) = (graph.one(), smallest(graph));
+    let square = dot(graph, q, q);
+    let square = graph.add(&square, &tiny);
+    let angle = graph.apply(Function::Sqrt, &square)?;
+    let inverse = graph.divide(&one, &square)?;
+    let sine = graph.apply_analytic(SINE, 0, &angle);
+    let versine = graph.apply_analytic(VERSINE, 0, &angle);
+    let first = graph.multiply(&sine, &angle);
+    let first = graph.multiply(&first, &inverse);
+    let second = graph.multiply(&versine, &inverse);
+    let turned = cross(graph, q, s);
+    let twice = cross(graph, q, &turned);
+    let mut sums: Vec<Vec<(Rational, Term)>> = Vec::with_capacity(3);
+    for (turned, twice) in turned.iter().zip(&twice) {
+        let sum = [
+            graph.multiply(&first, turned),
+            graph.multiply(&second, twice),
+        ];
+        sums.push(sum.map(|term| (Rational::one(), term)).to_vec());
+    }
+    let Some(b) = damping else {
+        return Ok(sums.iter().map(|sum| graph.combine(sum)).collect());
+    };
+    let size = dot(graph, s, s);
+    let along = dot(graph, q, s);
+    let b2 = graph.multiply(b, b);
+    let argument = graph.multiply(&b2, &size);
+    let argument = graph.multiply(&argument, &square);
+    let argument = graph.add(&argument, &tiny);
+    let argument = graph.apply(Function::Sqrt, &argument)?;
+    // With u = e^N − 1: sinh N = u (2 + u)/2(1 + u), cosh N − 1 = u²/2(1 + u), without cancellation.
+    let u = graph.apply_analytic(EXPONENTIAL_MINUS_1, 0, &argument);
+    let half = Rational::new(1, 2);
+    let above = graph.add(&one, &u);
+    let ratio = graph.divide(&u, &above)?;
+    let ratio = graph.scale(&half, &ratio);
+    let two_more = graph.add(&one, &above);
+    let hyperbolic = graph.multiply(&ratio, &two_more);
+    let hyperbolic = graph.divide(&hyperbolic, &argument)?;
+    let growth = graph.multiply(&ratio, &u);
+    let pull = graph.multiply(b, &hyperbolic);
+    let toward = graph.multiply(&along, &pull);
+    let excess = graph.subtract(&growth, &toward);
+    let raised = graph.multiply(&along, &growth);
+    let raised = graph.multiply(&raised, &inverse);
+    let lowered = graph.multiply(&size, &pull);
+    let shift = graph.subtract(&raised, &lowered);
+    let below = graph.add(&one, &excess);
+    let scale = graph.divide(&one, &below)?;
+    let mut increment = Vec::with_capacity(3);
+    for ((mut sum, q), s) in sums.into_iter().zip(q).zip(s) {
+        sum.push((Rational::one(), graph.multiply(&shift, q)));
+        sum.push((-Rational::one(), graph.multiply(&excess, s)));
+        let sum = graph.combine(&sum);
+        increment.push(graph.multiply(&scale, &sum));
+    }
+    Ok(increment)
+}

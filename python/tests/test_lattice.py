@@ -1,0 +1,132 @@
+"""Spins of lattices as arrays and files, against closed forms and readers written here."""
+
+import re
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import leafwise as lw
+from leafwise import lattice
+
+LENGTHS = (4, 16)
+K = 2 * np.pi * 3 / 16
+HEIGHT = 0.8
+
+
+def plane() -> lw.Scene:
+    """A spiral along the last axis of a torus, which turns about z at the rate -2 J c (1 - cos k)."""
+    here = {"s.x[i,j]": f"0.6*cos({K!r}*j)", "s.y[i,j]": f"0.6*sin({K!r}*j)", "s.z[i,j]": HEIGHT}
+    bonds = " + ".join(f"s.{c}[i,j]*(s.{c}[i+1,j] + s.{c}[i,j+1])" for c in "xyz")
+    return lw.Scene(
+        system={
+            "families": {"s": {"components": ["x", "y", "z"], "length": list(LENGTHS)}},
+            "bracket": {"lie-algebra": "so3"},
+            "hamiltonian": f"-sum(i, j, {bonds})",
+        },
+        method={"stepper": "spherical-midpoint", "time-step": 0.05},
+        run={"initial": here, "steps": 1280},
+    )
+
+
+def test_a_spiral_has_its_peaks_at_its_wave_number_and_frequency() -> None:
+    run = plane().run(record=10, advice=False)
+    s = lattice.vectors(run.x, LENGTHS)
+    assert s.shape == (129, 3, *LENGTHS)
+    factors = lattice.structure_factor(s)
+    # A wave of amplitude a has half of N a^2/2 at k and at -k; the third component is uniform.
+    sites = np.prod(LENGTHS)
+    expected = np.zeros((3, *LENGTHS))
+    expected[:2, 0, [3, -3]] = sites * 0.6**2 / 4
+    expected[2, 0, 0] = sites * HEIGHT**2
+    # The midpoint rule turns a spiral as a whole: there are no other waves.
+    np.testing.assert_allclose(factors, expected, atol=1e-9 * sites)
+    np.testing.assert_allclose(factors.sum(axis=0).mean(), 1.0, rtol=1e-12)
+    dt = run.t[1] - run.t[0]
+    omega, dynamic = lattice.dynamic_structure_factor(s, dt)
+    exact = -2 * HEIGHT * (1 - np.cos(K))
+    # The bracket's sign is the paper's: the spiral turns at the rate exact, cos(k r + exact t).
+    at = np.unravel_index(dynamic[:, 0].argmax(), dynamic[:, 0].shape)
+    assert at[1] == 0 and abs(lattice.wave_numbers(16)[at[2]]) == pytest.approx(K)
+    seen = omega[at[0]] * np.sign(lattice.wave_numbers(16)[at[2]])
+    assert abs(seen + exact) <= 2 * np.pi / (len(s) * dt)
+
+
+def test_factors_are_sums_over_sites() -> None:
+    rng = np.random.default_rng(1)
+    s = rng.normal(size=(6, 2, 3, 4))
+    omega, dynamic = lattice.dynamic_structure_factor(s, 0.5, window=False)
+    q = [lattice.wave_numbers(length) for length in (3, 4)]
+    t, i, j = np.meshgrid(np.arange(6) * 0.5, np.arange(3), np.arange(4), indexing="ij")
+    compared = 0
+    for w, a, b in [(0, 0, 0), (1, 2, 3), (5, 1, 2)]:
+        wave = np.exp(-1j * (q[0][a] * i + q[1][b] * j - omega[w] * t))
+        for c in range(2):
+            expected = abs((wave * s[:, c]).sum()) ** 2 / (12 * 6)
+            assert dynamic[w, c, a, b] == pytest.approx(expected, rel=1e-12)
+            compared += 1
+    assert compared == 6
+    np.testing.assert_allclose(dynamic.mean(axis=0), lattice.structure_factor(s), rtol=1e-12)
+    expected = np.mean([(s * np.roll(s, (-1, -3), axis=(2, 3))).sum(axis=1)])
+    assert lattice.correlation(s)[1, 3] == pytest.approx(expected, rel=1e-12)
+
+
+def test_extended_xyz_is_read_back(tmp_path: Path) -> None:
+    s = np.random.default_rng(2).normal(size=(2, 3, 3, 2, 4))
+    lattice.write_xyz(tmp_path / "s.xyz", s, times=[0.0, 0.5])
+    lines = (tmp_path / "s.xyz").read_text().splitlines()
+    assert len(lines) == 2 * (24 + 2)
+    for frame in range(2):
+        count, comment, *atoms = lines[26 * frame : 26 * (frame + 1)]
+        assert int(count) == 24
+        fields = dict(re.findall(r'(\w+)=("[^"]*"|\S+)', comment))
+        assert np.diag(np.array(fields["Lattice"].strip('"').split(), float).reshape(3, 3)).tolist() == [3, 2, 4]
+        assert fields["Properties"] == "species:S:1:pos:R:3:spin:R:3" and float(fields["Time"]) == [0.0, 0.5][frame]
+        for atom in atoms:
+            _, *numbers = atom.split()
+            x, y, z = (int(float(number)) for number in numbers[:3])
+            assert s[frame, :, x, y, z].tolist() == [float(number) for number in numbers[3:]]
+
+
+@pytest.mark.parametrize("lengths", [(5,), (3, 4), (3, 2, 4)])
+def test_ovf_is_read_back(tmp_path: Path, lengths: tuple[int, ...]) -> None:
+    s = np.random.default_rng(3).normal(size=(3, *lengths))
+    lattice.write_ovf(tmp_path / "s.ovf", s, cell=2e-9)
+    head, rest = (tmp_path / "s.ovf").read_bytes().split(b"# Begin: Data Binary 8\n")
+    said = dict(line[2:].split(": ", 1) for line in head.decode().splitlines() if ": " in line)
+    nodes = [int(said[f"{axis}nodes"]) for axis in "xyz"]
+    assert nodes == [*lengths, 1, 1][:3] and float(said["xstepsize"]) == 2e-9 and said["valuedim"] == "3"
+    count = int(np.prod(nodes))
+    numbers = np.frombuffer(rest[: 8 * (1 + 3 * count)], "<f8")
+    assert rest[8 * (1 + 3 * count) :] == b"\n# End: Data Binary 8\n# End: Segment\n"
+    assert numbers[0] == 123456789012345.0
+    at = 1
+    for z in range(nodes[2]):
+        for y in range(nodes[1]):
+            for x in range(nodes[0]):
+                place = (x, y, z)[: len(lengths)]
+                assert numbers[at : at + 3].tolist() == s[(slice(None), *place)].tolist()
+                at += 3
+
+
+def test_vti_is_read_back(tmp_path: Path) -> None:
+    s = np.random.default_rng(4).normal(size=(3, 3, 2))
+    lattice.write_vti(tmp_path / "s.vti", s)
+    image = ElementTree.parse(tmp_path / "s.vti").getroot().find("ImageData")
+    assert image is not None and image.attrib["WholeExtent"] == "0 2 0 1 0 0"
+    array = image.find("Piece/PointData/DataArray")
+    assert array is not None and array.text is not None
+    rows = np.array(array.text.split(), float).reshape(-1, 3)
+    assert rows.tolist() == [s[:, x, y].tolist() for y in range(2) for x in range(3)]
+
+
+def test_other_shapes_are_refused_with_what_to_take() -> None:
+    with pytest.raises(ValueError, match="48 coordinates"):
+        lattice.vectors(np.zeros(12), (4, 4))
+    with pytest.raises(ValueError, match=r"s\[None\]"):
+        lattice.structure_factor(np.zeros((3, 4)))
+    with pytest.raises(ValueError, match=r"s\[-1\]"):
+        lattice.write_vti("unwritten.vti", np.zeros((10, 3, 4, 4)))
+    with pytest.raises(ValueError, match="two samples"):
+        lattice.dynamic_structure_factor(np.zeros((1, 3, 4)), 0.1)
