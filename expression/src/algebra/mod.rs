@@ -6,6 +6,7 @@ mod generator;
 mod monomial;
 mod packed;
 mod polynomial;
+mod relations;
 mod rewriting;
 mod ring;
 #[cfg(test)]
@@ -15,4 +16,5 @@ pub use division::{quotient, square_root};
 pub use generator::{Atom, Generator};
 pub use monomial::{Monomial, Symbol};
 pub use polynomial::{Coefficient, CoefficientRing, Polynomial, Terms};
+pub use relations::{Elimination, Solutions, relations};
 pub use ring::Ring;

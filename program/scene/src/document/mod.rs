@@ -3,6 +3,7 @@
 //! - `located`: values that remember where they were written;
 //! - `system`, `bracket`, `method`, `run`, `ensemble`, `sweep`, `plugin`: one table or list of the scene each;
 //! - `system_section`: the contents of `[system]`, read from the scene, a library or a system without formulas;
+//! - `equations`: equations of motion, whose bracket is found;
 //! - `forces`: forces that move the system beside its Hamiltonian;
 //! - `noise`: channels that move it at random;
 //! - `families`: lengths of axes and ends of a lattice;
@@ -21,6 +22,7 @@ mod assign;
 mod bracket;
 mod contradictions;
 mod ensemble;
+mod equations;
 mod error;
 mod families;
 mod field;
@@ -50,6 +52,7 @@ mod tests;
 
 pub use bracket::{BracketSpec, SummandSpec};
 pub use ensemble::{Distribution, EnsembleSection, FinalStates, InitialDraw, ParameterDraw};
+pub use equations::equations_of;
 pub use error::{SceneErrors, SceneProblem, SceneProblemCause};
 pub use field::FieldSpec;
 pub use forces::{ByCoordinate, DampingSpec, ForcesSpec, MetricSpec, OneFormSpec};

@@ -1,0 +1,342 @@
+//! Jacobi's identity of affine tensors, quadratic in their coefficients, solved by Levenberg and Marquardt in doubles and rounded to
+//! rationals one coefficient at a time.
+
+use leafwise_expression::Rational;
+
+/// Residuals below this, relative to the square of the coefficients' size, are taken for zero. A proof follows.
+const SOLVED: f64 = 1e-11;
+
+/// Iterations of one solve.
+const MOST_ITERATIONS: usize = 120;
+
+/// The largest denominator of a coefficient that is rounded.
+const MOST_DENOMINATOR: i64 = 1 << 12;
+
+/// {x_i, x_j} = c_ij0 + Σ_k c_ijk x_k by its coefficients, those of a pair i < j together, the constant first.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Affine {
+    pub d: usize,
+}
+
+impl Affine {
+    /// The place of c_ijm with m = 0 for the constant, m = k + 1 for x_k, and its sign.
+    fn place(self, i: usize, j: usize, m: usize) -> Option<(usize, f64)> {
+        let pair = |i: usize, j: usize| i * (2 * self.d - i - 1) / 2 + (j - i - 1);
+        match i.cmp(&j) {
+            std::cmp::Ordering::Less => Some((pair(i, j) * (self.d + 1) + m, 1.0)),
+            std::cmp::Ordering::Greater => Some((pair(j, i) * (self.d + 1) + m, -1.0)),
+            std::cmp::Ordering::Equal => None,
+        }
+    }
+
+    /// Σ_cyc Σ_l (a_il^m b_jk^l) for all i < j < k and m: the identity is B(c, c) = 0.
+    fn bilinear(self, a: &[f64], b: &[f64], out: &mut Vec<f64>) {
+        out.clear();
+        let d = self.d;
+        let at = |c: &[f64], i, j, m| match self.place(i, j, m) {
+            Some((place, sign)) => sign * c[place],
+            None => 0.0,
+        };
+        for i in 0..d {
+            for j in i + 1..d {
+                for k in j + 1..d {
+                    let inner: Vec<[f64; 3]> = (0..d)
+                        .map(|l| [at(b, j, k, l + 1), at(b, k, i, l + 1), at(b, i, j, l + 1)])
+                        .collect();
+                    for m in 0..=d {
+                        let mut sum = 0.0;
+                        for (l, inner) in inner.iter().enumerate() {
+                            for (first, value) in [i, j, k].into_iter().zip(inner) {
+                                if *value != 0.0 {
+                                    sum += at(a, first, l, m) * value;
+                                }
+                            }
+                        }
+                        out.push(sum);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The affine space of coefficients c = `origin` + Σ tₖ `directions[k]`.
+#[derive(Clone, Debug)]
+pub(crate) struct Space {
+    pub origin: Vec<Rational>,
+    pub directions: Vec<Vec<Rational>>,
+}
+
+impl Space {
+    /// The part of it in which the coefficient `at` has this value, `None` where there is none.
+    fn with(&self, at: usize, value: &Rational) -> Option<Self> {
+        let missing = value - &self.origin[at];
+        // The sparsest direction fills the fewest entries.
+        let with_entry = (0..self.directions.len()).filter(|&k| !self.directions[k][at].is_zero());
+        let filled = |k: &usize| self.directions[*k].iter().filter(|e| !e.is_zero()).count();
+        let Some(chosen) = with_entry.min_by_key(filled) else {
+            return missing.is_zero().then(|| self.clone());
+        };
+        let pivot = &self.directions[chosen];
+        let unit = pivot[at].recip();
+        let moved = |from: &[Rational], factor: &Rational| -> Vec<Rational> {
+            (from.iter().zip(pivot))
+                .map(|(entry, step)| entry + factor * step)
+                .collect()
+        };
+        let directions = self.directions.iter().enumerate();
+        Some(Self {
+            origin: moved(&self.origin, &(&missing * &unit)),
+            directions: directions
+                .filter(|(k, _)| *k != chosen)
+                .map(|(_, other)| moved(other, &-(&other[at] * &unit)))
+                .collect(),
+        })
+    }
+
+    fn is_free(&self, at: usize) -> bool {
+        self.directions.iter().any(|direction| !direction[at].is_zero())
+    }
+}
+
+/// The same in doubles.
+struct Doubles {
+    origin: Vec<f64>,
+    directions: Vec<Vec<f64>>,
+}
+
+impl Doubles {
+    fn of(space: &Space) -> Self {
+        let doubles = |v: &Vec<Rational>| v.iter().map(Rational::to_f64).collect();
+        Self {
+            origin: doubles(&space.origin),
+            directions: space.directions.iter().map(doubles).collect(),
+        }
+    }
+
+    fn at(&self, t: &[f64]) -> Vec<f64> {
+        let mut c = self.origin.clone();
+        for (factor, direction) in t.iter().zip(&self.directions) {
+            for (entry, step) in c.iter_mut().zip(direction) {
+                *entry += factor * step;
+            }
+        }
+        c
+    }
+
+    /// t for which c(t) is nearest to `c`.
+    fn nearest(&self, c: &[f64]) -> Option<Vec<f64>> {
+        let p = self.directions.len();
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let missing: Vec<f64> = c.iter().zip(&self.origin).map(|(c, o)| c - o).collect();
+        let mut matrix = vec![vec![0.0; p + 1]; p];
+        for (k, row) in matrix.iter_mut().enumerate() {
+            for l in 0..p {
+                row[l] = dot(&self.directions[k], &self.directions[l]);
+            }
+            row[p] = dot(&self.directions[k], &missing);
+        }
+        eliminate(matrix)
+    }
+}
+
+/// The solution of a linear system given by its rows with the right side behind, by pivots in the column.
+fn eliminate(mut rows: Vec<Vec<f64>>) -> Option<Vec<f64>> {
+    let n = rows.len();
+    for column in 0..n {
+        let pivot = (column..n).max_by(|&a, &b| rows[a][column].abs().total_cmp(&rows[b][column].abs()))?;
+        if rows[pivot][column].abs() < 1e-300 {
+            return None;
+        }
+        rows.swap(column, pivot);
+        let lead = rows[column].clone();
+        for row in rows.iter_mut().skip(column + 1) {
+            let factor = row[column] / lead[column];
+            if factor != 0.0 {
+                for (entry, above) in row.iter_mut().zip(&lead).skip(column) {
+                    *entry -= factor * above;
+                }
+            }
+        }
+    }
+    let mut x = vec![0.0; n];
+    for row in (0..n).rev() {
+        let known: f64 = (row + 1..n).map(|k| rows[row][k] * x[k]).sum();
+        x[row] = (rows[row][n] - known) / rows[row][row];
+    }
+    x.iter().all(|v| v.is_finite()).then_some(x)
+}
+
+/// c with B(c, c) = 0 from a start t, by Levenberg and Marquardt with a damping in proportion to the residual.
+fn solve(affine: Affine, space: &Doubles, start: Vec<f64>) -> Option<Vec<f64>> {
+    let p = space.directions.len();
+    let mut t = start;
+    let mut c = space.at(&t);
+    let mut r = Vec::new();
+    affine.bilinear(&c, &c, &mut r);
+    let norm = |r: &[f64]| r.iter().map(|v| v * v).sum::<f64>();
+    let mut size = norm(&r);
+    let mut damping = 1.0;
+    let (mut left, mut right) = (Vec::new(), Vec::new());
+    for _ in 0..MOST_ITERATIONS {
+        let scale = norm(&c);
+        if size <= SOLVED * SOLVED * scale * scale {
+            return Some(c);
+        }
+        let mut slopes: Vec<Vec<f64>> = Vec::with_capacity(p);
+        for direction in &space.directions {
+            affine.bilinear(&c, direction, &mut left);
+            affine.bilinear(direction, &c, &mut right);
+            slopes.push(left.iter().zip(&right).map(|(a, b)| a + b).collect());
+        }
+        let mut matrix = vec![vec![0.0; p + 1]; p];
+        for k in 0..p {
+            for l in 0..=k {
+                let entry = slopes[k].iter().zip(&slopes[l]).map(|(a, b)| a * b).sum();
+                matrix[k][l] = entry;
+                matrix[l][k] = entry;
+            }
+            matrix[k][p] = -slopes[k].iter().zip(&r).map(|(a, b)| a * b).sum::<f64>();
+        }
+        let lambda = damping * size + 1e-30;
+        for (k, row) in matrix.iter_mut().enumerate() {
+            row[k] += lambda;
+        }
+        let step = eliminate(matrix)?;
+        let trial: Vec<f64> = t.iter().zip(&step).map(|(t, s)| t + s).collect();
+        let trial_c = space.at(&trial);
+        affine.bilinear(&trial_c, &trial_c, &mut left);
+        let trial_size = norm(&left);
+        if trial_size < size {
+            (t, c, size) = (trial, trial_c, trial_size);
+            std::mem::swap(&mut r, &mut left);
+            damping *= 0.3;
+        } else {
+            damping *= 8.0;
+            if damping > 1e12 {
+                return None;
+            }
+        }
+    }
+    None
+}
+
+/// A sparse rational c in the space with B(c, c) = 0 to round-off, `None` where none is found from `starts` starts.
+///
+/// Coefficients are set to 0 one after the other, the smallest first, as long as the identity can still be solved. Those that
+/// stay free are rounded to simple fractions.
+pub(crate) fn sparse_solution(affine: Affine, space: &Space, starts: usize) -> Option<Vec<Rational>> {
+    let doubles = Doubles::of(space);
+    let p = space.directions.len();
+    // The first start has free coefficients 0, the second is the smallest c.
+    let mut phase = 0.25_f64;
+    let mut found = None;
+    for start in 0..starts {
+        let t = match start {
+            0 => vec![0.0; p],
+            1 => doubles.nearest(&vec![0.0; doubles.origin.len()])?,
+            _ => (0..p)
+                .map(|_| {
+                    phase = (phase + 0.618_033_988_749_894_9) % 1.0;
+                    2.0 * phase - 1.0
+                })
+                .collect(),
+        };
+        found = solve(affine, &doubles, t);
+        if found.is_some() || p == 0 {
+            break;
+        }
+    }
+    let mut c = found?;
+    let mut space = space.clone();
+    let mut order: Vec<usize> = (0..c.len()).collect();
+    order.sort_by(|&a, &b| c[a].abs().total_cmp(&c[b].abs()));
+    for at in order {
+        if let Some(smaller) = restricted(affine, &space, &c, at, &Rational::zero()) {
+            (space, c) = smaller;
+        }
+    }
+    while let Some(at) = (0..c.len()).find(|&at| space.is_free(at)) {
+        let values = fractions(c[at]);
+        let smaller = values.iter().find_map(|value| restricted(affine, &space, &c, at, value))?;
+        (space, c) = smaller;
+    }
+    Some(space.origin)
+}
+
+/// The solution in the part of the space where the coefficient `at` has this value, near `c`.
+fn restricted(
+    affine: Affine,
+    space: &Space,
+    c: &[f64],
+    at: usize,
+    value: &Rational,
+) -> Option<(Space, Vec<f64>)> {
+    if !space.is_free(at) {
+        return None;
+    }
+    let space = space.with(at, value)?;
+    let doubles = Doubles::of(&space);
+    let start = doubles.nearest(c)?;
+    let c = solve(affine, &doubles, start)?;
+    Some((space, c))
+}
+
+/// Simple fractions near v, the simplest first: 1, −1 where they are near, and the convergents of its continued fraction.
+fn fractions(v: f64) -> Vec<Rational> {
+    let mut found = Vec::new();
+    let (mut rest, mut last, mut next) = (v, (0_i64, 1_i64), (1_i64, 0_i64));
+    for _ in 0..12 {
+        let whole = libm::floor(rest);
+        if whole.abs() > 1e9 {
+            break;
+        }
+        let whole_number = whole as i64;
+        let convergent = (
+            whole_number.saturating_mul(next.0).saturating_add(last.0),
+            whole_number.saturating_mul(next.1).saturating_add(last.1),
+        );
+        if convergent.1.abs() > MOST_DENOMINATOR || convergent.1 == 0 {
+            break;
+        }
+        found.push(Rational::new(convergent.0, convergent.1));
+        (last, next) = (next, convergent);
+        let part = rest - whole;
+        if part.abs() < 1e-9 {
+            break;
+        }
+        rest = 1.0 / part;
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// {x, y} = z and cyclic holds, {x, y} = z, {y, z} = x + y alone does not.
+    #[test]
+    fn the_identity_of_so3_holds_and_that_of_another_tensor_does_not() {
+        let affine = Affine { d: 3 };
+        let mut r = Vec::new();
+        let mut c = vec![0.0; 12];
+        for (i, j, k, value) in [(0, 1, 2, 1.0), (1, 2, 0, 1.0), (0, 2, 1, -1.0)] {
+            let (place, sign) = affine.place(i, j, k + 1).expect("a pair");
+            c[place] = sign * value;
+        }
+        affine.bilinear(&c, &c, &mut r);
+        assert_eq!(r, [0.0; 4]);
+        let (place, _) = affine.place(0, 2, 1).expect("a pair");
+        c[place] = 1.0;
+        affine.bilinear(&c, &c, &mut r);
+        assert!(r.iter().any(|v| *v != 0.0), "{r:?}");
+    }
+
+    #[test]
+    fn convergents_end_at_the_fraction_itself() {
+        for (above, below) in [(1, 1), (-3, 7), (51, 100), (0, 1), (355, 113)] {
+            let found = fractions(f64::from(above) / f64::from(below));
+            assert_eq!(found.last(), Some(&Rational::new(above.into(), below.into())));
+        }
+    }
+}
