@@ -51,6 +51,7 @@ pub(crate) fn affine(field: &mut Field, integrals: &[Polynomial]) -> Result<Atte
                 tensor: entries(field, &c),
                 hamiltonian,
                 family: space.directions.len() + 1,
+                energy: None,
                 casimirs: Vec::new(),
             })));
         }

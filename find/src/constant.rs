@@ -223,11 +223,10 @@ impl Rates<'_> {
                 tensor: self.entries(&tensor),
                 hamiltonian,
                 family: family.len(),
+                energy: None,
                 casimirs: Vec::new(),
             };
-            if best.as_ref().is_none_or(|known| candidate.size() < known.size()) {
-                best = Some(candidate);
-            }
+            Candidate::keep_smaller(&mut best, Some(candidate), &self.field.ring);
             if family.len() == 1 {
                 break;
             }

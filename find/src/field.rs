@@ -53,13 +53,15 @@ impl Field {
         degrees.max().unwrap_or(0)
     }
 
+    /// Whether f_i has the factor x_i.
+    pub fn has_factor(&self, i: usize) -> bool {
+        let terms = self.f[i].terms().iter();
+        terms.map(|(m, _)| m.exponent(i as u32)).all(|e| e >= 1)
+    }
+
     /// f_i/x_i, where every f_i has the factor x_i.
     pub fn rates(&mut self) -> Option<Vec<Polynomial>> {
-        let has_factor = |(i, f): (usize, &Polynomial)| {
-            let terms = f.terms().iter();
-            terms.map(|(m, _)| m.exponent(i as u32)).all(|e| e >= 1)
-        };
-        if !self.f.iter().enumerate().all(has_factor) {
+        if !(0..self.f.len()).all(|i| self.has_factor(i)) {
             return None;
         }
         let rates = self.f.iter().enumerate().map(|(i, f)| over(f, i));

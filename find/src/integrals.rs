@@ -1,7 +1,7 @@
 //! First integrals: polynomials in the variables and functions, and products of powers of Darboux polynomials.
 
 use leafwise_expression::algebra::{Symbol, relations};
-use leafwise_expression::{Arithmetic, Expression, Polynomial, Rational, Ring};
+use leafwise_expression::{Arithmetic, Expression, Function, Polynomial, Rational, Ring};
 
 use crate::candidates::{monomials, symbols_of};
 use crate::error::FindError;
@@ -26,9 +26,23 @@ impl Integral {
     }
 }
 
-/// A basis of the integrals of degree 1 … `degree`: L_f I = 0 is linear in their coefficients.
+/// Variables up to which ln x_i stands beside x_i.
+const MOST_LOGARITHMS: usize = 6;
+
+/// A basis of the integrals of degree 1 … `degree` in the variables, the functions in f, and ln x_i where f_i has the factor x_i: L_f I = 0
+/// is linear in their coefficients.
 pub(crate) fn integrals(field: &mut Field, degree: usize) -> Result<Vec<Polynomial>, FindError> {
-    let symbols = symbols_of(&mut field.ring, &field.f)?;
+    let mut symbols = symbols_of(&mut field.ring, &field.f)?;
+    if field.dimension() <= MOST_LOGARITHMS {
+        for i in 0..field.dimension() {
+            if field.has_factor(i) {
+                let x = field.ring.variable(i);
+                symbols.extend(field.ring.apply(Function::Ln, &x)?.symbols());
+            }
+        }
+        symbols.sort_unstable();
+        symbols.dedup();
+    }
     let zero = Polynomial::zero();
     eigen(field, &symbols, degree, &zero)
 }

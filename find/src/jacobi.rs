@@ -6,11 +6,20 @@ use leafwise_expression::Rational;
 /// Residuals below this, relative to the square of the coefficients' size, are taken for zero. A proof follows.
 const SOLVED: f64 = 1e-11;
 
-/// Iterations of one solve.
+/// Residuals at which no further iteration helps.
+const ROUND_OFF: f64 = 1e-15;
+
+/// Iterations of the first solve, and of one near a solution.
 const MOST_ITERATIONS: usize = 120;
+const MOST_NEAR: usize = 40;
 
 /// The largest denominator of a coefficient that is rounded.
-const MOST_DENOMINATOR: i64 = 1 << 12;
+const MOST_DENOMINATOR: i64 = 1 << 20;
+
+/// A fraction with a denominator up to this one that is as near as this is taken for the coefficient: others that are as near have larger
+/// denominators.
+const SIMPLE: i64 = 1 << 18;
+const NEAR: f64 = 1e-13;
 
 /// {x_i, x_j} = c_ij0 + Σ_k c_ijk x_k by its coefficients, those of a pair i < j together, the constant first.
 #[derive(Clone, Copy, Debug)]
@@ -19,36 +28,31 @@ pub(crate) struct Affine {
 }
 
 impl Affine {
-    /// The place of c_ijm with m = 0 for the constant, m = k + 1 for x_k, and its sign.
-    fn place(self, i: usize, j: usize, m: usize) -> Option<(usize, f64)> {
+    /// The place of c_ijm with m = 0 for the constant, m = k + 1 for x_k, and whether its sign is that of c_jim.
+    fn place(self, i: usize, j: usize, m: usize) -> Option<(usize, bool)> {
         let pair = |i: usize, j: usize| i * (2 * self.d - i - 1) / 2 + (j - i - 1);
         match i.cmp(&j) {
-            std::cmp::Ordering::Less => Some((pair(i, j) * (self.d + 1) + m, 1.0)),
-            std::cmp::Ordering::Greater => Some((pair(j, i) * (self.d + 1) + m, -1.0)),
+            std::cmp::Ordering::Less => Some((pair(i, j) * (self.d + 1) + m, false)),
+            std::cmp::Ordering::Greater => Some((pair(j, i) * (self.d + 1) + m, true)),
             std::cmp::Ordering::Equal => None,
         }
     }
 
     /// Σ_cyc Σ_l (a_il^m b_jk^l) for all i < j < k and m: the identity is B(c, c) = 0.
-    fn bilinear(self, a: &[f64], b: &[f64], out: &mut Vec<f64>) {
+    fn bilinear<T: Scalar>(self, a: &[T], b: &[T], out: &mut Vec<T>) {
         out.clear();
         let d = self.d;
-        let at = |c: &[f64], i, j, m| match self.place(i, j, m) {
-            Some((place, sign)) => sign * c[place],
-            None => 0.0,
-        };
         for i in 0..d {
             for j in i + 1..d {
                 for k in j + 1..d {
-                    let inner: Vec<[f64; 3]> = (0..d)
-                        .map(|l| [at(b, j, k, l + 1), at(b, k, i, l + 1), at(b, i, j, l + 1)])
-                        .collect();
                     for m in 0..=d {
-                        let mut sum = 0.0;
-                        for (l, inner) in inner.iter().enumerate() {
-                            for (first, value) in [i, j, k].into_iter().zip(inner) {
-                                if *value != 0.0 {
-                                    sum += at(a, first, l, m) * value;
+                        let mut sum = T::default();
+                        for l in 0..d {
+                            for (first, p, q) in [(i, j, k), (j, k, i), (k, i, j)] {
+                                let left = self.place(first, l, m);
+                                let right = self.place(p, q, l + 1);
+                                if let (Some((left, one)), Some((right, other))) = (left, right) {
+                                    sum.add_product(&a[left], &b[right], one != other);
                                 }
                             }
                         }
@@ -57,6 +61,36 @@ impl Affine {
                 }
             }
         }
+    }
+
+    /// Whether the identity holds exactly.
+    fn holds(self, c: &[Rational]) -> bool {
+        let mut identity = Vec::new();
+        self.bilinear(c, c, &mut identity);
+        identity.iter().all(Rational::is_zero)
+    }
+}
+
+/// Numbers that the identity is formed of.
+trait Scalar: Default {
+    /// s ← s ± a b.
+    fn add_product(&mut self, a: &Self, b: &Self, is_negative: bool);
+}
+
+impl Scalar for f64 {
+    fn add_product(&mut self, a: &Self, b: &Self, is_negative: bool) {
+        let product = a * b;
+        *self += if is_negative { -product } else { product };
+    }
+}
+
+impl Scalar for Rational {
+    fn add_product(&mut self, a: &Self, b: &Self, is_negative: bool) {
+        if a.is_zero() || b.is_zero() {
+            return;
+        }
+        let product = a * b;
+        *self += &if is_negative { -product } else { product };
     }
 }
 
@@ -99,21 +133,40 @@ impl Space {
     }
 }
 
-/// The same in doubles.
+/// The same in doubles: c = `scale` (`origin` + Σ tₖ `directions[k]`) with orthonormal directions, and the smallest c for the origin.
 struct Doubles {
+    scale: f64,
     origin: Vec<f64>,
     directions: Vec<Vec<f64>>,
 }
 
 impl Doubles {
     fn of(space: &Space) -> Self {
-        let doubles = |v: &Vec<Rational>| v.iter().map(Rational::to_f64).collect();
+        let doubles = |v: &Vec<Rational>| -> Vec<f64> { v.iter().map(Rational::to_f64).collect() };
+        let mut directions: Vec<Vec<f64>> = Vec::new();
+        for direction in &space.directions {
+            let mut direction = doubles(direction);
+            normalize(&mut direction);
+            // Twice is enough.
+            for _ in 0..2 {
+                without(&mut direction, &directions);
+            }
+            normalize(&mut direction);
+            directions.push(direction);
+        }
+        let mut origin = doubles(&space.origin);
+        for _ in 0..2 {
+            without(&mut origin, &directions);
+        }
+        let scale = normalize(&mut origin);
         Self {
-            origin: doubles(&space.origin),
-            directions: space.directions.iter().map(doubles).collect(),
+            scale,
+            origin,
+            directions,
         }
     }
 
+    /// c over the scale.
     fn at(&self, t: &[f64]) -> Vec<f64> {
         let mut c = self.origin.clone();
         for (factor, direction) in t.iter().zip(&self.directions) {
@@ -125,19 +178,36 @@ impl Doubles {
     }
 
     /// t for which c(t) is nearest to `c`.
-    fn nearest(&self, c: &[f64]) -> Option<Vec<f64>> {
-        let p = self.directions.len();
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let missing: Vec<f64> = c.iter().zip(&self.origin).map(|(c, o)| c - o).collect();
-        let mut matrix = vec![vec![0.0; p + 1]; p];
-        for (k, row) in matrix.iter_mut().enumerate() {
-            for l in 0..p {
-                row[l] = dot(&self.directions[k], &self.directions[l]);
-            }
-            row[p] = dot(&self.directions[k], &missing);
-        }
-        eliminate(matrix)
+    fn nearest(&self, c: &[f64]) -> Vec<f64> {
+        let along = |direction: &Vec<f64>| dot(c, direction) / self.scale;
+        self.directions.iter().map(along).collect()
     }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Takes away the parts along orthonormal vectors.
+fn without(v: &mut [f64], directions: &[Vec<f64>]) {
+    for direction in directions {
+        let part = dot(v, direction);
+        for (entry, step) in v.iter_mut().zip(direction) {
+            *entry -= part * step;
+        }
+    }
+}
+
+/// v/|v|, and |v|; 0 stays as it is with the length 1.
+fn normalize(v: &mut [f64]) -> f64 {
+    let length = libm::sqrt(dot(v, v));
+    if length == 0.0 {
+        return 1.0;
+    }
+    for entry in v.iter_mut() {
+        *entry /= length;
+    }
+    length
 }
 
 /// The solution of a linear system given by its rows with the right side behind, by pivots in the column.
@@ -168,7 +238,7 @@ fn eliminate(mut rows: Vec<Vec<f64>>) -> Option<Vec<f64>> {
 }
 
 /// c with B(c, c) = 0 from a start t, by Levenberg and Marquardt with a damping in proportion to the residual.
-fn solve(affine: Affine, space: &Doubles, start: Vec<f64>) -> Option<Vec<f64>> {
+fn solve(affine: Affine, space: &Doubles, start: Vec<f64>, iterations: usize) -> Option<Vec<f64>> {
     let p = space.directions.len();
     let mut t = start;
     let mut c = space.at(&t);
@@ -178,10 +248,9 @@ fn solve(affine: Affine, space: &Doubles, start: Vec<f64>) -> Option<Vec<f64>> {
     let mut size = norm(&r);
     let mut damping = 1.0;
     let (mut left, mut right) = (Vec::new(), Vec::new());
-    for _ in 0..MOST_ITERATIONS {
-        let scale = norm(&c);
-        if size <= SOLVED * SOLVED * scale * scale {
-            return Some(c);
+    for _ in 0..iterations {
+        if size <= square(ROUND_OFF * norm(&c)) {
+            break;
         }
         let mut slopes: Vec<Vec<f64>> = Vec::with_capacity(p);
         for direction in &space.directions {
@@ -214,27 +283,31 @@ fn solve(affine: Affine, space: &Doubles, start: Vec<f64>) -> Option<Vec<f64>> {
         } else {
             damping *= 8.0;
             if damping > 1e12 {
-                return None;
+                break;
             }
         }
     }
-    None
+    let is_solved = size <= square(SOLVED * norm(&c));
+    is_solved.then(|| c.iter().map(|entry| space.scale * entry).collect())
 }
 
-/// A sparse rational c in the space with B(c, c) = 0 to round-off, `None` where none is found from `starts` starts.
+fn square(v: f64) -> f64 {
+    v * v
+}
+
+/// A sparse rational c in the space with B(c, c) = 0, `None` where none is found from `starts` starts.
 ///
 /// Coefficients are set to 0 one after the other, the smallest first, as long as the identity can still be solved. Those that
 /// stay free are rounded to simple fractions.
 pub(crate) fn sparse_solution(affine: Affine, space: &Space, starts: usize) -> Option<Vec<Rational>> {
     let doubles = Doubles::of(space);
     let p = space.directions.len();
-    // The first start has free coefficients 0, the second is the smallest c.
     let mut phase = 0.25_f64;
     let mut found = None;
     for start in 0..starts {
         let t = match start {
+            // The smallest c.
             0 => vec![0.0; p],
-            1 => doubles.nearest(&vec![0.0; doubles.origin.len()])?,
             _ => (0..p)
                 .map(|_| {
                     phase = (phase + 0.618_033_988_749_894_9) % 1.0;
@@ -242,7 +315,7 @@ pub(crate) fn sparse_solution(affine: Affine, space: &Space, starts: usize) -> O
                 })
                 .collect(),
         };
-        found = solve(affine, &doubles, t);
+        found = solve(affine, &doubles, t, MOST_ITERATIONS);
         if found.is_some() || p == 0 {
             break;
         }
@@ -261,7 +334,7 @@ pub(crate) fn sparse_solution(affine: Affine, space: &Space, starts: usize) -> O
         let smaller = values.iter().find_map(|value| restricted(affine, &space, &c, at, value))?;
         (space, c) = smaller;
     }
-    Some(space.origin)
+    Some(space.origin).filter(|c| affine.holds(c))
 }
 
 /// The solution in the part of the space where the coefficient `at` has this value, near `c`.
@@ -277,16 +350,16 @@ fn restricted(
     }
     let space = space.with(at, value)?;
     let doubles = Doubles::of(&space);
-    let start = doubles.nearest(c)?;
-    let c = solve(affine, &doubles, start)?;
+    let start = doubles.nearest(c);
+    let c = solve(affine, &doubles, start, MOST_NEAR)?;
     Some((space, c))
 }
 
-/// Simple fractions near v, the simplest first: 1, −1 where they are near, and the convergents of its continued fraction.
+/// Convergents of the continued fraction of v, the simplest first, but one that is v to round-off before all others.
 fn fractions(v: f64) -> Vec<Rational> {
     let mut found = Vec::new();
     let (mut rest, mut last, mut next) = (v, (0_i64, 1_i64), (1_i64, 0_i64));
-    for _ in 0..12 {
+    for _ in 0..24 {
         let whole = libm::floor(rest);
         if whole.abs() > 1e9 {
             break;
@@ -307,6 +380,12 @@ fn fractions(v: f64) -> Vec<Rational> {
         }
         rest = 1.0 / part;
     }
+    let is_near = |r: &Rational| (r.to_f64() - v).abs() <= NEAR * v.abs().max(1.0);
+    let is_simple = |r: &Rational| r.denominator() <= SIMPLE.unsigned_abs().into();
+    if let Some(at) = found.iter().position(|r| is_near(r) && is_simple(r)) {
+        let simple = found.remove(at);
+        found.insert(0, simple);
+    }
     found
 }
 
@@ -321,8 +400,8 @@ mod tests {
         let mut r = Vec::new();
         let mut c = vec![0.0; 12];
         for (i, j, k, value) in [(0, 1, 2, 1.0), (1, 2, 0, 1.0), (0, 2, 1, -1.0)] {
-            let (place, sign) = affine.place(i, j, k + 1).expect("a pair");
-            c[place] = sign * value;
+            let (place, is_negative) = affine.place(i, j, k + 1).expect("a pair");
+            c[place] = if is_negative { -value } else { value };
         }
         affine.bilinear(&c, &c, &mut r);
         assert_eq!(r, [0.0; 4]);
@@ -333,10 +412,10 @@ mod tests {
     }
 
     #[test]
-    fn convergents_end_at_the_fraction_itself() {
+    fn the_fraction_itself_comes_first() {
         for (above, below) in [(1, 1), (-3, 7), (51, 100), (0, 1), (355, 113)] {
             let found = fractions(f64::from(above) / f64::from(below));
-            assert_eq!(found.last(), Some(&Rational::new(above.into(), below.into())));
+            assert_eq!(found.first(), Some(&Rational::new(above.into(), below.into())));
         }
     }
 }

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use leafwise_expression::algebra::quotient;
-use leafwise_expression::{Arithmetic, Polynomial, Rational, Ring};
+use leafwise_expression::{Arithmetic, Expression, Polynomial, Rational, Ring};
 
 use crate::error::FindError;
 use crate::field::Field;
@@ -34,7 +34,8 @@ pub(crate) fn low(field: &mut Field, polynomials: &[Polynomial]) -> Result<Attem
     if d == 2 {
         let mut best = None;
         for hamiltonian in &integrals {
-            keep_smaller(&mut best, in_the_plane(field, hamiltonian)?);
+            let found = in_the_plane(field, hamiltonian)?;
+            Candidate::keep_smaller(&mut best, found, &field.ring);
         }
         return Ok(best.map_or_else(|| none("no first integral"), |b| Attempt::Found(Box::new(b))));
     }
@@ -43,20 +44,12 @@ pub(crate) fn low(field: &mut Field, polynomials: &[Polynomial]) -> Result<Attem
     let pairs = (0..count).flat_map(|c| (0..count).filter(move |&h| h != c).map(move |h| (c, h)));
     for (c, h) in pairs.take(MOST_PAIRS) {
         let found = in_space(field, &integrals[c], &integrals[h])?;
-        keep_smaller(&mut best, found);
+        Candidate::keep_smaller(&mut best, found, &field.ring);
     }
     Ok(best.map_or_else(
         || none("no pair of independent first integrals"),
         |b| Attempt::Found(Box::new(b)),
     ))
-}
-
-fn keep_smaller(best: &mut Option<Candidate>, other: Option<Candidate>) {
-    if let Some(other) = other
-        && best.as_ref().is_none_or(|known| other.size() < known.size())
-    {
-        *best = Some(other);
-    }
 }
 
 /// above/below, as a polynomial or one over a polynomial where it is one.
@@ -86,6 +79,7 @@ fn in_the_plane(field: &mut Field, h: &Integral) -> Result<Option<Candidate>, Fi
         tensor: BTreeMap::from([((0, 1), phi)]),
         hamiltonian,
         family: 1,
+        energy: energy(h),
         casimirs: Vec::new(),
     }))
 }
@@ -128,8 +122,14 @@ fn in_space(field: &mut Field, c: &Integral, h: &Integral) -> Result<Option<Cand
         tensor,
         hamiltonian: element(ring, h)?,
         family: 1,
-        casimirs: vec![element(ring, c)?],
+        energy: energy(h),
+        casimirs: vec![c.formula.clone()],
     }))
+}
+
+/// The formula, where the ring would expand it.
+fn energy(h: &Integral) -> Option<Expression> {
+    (!h.divisor.as_constant().is_some_and(|c| !c.is_zero())).then(|| h.formula.clone())
 }
 
 fn element(ring: &mut Ring, integral: &Integral) -> Result<Polynomial, FindError> {

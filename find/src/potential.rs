@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use leafwise_expression::algebra::{Monomial, relations};
+use leafwise_expression::algebra::{Coefficient, Monomial, relations};
 use leafwise_expression::{AlgebraError, Arithmetic, Polynomial, Rational, Ring};
 
 use crate::candidates::{MOST_UNKNOWNS, antiderivatives};
@@ -24,19 +24,24 @@ pub(crate) fn potential(
     let mut functions: Vec<Polynomial> = Vec::new();
     let mut columns: Vec<Vec<Polynomial>> = Vec::new();
     let mut known: HashSet<Polynomial> = HashSet::new();
-    let mut seen: HashSet<(usize, Monomial)> = HashSet::new();
+    let mut seen: HashSet<(usize, Monomial, Monomial)> = HashSet::new();
     let mut new: Vec<Vec<Polynomial>> = vec![u.to_vec()];
     for _ in 0..MOST_ROUNDS {
-        let mut terms: Vec<(usize, Monomial)> = Vec::new();
+        let mut terms: Vec<(usize, Monomial, Monomial)> = Vec::new();
         for vector in &new {
             for (component, element) in vector.iter().enumerate() {
-                let monomials = element.terms().iter().map(|(m, _)| (component, m.clone()));
-                terms.extend(monomials.filter(|term| seen.insert(term.clone())));
+                for (monomial, coefficient) in element.terms() {
+                    let constants = coefficient.terms().iter();
+                    let found = constants.map(|(k, _)| (component, monomial.clone(), k.clone()));
+                    terms.extend(found.filter(|term| seen.insert(term.clone())));
+                }
             }
         }
         let before = columns.len();
-        for (component, monomial) in terms {
+        for (component, monomial, constant) in terms {
+            let factor = Coefficient::term(constant, Rational::one());
             for candidate in antiderivatives(ring, &monomial, by[component])? {
+                let candidate = candidate.times_term(&Monomial::one(), &factor);
                 if candidate.is_zero() || !known.insert(candidate.clone()) {
                     continue;
                 }

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use leafwise_core::SystemFormulas;
+use leafwise_expression::algebra::{Generator, Monomial};
 use leafwise_expression::{Arithmetic, Expression, Polynomial, Rational, Ring};
 
 /// Kinds of brackets that are looked for, in this order.
@@ -47,8 +48,10 @@ pub(crate) struct Candidate {
     pub tensor: BTreeMap<(usize, usize), Polynomial>,
     pub hamiltonian: Polynomial,
     pub family: usize,
+    /// H as it is written, where the ring would expand it.
+    pub energy: Option<Expression>,
     /// Casimirs that the construction gives; others are looked for.
-    pub casimirs: Vec<Polynomial>,
+    pub casimirs: Vec<Expression>,
 }
 
 impl Candidate {
@@ -64,17 +67,47 @@ impl Candidate {
         };
         let lambda = lead.recip().abs() * Rational::from_integer(energy.signum().into());
         let tensor = self.tensor.into_iter();
+        let factor = Expression::Constant(lambda.recip());
         Self {
+            energy: self.energy.map(|energy| match lambda.is_one() {
+                true => energy,
+                false => Expression::Product(vec![factor, energy]),
+            }),
             tensor: tensor.map(|(pair, entry)| (pair, ring.scale(&lambda, &entry))).collect(),
             hamiltonian: ring.scale(&lambda.recip(), &self.hamiltonian),
             ..self
         }
     }
 
-    /// Entries and terms: the fewer, the easier to read.
-    pub fn size(&self) -> usize {
+    /// Order of preference: few fractions in the tensor, then few terms, then many squares in H, then few terms in H.
+    pub fn size(&self, ring: &Ring) -> [usize; 4] {
+        let factors = self.tensor.values().flat_map(Polynomial::terms);
+        let factors = factors.flat_map(|(m, _)| m.factors());
+        let fractions = factors.filter(|&&(symbol, exponent)| {
+            exponent < 0 || matches!(ring.generator(symbol), Some(Generator::Inverse(_)))
+        });
+        let fractions = fractions.count();
         let entries = self.tensor.values().map(|entry| entry.terms().len());
-        entries.sum::<usize>() + self.hamiltonian.terms().len()
+        let terms = self.hamiltonian.terms();
+        let is_square = |m: &Monomial| matches!(m.factors(), [(_, 2)]);
+        let others = terms.iter().filter(|(m, _)| !is_square(m)).count();
+        let squares = terms.len() - others;
+        let missing = self.tensor.len().saturating_sub(squares);
+        [fractions, entries.sum(), missing, terms.len()]
+    }
+
+    /// Puts the preferred one of both in the place of `best`.
+    pub fn keep_smaller(best: &mut Option<Self>, other: Option<Self>, ring: &Ring) {
+        if let Some(other) = other
+            && best.as_ref().is_none_or(|known| other.size(ring) < known.size(ring))
+        {
+            *best = Some(other);
+        }
+    }
+
+    /// H as a formula.
+    pub fn written(&self, ring: &Ring) -> Expression {
+        self.energy.clone().unwrap_or_else(|| ring.formula(&self.hamiltonian))
     }
 }
 

@@ -106,7 +106,7 @@ fn proved(
     let entries = candidate.tensor.iter();
     let entries: std::collections::BTreeMap<(usize, usize), Expression> =
         entries.map(|(pair, entry)| (*pair, ring.formula(entry))).collect();
-    let hamiltonian = ring.formula(&candidate.hamiltonian);
+    let hamiltonian = candidate.written(ring);
     let parameters = equations.parameters().iter().map(|(name, value)| Parameter {
         name: name.clone(),
         value: value.to_f64(),
@@ -137,9 +137,7 @@ fn proved(
     if !is_poisson {
         return Ok(None);
     }
-    let mut casimirs: Vec<Expression> = (candidate.casimirs.iter())
-        .map(|casimir| field.ring.formula(casimir))
-        .collect();
+    let mut casimirs = candidate.casimirs;
     if casimirs.is_empty() {
         casimirs = casimirs_of(&alone, options.degree.unwrap_or(2))?;
     }

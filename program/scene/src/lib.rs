@@ -21,5 +21,6 @@ pub use document::{
     InitialSpec, Located, MethodParts, MethodSection, MethodTable, Number, NumbersSystem,
     ParameterDraw, ParameterValue, PartSpec, PartUse, Place, PluginSpec, RecordSpec, RewriteError,
     RunSection, SceneDocument, SceneErrors, SceneProblem, SceneProblemCause, Source, StepSpec,
-    SummandSpec, SystemSection, equations_of,
+    SummandSpec, SystemSection, equations_of, with_casimirs,
+    with_system,
 };

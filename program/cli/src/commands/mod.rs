@@ -6,6 +6,7 @@ pub mod describe;
 pub mod ensemble;
 pub mod evaluate;
 pub mod explain;
+pub mod find;
 pub mod list;
 pub mod merge;
 mod motion;

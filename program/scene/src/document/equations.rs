@@ -4,10 +4,12 @@ use leafwise_expression::syntax::{Formula, Scope};
 use leafwise_expression::{Expression, Rational};
 use leafwise_find::{Equations, Options, Report, find};
 use toml::de::DeTable;
+use toml_edit::{DocumentMut, InlineTable, value};
 
 use super::error::{SceneErrors, SceneProblemCause};
 use super::field::{Parameters, read_parameters};
 use super::located::{Located, Source};
+use super::method_table::RewriteError;
 use super::reader::{Item, Problems, Table, end_of};
 use super::schema::SCENE;
 use super::system_schema::SYSTEM;
@@ -235,4 +237,47 @@ fn resolved(
             None
         }
     }
+}
+
+/// A scene's text with the bracket that was found in the place of its equations. Forces and noise stay.
+///
+/// # Errors
+/// [`RewriteError`] for a text that is not a scene.
+pub fn with_system(text: &str, fragment: &str) -> Result<String, RewriteError> {
+    let read = |text: &str| {
+        text.parse::<DocumentMut>()
+            .map_err(|error| RewriteError::Syntax {
+                message: error.message().to_owned(),
+            })
+    };
+    let (mut scene, found) = (read(text)?, read(fragment)?);
+    let table = RewriteError::NoTable { table: "system" };
+    let found = found.get("system").and_then(|item| item.as_table()).ok_or(table.clone())?;
+    let system = scene.get_mut("system").and_then(|item| item.as_table_like_mut()).ok_or(table)?;
+    for key in ["variables", "parameters", "equations", "bracket"] {
+        system.remove(key);
+    }
+    for (key, value) in found.iter() {
+        system.insert(key, value.clone());
+    }
+    Ok(scene.to_string())
+}
+
+/// A scene's text with these Casimirs, names and formulas, in the place of those that it has.
+///
+/// # Errors
+/// [`RewriteError`] for a text that is not a scene.
+pub fn with_casimirs(text: &str, casimirs: &[(String, String)]) -> Result<String, RewriteError> {
+    let scene = text.parse::<DocumentMut>();
+    let mut scene = scene.map_err(|error| RewriteError::Syntax {
+        message: error.message().to_owned(),
+    })?;
+    let system = scene.get_mut("system").and_then(|item| item.as_table_like_mut());
+    let system = system.ok_or(RewriteError::NoTable { table: "system" })?;
+    let mut table = InlineTable::new();
+    for (name, formula) in casimirs {
+        table.insert(name, formula.as_str().into());
+    }
+    system.insert("casimirs", value(table));
+    Ok(scene.to_string())
 }
