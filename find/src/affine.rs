@@ -7,10 +7,10 @@ use leafwise_expression::{AlgebraError, Arithmetic, Polynomial, Rational};
 
 use crate::constant::{members, pairs};
 use crate::error::FindError;
-use crate::field::Field;
-use crate::jacobi::{Affine, Space, sparse_solution};
+use crate::field::RingField;
+use crate::jacobi::{Identity, Space, sparse_solution};
 use crate::potential::combination;
-use crate::report::{Attempt, Candidate, Kind};
+use crate::report::{Attempt, Kind, TensorCandidate};
 
 /// Hamiltonians among the integrals that are tried.
 const MOST_HAMILTONIANS: usize = 24;
@@ -22,7 +22,10 @@ const STARTS: usize = 6;
 const MOST_VARIABLES: usize = 12;
 
 /// A tensor of this kind with one of the integrals' combinations for H.
-pub(crate) fn affine(field: &mut Field, integrals: &[Polynomial]) -> Result<Attempt, FindError> {
+pub(crate) fn affine(
+    field: &mut RingField,
+    integrals: &[Polynomial],
+) -> Result<Attempt, FindError> {
     let d = field.dimension();
     if d > MOST_VARIABLES {
         return Ok(Attempt::none(format!(
@@ -30,13 +33,18 @@ pub(crate) fn affine(field: &mut Field, integrals: &[Polynomial]) -> Result<Atte
         )));
     }
     if integrals.is_empty() {
-        return Ok(Attempt::none("H must be among the first integrals, and there is none"));
+        return Ok(Attempt::none(
+            "H must be among the first integrals, and there is none",
+        ));
     }
     let unit = |k: usize| -> Vec<Rational> {
         let entries = 0..integrals.len();
-        entries.map(|l| Rational::from_integer(i64::from(k == l))).collect()
+        entries
+            .map(|l| Rational::from_integer(i64::from(k == l)))
+            .collect()
     };
     let units: Vec<Vec<Rational>> = (0..integrals.len()).map(unit).collect();
+    let identity = Identity::of(d);
     let mut solvable = 0;
     for choice in members(&units).into_iter().take(MOST_HAMILTONIANS) {
         let hamiltonian = combination(&mut field.ring, &choice, integrals);
@@ -44,9 +52,8 @@ pub(crate) fn affine(field: &mut Field, integrals: &[Polynomial]) -> Result<Atte
             continue;
         };
         solvable += 1;
-        let affine = Affine { d };
-        if let Some(c) = sparse_solution(affine, &space, STARTS) {
-            return Ok(Attempt::Found(Box::new(Candidate {
+        if let Some(c) = sparse_solution(&identity, &space, STARTS) {
+            return Ok(Attempt::Found(Box::new(TensorCandidate {
                 kind: Kind::Affine,
                 tensor: entries(field, &c),
                 hamiltonian,
@@ -63,7 +70,7 @@ pub(crate) fn affine(field: &mut Field, integrals: &[Polynomial]) -> Result<Atte
 }
 
 /// All affine Π with Π ∇H = f.
-fn tensors(field: &mut Field, hamiltonian: &Polynomial) -> Result<Option<Space>, AlgebraError> {
+fn tensors(field: &mut RingField, hamiltonian: &Polynomial) -> Result<Option<Space>, AlgebraError> {
     let d = field.dimension();
     let gradient = field.ring.gradient(hamiltonian)?;
     let mut columns = Vec::new();
@@ -87,7 +94,7 @@ fn tensors(field: &mut Field, hamiltonian: &Polynomial) -> Result<Option<Space>,
     }))
 }
 
-fn entries(field: &mut Field, c: &[Rational]) -> BTreeMap<(usize, usize), Polynomial> {
+fn entries(field: &mut RingField, c: &[Rational]) -> BTreeMap<(usize, usize), Polynomial> {
     let d = field.dimension();
     let ring = &mut field.ring;
     let mut entries = BTreeMap::new();

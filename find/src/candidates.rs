@@ -2,9 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use leafwise_expression::algebra::{
-    Coefficient, CoefficientRing, Generator, Monomial, Symbol,
-};
+use leafwise_expression::algebra::{Coefficient, CoefficientRing, Generator, Monomial, Symbol};
 use leafwise_expression::{AlgebraError, Arithmetic, Function, Polynomial, Rational, Ring};
 
 use crate::error::FindError;

@@ -14,8 +14,8 @@ const MOST_PRODUCTS: u64 = 1 << 26;
 /// Entries below this, relative to the largest, are 0 at a state of no special value.
 const SINGULAR: f64 = 1e-9;
 
-/// Independent Casimirs of degree at most `degree` in the variables, the functions in the tensor, ln x_i of a log-canonical tensor
-/// and, to the first degree, the parameters; fewest terms first. There are at most d − rank Π.
+/// Independent Casimirs of degree at most `degree`, at most d − rank Π of them, those of few terms first. They are polynomials in the
+/// variables, the functions in the tensor, and ln x_i where {x_i, ·} has the factor x_i. Parameters occur to the first degree.
 ///
 /// # Errors
 /// [`FindError`] for an entry that the exact algebra cannot read, and past its limits.
@@ -29,16 +29,13 @@ pub fn casimirs_of(system: &SystemFormulas, degree: usize) -> Result<Vec<Express
     }
     let missing = d - rank(tensor_at(system));
     let mut symbols = symbols_of(&mut ring, &entries)?;
-    let is_log_canonical = system.tensor().keys().zip(&entries).all(|(&(i, j), entry)| {
-        let terms = entry.terms().iter();
-        let exponents = terms.map(|(m, _)| m.exponent(i as Symbol).min(m.exponent(j as Symbol)));
-        exponents.min().unwrap_or(1) >= 1
-    });
-    if is_log_canonical && !entries.is_empty() {
-        for variable in &x {
+    for (i, variable) in x.iter().enumerate() {
+        if has_factor(system, &entries, i) {
             symbols.extend(ring.apply(Function::Ln, variable)?.symbols());
         }
     }
+    symbols.sort_unstable();
+    symbols.dedup();
     let mut parameters: Vec<usize> = (system.tensor().values())
         .flat_map(Expression::parameters)
         .collect();
@@ -47,7 +44,10 @@ pub fn casimirs_of(system: &SystemFormulas, degree: usize) -> Result<Vec<Express
     let mut found: Vec<Expression> = Vec::new();
     let mut gradients: Vec<Vec<f64>> = Vec::new();
     let with_parameters = [Vec::new(), parameters];
-    for parameters in with_parameters.iter().take(1 + usize::from(!with_parameters[1].is_empty())) {
+    for parameters in with_parameters
+        .iter()
+        .take(1 + usize::from(!with_parameters[1].is_empty()))
+    {
         for degree in 1..=degree {
             if found.len() == missing {
                 return Ok(found);
@@ -57,7 +57,9 @@ pub fn casimirs_of(system: &SystemFormulas, degree: usize) -> Result<Vec<Express
                 let formula = ring.formula(&casimir);
                 let slopes = ring.gradient(&casimir)?;
                 let values = parameter_values(system);
-                let slopes = slopes.iter().map(|slope| ring.formula(slope).evaluate(&point(d), &values));
+                let slopes = slopes
+                    .iter()
+                    .map(|slope| ring.formula(slope).evaluate(&point(d), &values));
                 gradients.push(slopes.collect());
                 match rank(gradients.clone()) == gradients.len() && found.len() < missing {
                     true => found.push(formula),
@@ -67,6 +69,15 @@ pub fn casimirs_of(system: &SystemFormulas, degree: usize) -> Result<Vec<Express
         }
     }
     Ok(found)
+}
+
+/// Whether {x_i, ·} has the factor x_i, and is not zero.
+fn has_factor(system: &SystemFormulas, entries: &[Polynomial], i: usize) -> bool {
+    let pairs = system.tensor().keys().zip(entries);
+    let row = pairs.filter(|((a, b), entry)| (*a == i || *b == i) && !entry.is_zero());
+    let terms = row.flat_map(|(_, entry)| entry.terms());
+    let least = terms.map(|(m, _)| m.exponent(i as Symbol)).min();
+    least.is_some_and(|least| least >= 1)
 }
 
 /// Monomials, each times 1 and times every one of these parameters.
@@ -134,13 +145,16 @@ fn tensor_at(system: &SystemFormulas) -> Vec<Vec<f64>> {
 /// The rank to `SINGULAR`, by complete pivots.
 fn rank(mut rows: Vec<Vec<f64>>) -> usize {
     let columns = rows.first().map_or(0, Vec::len);
-    let largest = rows.iter().flatten().fold(0.0_f64, |most, v| most.max(v.abs()));
+    let largest = rows
+        .iter()
+        .flatten()
+        .fold(0.0_f64, |most, v| most.max(v.abs()));
     let mut rank = 0;
     while rank < rows.len().min(columns) {
         let places = (rank..rows.len()).flat_map(|i| (0..columns).map(move |j| (i, j)));
-        let Some((i, j)) = places.max_by(|&(i, j), &(k, l)| {
-            rows[i][j].abs().total_cmp(&rows[k][l].abs())
-        }) else {
+        let Some((i, j)) =
+            places.max_by(|&(i, j), &(k, l)| rows[i][j].abs().total_cmp(&rows[k][l].abs()))
+        else {
             break;
         };
         if rows[i][j].abs() <= SINGULAR * largest {

@@ -9,10 +9,10 @@ use leafwise_expression::algebra::relations;
 use leafwise_expression::{AlgebraError, Arithmetic, Polynomial, Rational, Ring};
 
 use crate::error::FindError;
-use crate::field::{Field, dot, over};
+use crate::field::{RingField, dot, over};
 use crate::matrix::{Matrix, inverse, product, transposed, zeros};
 use crate::potential::potential;
-use crate::report::{Attempt, Candidate, Kind};
+use crate::report::{Attempt, Kind, TensorCandidate};
 
 /// Choices of Casimirs among more linear integrals.
 const MOST_CHOICES: usize = 64;
@@ -22,7 +22,7 @@ const MOST_MEMBERS: usize = 40;
 
 /// z and g.
 struct Rates<'a> {
-    field: &'a mut Field,
+    field: &'a mut RingField,
     kind: Kind,
     g: Vec<Polynomial>,
 }
@@ -35,7 +35,7 @@ struct Leaves {
 }
 
 /// A tensor of this kind, the sparsest of those that are tried.
-pub(crate) fn constant(field: &mut Field, kind: Kind) -> Result<Attempt, FindError> {
+pub(crate) fn constant(field: &mut RingField, kind: Kind) -> Result<Attempt, FindError> {
     let d = field.dimension();
     let g = match kind {
         Kind::LogCanonical => match field.rates() {
@@ -69,10 +69,16 @@ pub(crate) fn constant(field: &mut Field, kind: Kind) -> Result<Attempt, FindErr
     }
     // Of several linear integrals every subspace may be that of the Casimirs; bases alone were tried.
     is_proved &= integrals.len() <= 1;
-    let z = if kind == Kind::LogCanonical { "ln x" } else { "x" };
+    let z = if kind == Kind::LogCanonical {
+        "ln x"
+    } else {
+        "x"
+    };
     let reason = match reasons.first() {
         Some(reason) => reason.clone(),
-        None => format!("a tensor in an odd number of variables has a Casimir c·{z}, and no c·{z} is an integral"),
+        None => format!(
+            "a tensor in an odd number of variables has a Casimir c·{z}, and no c·{z} is an integral"
+        ),
     };
     Ok(match is_proved {
         true => Attempt::proved(reason),
@@ -113,7 +119,8 @@ impl Leaves {
             (0..d)
                 .find(|&j| {
                     directions[a][j].is_one()
-                        && (directions.iter().enumerate()).all(|(b, other)| b == a || other[j].is_zero())
+                        && (directions.iter().enumerate())
+                            .all(|(b, other)| b == a || other[j].is_zero())
                 })
                 .unwrap_or(0)
         });
@@ -126,7 +133,12 @@ impl Leaves {
 
 impl Rates<'_> {
     /// ∂f/∂z_j.
-    fn slope(ring: &mut Ring, kind: Kind, f: &Polynomial, j: usize) -> Result<Polynomial, AlgebraError> {
+    fn slope(
+        ring: &mut Ring,
+        kind: Kind,
+        f: &Polynomial,
+        j: usize,
+    ) -> Result<Polynomial, AlgebraError> {
         let slope = ring.derivative(f, j)?;
         Ok(match kind {
             Kind::LogCanonical => {
@@ -150,7 +162,7 @@ impl Rates<'_> {
         &mut self,
         leaves: &Leaves,
         slopes: &[Vec<Polynomial>],
-    ) -> Result<Result<Candidate, (String, bool)>, FindError> {
+    ) -> Result<Result<TensorCandidate, (String, bool)>, FindError> {
         let n = leaves.along.len();
         // G_ba = Σ_j T_aj ∂_j g_b along the leaves.
         let mut along = vec![vec![Polynomial::zero(); n]; n];
@@ -190,20 +202,24 @@ impl Rates<'_> {
         let family = elimination.solutions().map(|s| s.directions);
         let family = family.unwrap_or_default();
         if family.is_empty() {
-            let z = if self.kind == Kind::LogCanonical { "ln x" } else { "x" };
+            let z = if self.kind == Kind::LogCanonical {
+                "ln x"
+            } else {
+                "x"
+            };
             let space = match leaves.along.len() == self.g.len() {
                 true => String::new(),
                 false => " on the leaves of linear integrals".to_owned(),
             };
             return Ok(Err((
                 format!(
-                    "W Dg symmetric has W = 0 alone{space}: {rank} independent equations for the {} entries of a constant W over {z}",
+                    "of constant W over {z}, W Dg is symmetric for W = 0 alone{space}: the equations for its {} entries have rank {rank}",
                     pairs.len()
                 ),
                 true,
             )));
         }
-        let mut best: Option<Candidate> = None;
+        let mut best: Option<TensorCandidate> = None;
         let mut is_singular = true;
         for member in members(&family) {
             let mut w = zeros(n, n);
@@ -218,7 +234,7 @@ impl Rates<'_> {
             };
             let directions = transposed(&leaves.directions);
             let tensor = product(&product(&directions, &inverse), &leaves.directions);
-            let candidate = Candidate {
+            let candidate = TensorCandidate {
                 kind: self.kind,
                 tensor: self.entries(&tensor),
                 hamiltonian,
@@ -226,7 +242,7 @@ impl Rates<'_> {
                 energy: None,
                 casimirs: Vec::new(),
             };
-            Candidate::keep_smaller(&mut best, Some(candidate), &self.field.ring);
+            TensorCandidate::keep_smaller(&mut best, Some(candidate), &self.field.ring);
             if family.len() == 1 {
                 break;
             }
@@ -244,7 +260,11 @@ impl Rates<'_> {
     }
 
     /// H with ∂H/∂z along the leaves equal to W g.
-    fn hamiltonian(&mut self, leaves: &Leaves, w: &Matrix) -> Result<Option<Polynomial>, AlgebraError> {
+    fn hamiltonian(
+        &mut self,
+        leaves: &Leaves,
+        w: &Matrix,
+    ) -> Result<Option<Polynomial>, AlgebraError> {
         let ring = &mut self.field.ring;
         let mut u = Vec::new();
         for (a, row) in w.iter().enumerate() {
@@ -266,7 +286,8 @@ impl Rates<'_> {
                 .collect::<Result<Vec<_>, _>>()?;
             let rows = leaves.directions.iter().zip(&leaves.along);
             let row = |(direction, &along): (&Vec<Rational>, &usize)| {
-                let constants: Vec<Polynomial> = direction.iter().map(|c| ring.constant(c)).collect();
+                let constants: Vec<Polynomial> =
+                    direction.iter().map(|c| ring.constant(c)).collect();
                 let sum = dot(ring, &constants, &gradient);
                 match kind {
                     Kind::LogCanonical => over(&sum, along),
@@ -288,14 +309,17 @@ impl Rates<'_> {
                 return None;
             }
             let one = ring.constant(number);
-            Some(((i, j), match kind {
-                Kind::LogCanonical => {
-                    let (x, y) = (ring.variable(i), ring.variable(j));
-                    let both = ring.multiply(&x, &y);
-                    ring.multiply(&one, &both)
-                }
-                _ => one,
-            }))
+            Some((
+                (i, j),
+                match kind {
+                    Kind::LogCanonical => {
+                        let (x, y) = (ring.variable(i), ring.variable(j));
+                        let both = ring.multiply(&x, &y);
+                        ring.multiply(&one, &both)
+                    }
+                    _ => one,
+                },
+            ))
         };
         pairs(tensor.len()).into_iter().filter_map(entry).collect()
     }
@@ -303,7 +327,9 @@ impl Rates<'_> {
 
 /// (i, j) with i < j < n.
 pub(crate) fn pairs(n: usize) -> Vec<(usize, usize)> {
-    (0..n).flat_map(|i| (i + 1..n).map(move |j| (i, j))).collect()
+    (0..n)
+        .flat_map(|i| (i + 1..n).map(move |j| (i, j)))
+        .collect()
 }
 
 /// Members of the linear family, the sparse ones first: a basis, sums and differences of two, sums with small integers.
@@ -332,7 +358,9 @@ pub(crate) fn members(family: &[Vec<Rational>]) -> Vec<Vec<Rational>> {
         }
         all.truncate(MOST_MEMBERS);
         for shift in 1..6 {
-            all.push(combined(&|k| ((7 * k as i64 + 3 * shift) * (k as i64 + shift)) % 11 - 5));
+            all.push(combined(&|k| {
+                ((7 * k as i64 + 3 * shift) * (k as i64 + shift)) % 11 - 5
+            }));
         }
     }
     all

@@ -11,12 +11,12 @@ const MOST_PRODUCTS: u64 = 1 << 26;
 
 /// f, with the ring that it is in.
 #[derive(Clone, Debug)]
-pub(crate) struct Field {
+pub(crate) struct RingField {
     pub ring: Ring,
     pub f: Vec<Polynomial>,
 }
 
-impl Field {
+impl RingField {
     pub fn of(equations: &Equations) -> Result<Self, FindError> {
         let mut ring = Ring::limited(equations.variables().len(), MOST_PRODUCTS);
         let formulas = equations.field().iter().zip(equations.variables());
@@ -48,7 +48,9 @@ impl Field {
         let terms = self.f.iter().flat_map(Polynomial::terms);
         let degrees = terms.map(|(monomial, _)| {
             let factors = monomial.factors().iter();
-            factors.map(|(_, exponent)| exponent.unsigned_abs() as usize).sum()
+            factors
+                .map(|(_, exponent)| exponent.unsigned_abs() as usize)
+                .sum()
         });
         degrees.max().unwrap_or(0)
     }
@@ -68,8 +70,8 @@ impl Field {
         Some(rates.collect())
     }
 
-    /// Whether products of the functions that f is made of are linearly independent, so that a linear system without a
-    /// solution proves that there is none: at most one of exp u, ln u, or sin u and cos u, of a polynomial u.
+    /// Whether products of the functions in f are linearly independent. These are at most one of exp u, ln u, or sin u and cos u, of a
+    /// polynomial u. A linear system without a solution then proves that there is none.
     pub fn is_decided(&self) -> bool {
         let mut argument = None;
         let symbols = self.f.iter().flat_map(|f| f.symbols());

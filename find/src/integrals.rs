@@ -5,7 +5,7 @@ use leafwise_expression::{Arithmetic, Expression, Function, Polynomial, Rational
 
 use crate::candidates::{monomials, symbols_of};
 use crate::error::FindError;
-use crate::field::Field;
+use crate::field::RingField;
 use crate::potential::combination;
 
 /// An integral with the direction of its gradient: ∇I = `gradient`/`divisor`.
@@ -29,9 +29,12 @@ impl Integral {
 /// Variables up to which ln x_i stands beside x_i.
 const MOST_LOGARITHMS: usize = 6;
 
-/// A basis of the integrals of degree 1 … `degree` in the variables, the functions in f, and ln x_i where f_i has the factor x_i: L_f I = 0
-/// is linear in their coefficients.
-pub(crate) fn integrals(field: &mut Field, degree: usize) -> Result<Vec<Polynomial>, FindError> {
+/// A basis of the integrals of degree 1 … `degree`: L_f I = 0 is linear in their coefficients. They are polynomials in the variables, the
+/// functions in f, and ln x_i where f_i has the factor x_i.
+pub(crate) fn integrals(
+    field: &mut RingField,
+    degree: usize,
+) -> Result<Vec<Polynomial>, FindError> {
     let mut symbols = symbols_of(&mut field.ring, &field.f)?;
     if field.dimension() <= MOST_LOGARITHMS {
         for i in 0..field.dimension() {
@@ -49,7 +52,7 @@ pub(crate) fn integrals(field: &mut Field, degree: usize) -> Result<Vec<Polynomi
 
 /// A basis of the P of degree 1 … `degree` with L_f P = K P.
 fn eigen(
-    field: &mut Field,
+    field: &mut RingField,
     symbols: &[Symbol],
     degree: usize,
     cofactor: &Polynomial,
@@ -73,7 +76,7 @@ fn eigen(
 
 /// Integrals Π Pₖ^nₖ of polynomials with L_f Pₖ = Kₖ Pₖ and Σ nₖ Kₖ = 0. Cofactors K that are tried are multiples of div f, of
 /// Σ f_i/x_i where every f_i has the factor x_i, and those of the variables themselves.
-pub(crate) fn products(field: &mut Field, degree: usize) -> Result<Vec<Integral>, FindError> {
+pub(crate) fn products(field: &mut RingField, degree: usize) -> Result<Vec<Integral>, FindError> {
     let d = field.dimension();
     let symbols: Vec<Symbol> = (0..d as Symbol).collect();
     let mut darboux: Vec<(Polynomial, Polynomial)> = Vec::new();

@@ -13,6 +13,9 @@ const ROUND_OFF: f64 = 1e-15;
 const MOST_ITERATIONS: usize = 120;
 const MOST_NEAR: usize = 40;
 
+/// Iterations in which the sum of squares halves at least.
+const PATIENCE: usize = 8;
+
 /// The largest denominator of a coefficient that is rounded.
 const MOST_DENOMINATOR: i64 = 1 << 20;
 
@@ -21,50 +24,79 @@ const MOST_DENOMINATOR: i64 = 1 << 20;
 const SIMPLE: i64 = 1 << 18;
 const NEAR: f64 = 1e-13;
 
-/// {x_i, x_j} = c_ij0 + Σ_k c_ijk x_k by its coefficients, those of a pair i < j together, the constant first.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Affine {
-    pub d: usize,
+/// Jacobi's identity B(c, c) = 0 of {x_i, x_j} = c_ij0 + Σ_k c_ijk x_k. Coefficients stand in the order of the pairs i < j, those of a pair
+/// together, the constant first.
+#[derive(Clone, Debug)]
+pub(crate) struct Identity {
+    count: usize,
+    /// B has the terms ± a[left] b[right] in the component `into`.
+    terms: Vec<Product>,
 }
 
-impl Affine {
-    /// The place of c_ijm with m = 0 for the constant, m = k + 1 for x_k, and whether its sign is that of c_jim.
-    fn place(self, i: usize, j: usize, m: usize) -> Option<(usize, bool)> {
-        let pair = |i: usize, j: usize| i * (2 * self.d - i - 1) / 2 + (j - i - 1);
-        match i.cmp(&j) {
-            std::cmp::Ordering::Less => Some((pair(i, j) * (self.d + 1) + m, false)),
-            std::cmp::Ordering::Greater => Some((pair(j, i) * (self.d + 1) + m, true)),
-            std::cmp::Ordering::Equal => None,
-        }
-    }
+#[derive(Clone, Copy, Debug)]
+struct Product {
+    into: usize,
+    left: usize,
+    right: usize,
+    is_negative: bool,
+}
 
-    /// Σ_cyc Σ_l (a_il^m b_jk^l) for all i < j < k and m: the identity is B(c, c) = 0.
-    fn bilinear<T: Scalar>(self, a: &[T], b: &[T], out: &mut Vec<T>) {
-        out.clear();
-        let d = self.d;
+/// The place of c_ijm with m = 0 for the constant, m = k + 1 for x_k, and whether its sign is that of c_jim.
+fn place(d: usize, i: usize, j: usize, m: usize) -> Option<(usize, bool)> {
+    let pair = |i: usize, j: usize| i * (2 * d - i - 1) / 2 + (j - i - 1);
+    match i.cmp(&j) {
+        std::cmp::Ordering::Less => Some((pair(i, j) * (d + 1) + m, false)),
+        std::cmp::Ordering::Greater => Some((pair(j, i) * (d + 1) + m, true)),
+        std::cmp::Ordering::Equal => None,
+    }
+}
+
+impl Identity {
+    /// That of d variables: Σ_cyc Σ_l c_il^m c_jk^l for all i < j < k and m.
+    pub fn of(d: usize) -> Self {
+        let mut identity = Self {
+            count: 0,
+            terms: Vec::new(),
+        };
         for i in 0..d {
             for j in i + 1..d {
                 for k in j + 1..d {
                     for m in 0..=d {
-                        let mut sum = T::default();
-                        for l in 0..d {
-                            for (first, p, q) in [(i, j, k), (j, k, i), (k, i, j)] {
-                                let left = self.place(first, l, m);
-                                let right = self.place(p, q, l + 1);
-                                if let (Some((left, one)), Some((right, other))) = (left, right) {
-                                    sum.add_product(&a[left], &b[right], one != other);
-                                }
-                            }
-                        }
-                        out.push(sum);
+                        identity.add(d, [i, j, k], m);
                     }
                 }
             }
         }
+        identity
+    }
+
+    fn add(&mut self, d: usize, [i, j, k]: [usize; 3], m: usize) {
+        for l in 0..d {
+            for (first, p, q) in [(i, j, k), (j, k, i), (k, i, j)] {
+                let (left, right) = (place(d, first, l, m), place(d, p, q, l + 1));
+                if let (Some((left, one)), Some((right, other))) = (left, right) {
+                    self.terms.push(Product {
+                        into: self.count,
+                        left,
+                        right,
+                        is_negative: one != other,
+                    });
+                }
+            }
+        }
+        self.count += 1;
+    }
+
+    fn bilinear<T: Scalar>(&self, a: &[T], b: &[T], out: &mut Vec<T>) {
+        out.clear();
+        out.resize_with(self.count, T::default);
+        for term in &self.terms {
+            out[term.into].add_product(&a[term.left], &b[term.right], term.is_negative);
+        }
     }
 
     /// Whether the identity holds exactly.
-    fn holds(self, c: &[Rational]) -> bool {
+    fn holds(&self, c: &[Rational]) -> bool {
         let mut identity = Vec::new();
         self.bilinear(c, c, &mut identity);
         identity.iter().all(Rational::is_zero)
@@ -129,7 +161,9 @@ impl Space {
     }
 
     fn is_free(&self, at: usize) -> bool {
-        self.directions.iter().any(|direction| !direction[at].is_zero())
+        self.directions
+            .iter()
+            .any(|direction| !direction[at].is_zero())
     }
 }
 
@@ -214,7 +248,8 @@ fn normalize(v: &mut [f64]) -> f64 {
 fn eliminate(mut rows: Vec<Vec<f64>>) -> Option<Vec<f64>> {
     let n = rows.len();
     for column in 0..n {
-        let pivot = (column..n).max_by(|&a, &b| rows[a][column].abs().total_cmp(&rows[b][column].abs()))?;
+        let pivot =
+            (column..n).max_by(|&a, &b| rows[a][column].abs().total_cmp(&rows[b][column].abs()))?;
         if rows[pivot][column].abs() < 1e-300 {
             return None;
         }
@@ -238,24 +273,36 @@ fn eliminate(mut rows: Vec<Vec<f64>>) -> Option<Vec<f64>> {
 }
 
 /// c with B(c, c) = 0 from a start t, by Levenberg and Marquardt with a damping in proportion to the residual.
-fn solve(affine: Affine, space: &Doubles, start: Vec<f64>, iterations: usize) -> Option<Vec<f64>> {
+fn solve(
+    identity: &Identity,
+    space: &Doubles,
+    start: Vec<f64>,
+    iterations: usize,
+) -> Option<Vec<f64>> {
     let p = space.directions.len();
     let mut t = start;
     let mut c = space.at(&t);
     let mut r = Vec::new();
-    affine.bilinear(&c, &c, &mut r);
+    identity.bilinear(&c, &c, &mut r);
     let norm = |r: &[f64]| r.iter().map(|v| v * v).sum::<f64>();
     let mut size = norm(&r);
     let mut damping = 1.0;
     let (mut left, mut right) = (Vec::new(), Vec::new());
-    for _ in 0..iterations {
+    let mut last = f64::INFINITY;
+    for iteration in 1..=iterations {
+        if iteration % PATIENCE == 0 {
+            if size > 0.5 * last {
+                break;
+            }
+            last = size;
+        }
         if size <= square(ROUND_OFF * norm(&c)) {
             break;
         }
         let mut slopes: Vec<Vec<f64>> = Vec::with_capacity(p);
         for direction in &space.directions {
-            affine.bilinear(&c, direction, &mut left);
-            affine.bilinear(direction, &c, &mut right);
+            identity.bilinear(&c, direction, &mut left);
+            identity.bilinear(direction, &c, &mut right);
             slopes.push(left.iter().zip(&right).map(|(a, b)| a + b).collect());
         }
         let mut matrix = vec![vec![0.0; p + 1]; p];
@@ -274,7 +321,7 @@ fn solve(affine: Affine, space: &Doubles, start: Vec<f64>, iterations: usize) ->
         let step = eliminate(matrix)?;
         let trial: Vec<f64> = t.iter().zip(&step).map(|(t, s)| t + s).collect();
         let trial_c = space.at(&trial);
-        affine.bilinear(&trial_c, &trial_c, &mut left);
+        identity.bilinear(&trial_c, &trial_c, &mut left);
         let trial_size = norm(&left);
         if trial_size < size {
             (t, c, size) = (trial, trial_c, trial_size);
@@ -299,7 +346,11 @@ fn square(v: f64) -> f64 {
 ///
 /// Coefficients are set to 0 one after the other, the smallest first, as long as the identity can still be solved. Those that
 /// stay free are rounded to simple fractions.
-pub(crate) fn sparse_solution(affine: Affine, space: &Space, starts: usize) -> Option<Vec<Rational>> {
+pub(crate) fn sparse_solution(
+    identity: &Identity,
+    space: &Space,
+    starts: usize,
+) -> Option<Vec<Rational>> {
     let doubles = Doubles::of(space);
     let p = space.directions.len();
     let mut phase = 0.25_f64;
@@ -315,7 +366,7 @@ pub(crate) fn sparse_solution(affine: Affine, space: &Space, starts: usize) -> O
                 })
                 .collect(),
         };
-        found = solve(affine, &doubles, t, MOST_ITERATIONS);
+        found = solve(identity, &doubles, t, MOST_ITERATIONS);
         if found.is_some() || p == 0 {
             break;
         }
@@ -325,21 +376,23 @@ pub(crate) fn sparse_solution(affine: Affine, space: &Space, starts: usize) -> O
     let mut order: Vec<usize> = (0..c.len()).collect();
     order.sort_by(|&a, &b| c[a].abs().total_cmp(&c[b].abs()));
     for at in order {
-        if let Some(smaller) = restricted(affine, &space, &c, at, &Rational::zero()) {
+        if let Some(smaller) = restricted(identity, &space, &c, at, &Rational::zero()) {
             (space, c) = smaller;
         }
     }
     while let Some(at) = (0..c.len()).find(|&at| space.is_free(at)) {
         let values = fractions(c[at]);
-        let smaller = values.iter().find_map(|value| restricted(affine, &space, &c, at, value))?;
+        let smaller = values
+            .iter()
+            .find_map(|value| restricted(identity, &space, &c, at, value))?;
         (space, c) = smaller;
     }
-    Some(space.origin).filter(|c| affine.holds(c))
+    Some(space.origin).filter(|c| identity.holds(c))
 }
 
 /// The solution in the part of the space where the coefficient `at` has this value, near `c`.
 fn restricted(
-    affine: Affine,
+    identity: &Identity,
     space: &Space,
     c: &[f64],
     at: usize,
@@ -351,7 +404,7 @@ fn restricted(
     let space = space.with(at, value)?;
     let doubles = Doubles::of(&space);
     let start = doubles.nearest(c);
-    let c = solve(affine, &doubles, start, MOST_NEAR)?;
+    let c = solve(identity, &doubles, start, MOST_NEAR)?;
     Some((space, c))
 }
 
@@ -396,18 +449,18 @@ mod tests {
     /// {x, y} = z and cyclic holds, {x, y} = z, {y, z} = x + y alone does not.
     #[test]
     fn the_identity_of_so3_holds_and_that_of_another_tensor_does_not() {
-        let affine = Affine { d: 3 };
+        let identity = Identity::of(3);
         let mut r = Vec::new();
         let mut c = vec![0.0; 12];
         for (i, j, k, value) in [(0, 1, 2, 1.0), (1, 2, 0, 1.0), (0, 2, 1, -1.0)] {
-            let (place, is_negative) = affine.place(i, j, k + 1).expect("a pair");
-            c[place] = if is_negative { -value } else { value };
+            let (at, is_negative) = place(3, i, j, k + 1).expect("a pair");
+            c[at] = if is_negative { -value } else { value };
         }
-        affine.bilinear(&c, &c, &mut r);
+        identity.bilinear(&c, &c, &mut r);
         assert_eq!(r, [0.0; 4]);
-        let (place, _) = affine.place(0, 2, 1).expect("a pair");
-        c[place] = 1.0;
-        affine.bilinear(&c, &c, &mut r);
+        let (at, _) = place(3, 0, 2, 1).expect("a pair");
+        c[at] = 1.0;
+        identity.bilinear(&c, &c, &mut r);
         assert!(r.iter().any(|v| *v != 0.0), "{r:?}");
     }
 
@@ -415,7 +468,10 @@ mod tests {
     fn the_fraction_itself_comes_first() {
         for (above, below) in [(1, 1), (-3, 7), (51, 100), (0, 1), (355, 113)] {
             let found = fractions(f64::from(above) / f64::from(below));
-            assert_eq!(found.first(), Some(&Rational::new(above.into(), below.into())));
+            assert_eq!(
+                found.first(),
+                Some(&Rational::new(above.into(), below.into()))
+            );
         }
     }
 }

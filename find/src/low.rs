@@ -1,5 +1,5 @@
-//! Brackets of two and three variables by first integrals, for which Jacobi's identity holds with any factor φ: f = φ ∇C × ∇H in space,
-//! f = φ (∂H/∂y, −∂H/∂x) in the plane.
+//! Brackets of two and three variables by first integrals: f = φ ∇C × ∇H in space, f = φ (∂H/∂y, −∂H/∂x) in the plane. Jacobi's
+//! identity holds for any factor φ.
 
 use std::collections::BTreeMap;
 
@@ -7,9 +7,9 @@ use leafwise_expression::algebra::quotient;
 use leafwise_expression::{Arithmetic, Expression, Polynomial, Rational, Ring};
 
 use crate::error::FindError;
-use crate::field::Field;
+use crate::field::RingField;
 use crate::integrals::{Integral, products};
-use crate::report::{Attempt, Candidate, Kind};
+use crate::report::{Attempt, Kind, TensorCandidate};
 
 /// Pairs of integrals that are tried.
 const MOST_PAIRS: usize = 400;
@@ -18,7 +18,7 @@ const MOST_PAIRS: usize = 400;
 const DARBOUX_DEGREE: usize = 3;
 
 /// The bracket with the fewest terms among those of pairs of integrals.
-pub(crate) fn low(field: &mut Field, polynomials: &[Polynomial]) -> Result<Attempt, FindError> {
+pub(crate) fn low(field: &mut RingField, polynomials: &[Polynomial]) -> Result<Attempt, FindError> {
     let d = field.dimension();
     if d != 2 && d != 3 {
         return Ok(Attempt::none(format!(
@@ -35,16 +35,19 @@ pub(crate) fn low(field: &mut Field, polynomials: &[Polynomial]) -> Result<Attem
         let mut best = None;
         for hamiltonian in &integrals {
             let found = in_the_plane(field, hamiltonian)?;
-            Candidate::keep_smaller(&mut best, found, &field.ring);
+            TensorCandidate::keep_smaller(&mut best, found, &field.ring);
         }
-        return Ok(best.map_or_else(|| none("no first integral"), |b| Attempt::Found(Box::new(b))));
+        return Ok(best.map_or_else(
+            || none("no first integral"),
+            |b| Attempt::Found(Box::new(b)),
+        ));
     }
     let mut best = None;
     let count = integrals.len();
     let pairs = (0..count).flat_map(|c| (0..count).filter(move |&h| h != c).map(move |h| (c, h)));
     for (c, h) in pairs.take(MOST_PAIRS) {
         let found = in_space(field, &integrals[c], &integrals[h])?;
-        Candidate::keep_smaller(&mut best, found, &field.ring);
+        TensorCandidate::keep_smaller(&mut best, found, &field.ring);
     }
     Ok(best.map_or_else(
         || none("no pair of independent first integrals"),
@@ -65,7 +68,7 @@ fn ratio(ring: &mut Ring, above: &Polynomial, below: &Polynomial) -> Result<Poly
 }
 
 /// {x, y} = φ with f = φ (∂_y H, −∂_x H).
-fn in_the_plane(field: &mut Field, h: &Integral) -> Result<Option<Candidate>, FindError> {
+fn in_the_plane(field: &mut RingField, h: &Integral) -> Result<Option<TensorCandidate>, FindError> {
     let ring = &mut field.ring;
     let slopes = [h.gradient[1].clone(), ring.negate(&h.gradient[0])];
     let Some(at) = slopes.iter().position(|slope| !slope.is_zero()) else {
@@ -74,7 +77,7 @@ fn in_the_plane(field: &mut Field, h: &Integral) -> Result<Option<Candidate>, Fi
     let above = ring.multiply(&field.f[at], &h.divisor);
     let phi = ratio(ring, &above, &slopes[at])?;
     let hamiltonian = element(ring, h)?;
-    Ok(Some(Candidate {
+    Ok(Some(TensorCandidate {
         kind: Kind::FirstIntegrals,
         tensor: BTreeMap::from([((0, 1), phi)]),
         hamiltonian,
@@ -85,16 +88,17 @@ fn in_the_plane(field: &mut Field, h: &Integral) -> Result<Option<Candidate>, Fi
 }
 
 /// J v = φ g_C × v with g_C along ∇C, so that f = φ g_C × ∇H.
-fn in_space(field: &mut Field, c: &Integral, h: &Integral) -> Result<Option<Candidate>, FindError> {
+fn in_space(
+    field: &mut RingField,
+    c: &Integral,
+    h: &Integral,
+) -> Result<Option<TensorCandidate>, FindError> {
     let ring = &mut field.ring;
     let (a, b) = (&c.gradient, &h.gradient);
     let mut cross = Vec::with_capacity(3);
     for (i, j) in [(1, 2), (2, 0), (0, 1)] {
         let minus = -Rational::one();
-        cross.push(ring.sum_of_products(&[
-            (Rational::one(), &a[i], &b[j]),
-            (minus, &a[j], &b[i]),
-        ]));
+        cross.push(ring.sum_of_products(&[(Rational::one(), &a[i], &b[j]), (minus, &a[j], &b[i])]));
     }
     let Some(at) = cross.iter().position(|entry| !entry.is_zero()) else {
         return Ok(None);
@@ -117,7 +121,7 @@ fn in_space(field: &mut Field, c: &Integral, h: &Integral) -> Result<Option<Cand
             tensor.insert(pair, entry);
         }
     }
-    Ok(Some(Candidate {
+    Ok(Some(TensorCandidate {
         kind: Kind::FirstIntegrals,
         tensor,
         hamiltonian: element(ring, h)?,

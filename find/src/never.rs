@@ -4,11 +4,14 @@
 use leafwise_expression::algebra::Elimination;
 use leafwise_expression::{AlgebraError, Polynomial, Rational, Ring};
 
-use crate::field::Field;
+use crate::field::RingField;
 use crate::matrix::{Matrix, product, zeros};
 
 /// The equilibrium and its kind as a sentence, `None` where no such one is found.
-pub(crate) fn never(field: &mut Field, variables: &[String]) -> Result<Option<String>, AlgebraError> {
+pub(crate) fn never(
+    field: &mut RingField,
+    variables: &[String],
+) -> Result<Option<String>, AlgebraError> {
     let d = field.dimension();
     let mut points = vec![vec![Rational::zero(); d]];
     let f = field.f.clone();
@@ -39,7 +42,9 @@ pub(crate) fn never(field: &mut Field, variables: &[String]) -> Result<Option<St
             continue;
         };
         let place = variables.iter().zip(&point);
-        let place: Vec<String> = place.map(|(name, value)| format!("{name} = {value}")).collect();
+        let place: Vec<String> = place
+            .map(|(name, value)| format!("{name} = {value}"))
+            .collect();
         return Ok(Some(format!(
             "the equilibrium {} is {kind}: around it every continuous integral is constant, so H would be, and f would vanish",
             place.join(", ")
@@ -64,7 +69,10 @@ fn affine_zero(f: &[Polynomial], d: usize) -> Option<Vec<Rational>> {
         elimination.add(row);
     }
     let solutions = elimination.solutions()?;
-    solutions.directions.is_empty().then_some(solutions.particular)
+    solutions
+        .directions
+        .is_empty()
+        .then_some(solutions.particular)
 }
 
 /// The exact value at a rational point, where it is rational.
@@ -84,7 +92,11 @@ fn is_stable(a: &Matrix) -> bool {
     }
     let (mut above, mut below): (Vec<Rational>, Vec<Rational>) = (Vec::new(), Vec::new());
     for (k, c) in polynomial.into_iter().enumerate() {
-        if k % 2 == 0 { above.push(c) } else { below.push(c) }
+        if k % 2 == 0 {
+            above.push(c)
+        } else {
+            below.push(c)
+        }
     }
     while let (Some(first), Some(second)) = (above.first().cloned(), below.first().cloned()) {
         if second.signum() <= 0 {
@@ -92,9 +104,7 @@ fn is_stable(a: &Matrix) -> bool {
         }
         let ratio = &first * &second.recip();
         let zero = Rational::zero();
-        let next = (1..above.len()).map(|k| {
-            &above[k] - &(&ratio * below.get(k).unwrap_or(&zero))
-        });
+        let next = (1..above.len()).map(|k| &above[k] - &(&ratio * below.get(k).unwrap_or(&zero)));
         let next = next.collect();
         above = std::mem::replace(&mut below, next);
     }

@@ -29,11 +29,11 @@ impl Kind {
         Self::FirstIntegrals,
     ];
 
-    /// The kind's name: `constant`, `log-canonical`, `affine` or `first integrals`.
+    /// Name of the kind: `constant`, `log canonical`, `affine` or `first integrals`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Constant => "constant",
-            Self::LogCanonical => "log-canonical",
+            Self::LogCanonical => "log canonical",
             Self::Affine => "affine",
             Self::FirstIntegrals => "first integrals",
         }
@@ -42,7 +42,7 @@ impl Kind {
 
 /// A tensor with ẋ = J ∇H, before it is proved.
 #[derive(Clone, Debug)]
-pub(crate) struct Candidate {
+pub(crate) struct TensorCandidate {
     pub kind: Kind,
     /// J_ij for i < j.
     pub tensor: BTreeMap<(usize, usize), Polynomial>,
@@ -54,12 +54,15 @@ pub(crate) struct Candidate {
     pub casimirs: Vec<Expression>,
 }
 
-impl Candidate {
+impl TensorCandidate {
     /// The same with λJ and H/λ: the first coefficient of the first entry becomes 1 or −1, that of H positive.
     pub fn normalized(self, ring: &mut Ring) -> Self {
         let first = |f: &Polynomial| {
             let coefficient = f.terms().first().map(|(_, c)| c.clone())?;
-            coefficient.terms().first().map(|(_, number)| number.clone())
+            coefficient
+                .terms()
+                .first()
+                .map(|(_, number)| number.clone())
         };
         let lead = self.tensor.values().next().and_then(first);
         let (Some(lead), Some(energy)) = (lead, first(&self.hamiltonian)) else {
@@ -73,7 +76,9 @@ impl Candidate {
                 true => energy,
                 false => Expression::Product(vec![factor, energy]),
             }),
-            tensor: tensor.map(|(pair, entry)| (pair, ring.scale(&lambda, &entry))).collect(),
+            tensor: tensor
+                .map(|(pair, entry)| (pair, ring.scale(&lambda, &entry)))
+                .collect(),
             hamiltonian: ring.scale(&lambda.recip(), &self.hamiltonian),
             ..self
         }
@@ -99,7 +104,9 @@ impl Candidate {
     /// Puts the preferred one of both in the place of `best`.
     pub fn keep_smaller(best: &mut Option<Self>, other: Option<Self>, ring: &Ring) {
         if let Some(other) = other
-            && best.as_ref().is_none_or(|known| other.size(ring) < known.size(ring))
+            && best
+                .as_ref()
+                .is_none_or(|known| other.size(ring) < known.size(ring))
         {
             *best = Some(other);
         }
@@ -107,13 +114,15 @@ impl Candidate {
 
     /// H as a formula.
     pub fn written(&self, ring: &Ring) -> Expression {
-        self.energy.clone().unwrap_or_else(|| ring.formula(&self.hamiltonian))
+        self.energy
+            .clone()
+            .unwrap_or_else(|| ring.formula(&self.hamiltonian))
     }
 }
 
 /// A search in one kind: a tensor, or the reason why there is none.
 pub(crate) enum Attempt {
-    Found(Box<Candidate>),
+    Found(Box<TensorCandidate>),
     None { reason: String, is_proved: bool },
 }
 
@@ -135,7 +144,7 @@ impl Attempt {
 
 /// A bracket with ẋ = {x, H}, proved.
 #[derive(Clone, Debug)]
-pub struct Bracket {
+pub struct FoundBracket {
     /// The kind of the tensor.
     pub kind: Kind,
     /// {x_i, x_j} for i < j, with ẋ = {x, H}; absent entries are zero.
@@ -154,7 +163,7 @@ pub struct Bracket {
 
 /// A kind in which there is no bracket, or none was found.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Refused {
+pub struct RefusedKind {
     /// The kind.
     pub kind: Kind,
     /// The reason, as a sentence without its full stop.
@@ -167,9 +176,9 @@ pub struct Refused {
 #[derive(Clone, Debug)]
 pub struct Report {
     /// The first bracket in the order of the kinds.
-    pub bracket: Option<Bracket>,
+    pub bracket: Option<FoundBracket>,
     /// Kinds without one that were tried before it, with the reasons.
-    pub refused: Vec<Refused>,
+    pub refused: Vec<RefusedKind>,
     /// First integrals, a basis of those of the degree that was tried. Products of each other count.
     pub integrals: Vec<Expression>,
     /// The degree up to which first integrals were looked for, 0 where none was needed.

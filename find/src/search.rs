@@ -10,14 +10,17 @@ use crate::casimirs::casimirs_of;
 use crate::constant::constant;
 use crate::equations::Equations;
 use crate::error::FindError;
-use crate::field::Field;
+use crate::field::RingField;
 use crate::integrals::integrals;
 use crate::low::low;
 use crate::never::never;
-use crate::report::{Attempt, Bracket, Candidate, Kind, Refused, Report};
+use crate::report::{Attempt, FoundBracket, Kind, RefusedKind, Report, TensorCandidate};
 
-/// The degree of first integrals and Casimirs where none is asked for: that of f, at least 2 and at most this.
+/// The degree of first integrals where none is asked for: that of f, at least 2 and at most this.
 const MOST_DEGREE: usize = 3;
+
+/// The degree of Casimirs where none is asked for.
+const CASIMIR_DEGREE: usize = 2;
 
 /// Settings of a search.
 #[derive(Clone, Copy, Debug, Default)]
@@ -42,7 +45,7 @@ pub fn find(equations: &Equations, options: Options) -> Result<Report, FindError
         never: None,
     };
     if !equations.parameters().is_empty() {
-        let mut field = Field::of(equations)?;
+        let mut field = RingField::of(equations)?;
         for kind in [Kind::Constant, Kind::LogCanonical] {
             if let Attempt::Found(candidate) = constant(&mut field, kind)?
                 && let Some(bracket) = proved(equations, &mut field, &candidate, true, options)?
@@ -53,12 +56,14 @@ pub fn find(equations: &Equations, options: Options) -> Result<Report, FindError
         }
     }
     let numbers = equations.with_numbers();
-    let mut field = Field::of(&numbers)?;
-    let degree = options.degree.unwrap_or_else(|| field.degree().clamp(2, MOST_DEGREE));
+    let mut field = RingField::of(&numbers)?;
+    let degree = options
+        .degree
+        .unwrap_or_else(|| field.degree().clamp(2, MOST_DEGREE));
     let mut known: Option<Vec<Polynomial>> = None;
     for kind in Kind::ALL {
         if matches!(kind, Kind::Affine | Kind::FirstIntegrals) && known.is_none() {
-            let found = integrals(&mut field, degree)?;
+            let (found, degree) = integrals_within(&mut field, degree, options)?;
             report.integrals = found.iter().map(|f| field.ring.formula(f)).collect();
             report.degree = degree;
             known = Some(found);
@@ -70,7 +75,7 @@ pub fn find(equations: &Equations, options: Options) -> Result<Report, FindError
             Kind::FirstIntegrals => low(&mut field, known)?,
         };
         match attempt {
-            Attempt::None { reason, is_proved } => report.refused.push(Refused {
+            Attempt::None { reason, is_proved } => report.refused.push(RefusedKind {
                 kind,
                 reason,
                 is_proved,
@@ -80,9 +85,10 @@ pub fn find(equations: &Equations, options: Options) -> Result<Report, FindError
                 report.bracket = bracket;
                 match &report.bracket {
                     Some(_) => return Ok(report),
-                    None => report.refused.push(Refused {
+                    None => report.refused.push(RefusedKind {
                         kind,
-                        reason: "a tensor was found in doubles that is not Poisson exactly".to_owned(),
+                        reason: "a tensor was found in doubles that is not Poisson exactly"
+                            .to_owned(),
                         is_proved: false,
                     }),
                 }
@@ -93,24 +99,58 @@ pub fn find(equations: &Equations, options: Options) -> Result<Report, FindError
     Ok(report)
 }
 
+/// Integrals of this degree. Where none is asked for, of the largest degree up to it that is within the limits.
+fn integrals_within(
+    field: &mut RingField,
+    degree: usize,
+    options: Options,
+) -> Result<(Vec<Polynomial>, usize), FindError> {
+    for degree in (1..=degree).rev() {
+        match integrals(field, degree) {
+            Err(FindError::TooMany { .. }) if options.degree.is_none() => {}
+            result => return result.map(|found| (found, degree)),
+        }
+    }
+    Ok((Vec::new(), 0))
+}
+
+/// Casimirs of this degree, by the same rule.
+fn casimirs_within(
+    system: &SystemFormulas,
+    options: Options,
+) -> Result<Vec<Expression>, FindError> {
+    let degree = options.degree.unwrap_or(CASIMIR_DEGREE);
+    for degree in (1..=degree).rev() {
+        match casimirs_of(system, degree) {
+            Err(FindError::TooMany { .. }) if options.degree.is_none() => {}
+            result => return result,
+        }
+    }
+    Ok(Vec::new())
+}
+
 /// The candidate as a system, where J ∇H = f and Jacobi's identity hold exactly.
 fn proved(
     equations: &Equations,
-    field: &mut Field,
-    candidate: &Candidate,
+    field: &mut RingField,
+    candidate: &TensorCandidate,
     has_parameters: bool,
     options: Options,
-) -> Result<Option<Bracket>, FindError> {
+) -> Result<Option<FoundBracket>, FindError> {
     let candidate = candidate.clone().normalized(&mut field.ring);
     let ring = &field.ring;
     let entries = candidate.tensor.iter();
-    let entries: std::collections::BTreeMap<(usize, usize), Expression> =
-        entries.map(|(pair, entry)| (*pair, ring.formula(entry))).collect();
+    let entries: std::collections::BTreeMap<(usize, usize), Expression> = entries
+        .map(|(pair, entry)| (*pair, ring.formula(entry)))
+        .collect();
     let hamiltonian = candidate.written(ring);
-    let parameters = equations.parameters().iter().map(|(name, value)| Parameter {
-        name: name.clone(),
-        value: value.to_f64(),
-    });
+    let parameters = equations
+        .parameters()
+        .iter()
+        .map(|(name, value)| Parameter {
+            name: name.clone(),
+            value: value.to_f64(),
+        });
     let system = |casimirs: Vec<Casimir>| {
         SystemFormulas::new(
             equations.variables().to_vec(),
@@ -139,14 +179,14 @@ fn proved(
     }
     let mut casimirs = candidate.casimirs;
     if casimirs.is_empty() {
-        casimirs = casimirs_of(&alone, options.degree.unwrap_or(2))?;
+        casimirs = casimirs_within(&alone, options)?;
     }
     let named = casimirs.iter().enumerate().map(|(at, expression)| Casimir {
         name: casimir_name(at, casimirs.len(), equations),
         expression: expression.clone(),
     });
     let system = system(named.collect())?;
-    Ok(Some(Bracket {
+    Ok(Some(FoundBracket {
         kind: candidate.kind,
         entries,
         hamiltonian,
@@ -174,10 +214,12 @@ fn casimir_name(at: usize, count: usize, equations: &Equations) -> String {
 /// Whether {x, H} = f in normal form. Of a bracket by integrals, whose fractions the algebra may not reduce, the identity was proved with
 /// denominators multiplied out: there its values are compared.
 fn moves_by(system: &SystemFormulas, equations: &Equations, kind: Kind) -> Result<bool, FindError> {
-    let mut field = Field::of(equations)?;
+    let mut field = RingField::of(equations)?;
     let ring = &mut field.ring;
     let x: Vec<Polynomial> = (0..system.dimension()).map(|i| ring.variable(i)).collect();
-    let energy = system.hamiltonian().evaluate_in(ring, &mut |_, at| Ok(x[at].clone()))?;
+    let energy = system
+        .hamiltonian()
+        .evaluate_in(ring, &mut |_, at| Ok(x[at].clone()))?;
     let gradient = ring.gradient(&energy)?;
     let rows = system.apply_tensor(ring, &x, &gradient)?;
     let mut holds = true;

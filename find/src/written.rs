@@ -4,9 +4,9 @@ use std::fmt::Write;
 
 use leafwise_expression::Expression;
 
-use crate::report::Bracket;
+use crate::report::FoundBracket;
 
-impl Bracket {
+impl FoundBracket {
     /// A formula of this system as text that a scene reads.
     pub fn written(&self, formula: &Expression) -> String {
         let parameters = self.system.parameters().iter();
@@ -35,8 +35,13 @@ impl Bracket {
         let variables: Vec<String> = self.system.variables().iter().map(|v| quoted(v)).collect();
         let mut text = format!("[system]\nvariables   = [{}]\n", variables.join(", "));
         let line = |name: &str, entries: Vec<(String, String)>| {
-            let entries = entries.iter().map(|(key, value)| format!("{key} = {value}"));
-            format!("{name:11} = {{ {} }}\n", entries.collect::<Vec<_>>().join(", "))
+            let entries = entries
+                .iter()
+                .map(|(key, value)| format!("{key} = {value}"));
+            format!(
+                "{name:11} = {{ {} }}\n",
+                entries.collect::<Vec<_>>().join(", ")
+            )
         };
         let parameters = self.system.parameters().iter();
         let parameters: Vec<(String, String)> = parameters
@@ -49,7 +54,11 @@ impl Bracket {
         let rows = rows.map(|([x, y], entry)| (quoted(&format!("{x},{y}")), quoted(&entry)));
         text.push_str(&line("bracket", rows.collect()));
         text.push_str("convention  = \"{x,H}\"\n");
-        let _ = writeln!(text, "hamiltonian = {}", quoted(&self.written(&self.hamiltonian)));
+        let _ = writeln!(
+            text,
+            "hamiltonian = {}",
+            quoted(&self.written(&self.hamiltonian))
+        );
         let casimirs = self.named_casimirs().into_iter();
         let casimirs: Vec<(String, String)> = casimirs
             .map(|(name, formula)| (quoted(name), quoted(&formula)))

@@ -204,6 +204,9 @@ mod tests {
         let expected = [0, 3, 0].map(Rational::from_integer);
         assert_eq!(solutions.particular, expected);
         assert!(solutions.directions.is_empty());
-        assert_eq!(relations(&columns, &[y, Ring::zero(&mut ring)]).solutions(), None);
+        assert_eq!(
+            relations(&columns, &[y, Ring::zero(&mut ring)]).solutions(),
+            None
+        );
     }
 }

@@ -564,7 +564,12 @@ pub struct FindArguments {
     #[arg(short, long = "equation", value_name = "X'=F")]
     pub equations: Vec<String>,
     /// The value of a parameter of these equations: -p a=0.5
-    #[arg(short, long = "parameter", value_name = "NAME=VALUE", requires = "equations")]
+    #[arg(
+        short,
+        long = "parameter",
+        value_name = "NAME=VALUE",
+        requires = "equations"
+    )]
     pub parameters: Vec<String>,
     /// The degree of first integrals and Casimirs [default: 2 of Casimirs, that of the equations, 2 or 3, of integrals]
     #[arg(long, value_name = "D", value_parser = clap::value_parser!(u8).range(1..=12))]

@@ -21,6 +21,5 @@ pub use document::{
     InitialSpec, Located, MethodParts, MethodSection, MethodTable, Number, NumbersSystem,
     ParameterDraw, ParameterValue, PartSpec, PartUse, Place, PluginSpec, RecordSpec, RewriteError,
     RunSection, SceneDocument, SceneErrors, SceneProblem, SceneProblemCause, Source, StepSpec,
-    SummandSpec, SystemSection, equations_of, with_casimirs,
-    with_system,
+    SummandSpec, SystemSection, equations_of, with_casimirs, with_system,
 };

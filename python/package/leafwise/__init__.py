@@ -19,6 +19,7 @@ from ._commands import command, describe, list_parts as list, load_plugin
 from ._comparison import Comparison
 from ._ensemble import Ensemble
 from ._errors import IntegrationError, LeafwiseError, LeafwiseWarning, SceneError
+from ._find import Found, find
 from ._fit import Fit
 from ._functions import System
 from ._gradient import Gradient, Tangents, Trajectory, Tried
@@ -34,6 +35,7 @@ __version__ = _version()
 __all__ = [
     "Comparison",
     "Fit",
+    "Found",
     "Gradient",
     "Growth",
     "Ensemble",
@@ -53,6 +55,7 @@ __all__ = [
     "closed_form",
     "command",
     "describe",
+    "find",
     "generating_function",
     "load_plugin",
     "solve",

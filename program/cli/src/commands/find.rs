@@ -1,9 +1,13 @@
 //! `leafwise find`: the bracket and the Hamiltonian of equations of motion, the Casimirs of a bracket.
 
+use std::fs::OpenOptions;
+use std::io::{ErrorKind, Write};
 use std::path::Path;
 
 use leafwise::core::SystemFormulas;
-use leafwise::find::{Bracket, Equations, FindError, Kind, Options, Report, casimirs_of, find};
+use leafwise::find::{
+    Equations, FindError, FoundBracket, Kind, Options, Report, casimirs_of, find,
+};
 use leafwise::scene::compose::compose;
 use leafwise::scene::json::object;
 use leafwise::scene::{equations_of, with_casimirs, with_system};
@@ -13,7 +17,6 @@ use crate::arguments::{FindArguments, PluginArguments, SceneArguments};
 use crate::bar::while_building;
 use crate::console::Console;
 use crate::failure::{Failure, exit};
-use crate::files::write;
 use crate::plugins::Parts;
 use crate::scene::read;
 use crate::table::{labelled, words};
@@ -22,7 +25,8 @@ use crate::table::{labelled, words};
 const CASIMIR_DEGREE: usize = 2;
 
 /// The tables that stand below equations of the command line.
-const DEFAULT_RUN: &str = "\n[method]\nrealization = \"auto\"\ndynamics    = \"auto\"\ntime-step   = 0.05\n";
+const DEFAULT_RUN: &str =
+    "\n[method]\nrealization = \"auto\"\ndynamics    = \"auto\"\ntime-step   = 0.05\n";
 
 /// The object of `find --json` for equations.
 #[derive(Serialize)]
@@ -82,7 +86,8 @@ pub fn execute(
         None => ("the command line".to_owned(), written_scene(arguments)?),
     };
     let (name, text) = scene;
-    let equations = equations_of(&name, &text).map_err(|errors| Failure::Scene(errors.diagnostics()))?;
+    let equations =
+        equations_of(&name, &text).map_err(|errors| Failure::Scene(errors.diagnostics()))?;
     let shown = console.shown(false);
     let Some(equations) = equations else {
         return casimirs(arguments, &text, plugins, console);
@@ -103,21 +108,45 @@ pub fn execute(
     };
     if let Some(file) = &arguments.out {
         let text = match &arguments.scene {
-            Some(_) => with_system(&text, &bracket.fragment())
-                .map_err(|error| Failure::usage(error.to_string(), "name a scene with a [system] table"))?,
-            None => format!("{}{DEFAULT_RUN}{}", bracket.fragment(), run_table(&equations)),
+            Some(_) => with_system(&text, &bracket.fragment()).map_err(|error| {
+                Failure::usage(error.to_string(), "name a scene with a [system] table")
+            })?,
+            None => format!(
+                "{}{DEFAULT_RUN}{}",
+                bracket.fragment(),
+                run_table(&equations)
+            ),
         };
-        write(file, &text)?;
-        told(file, console);
+        write_new(file, &text, console)?;
     }
     Ok(exit::DONE)
 }
 
-fn told(file: &Path, console: &mut Console<'_>) {
-    console.prose(&format!(
-        "wrote {0}; `leafwise check {0}` prints its motion, `leafwise run {0}` integrates it",
-        file.display()
-    ));
+/// Writes a file that does not exist.
+fn write_new(file: &Path, text: &str, console: &mut Console<'_>) -> Result<(), Failure> {
+    let written = OpenOptions::new()
+        .write(true)
+        .create_new(true)
+        .open(file)
+        .and_then(|mut open| open.write_all(text.as_bytes()));
+    match written {
+        Ok(()) => {
+            console.prose(&format!(
+                "wrote {0}; `leafwise check {0}` prints its motion, `leafwise run {0}` integrates it",
+                file.display()
+            ));
+            Ok(())
+        }
+        Err(error) if error.kind() == ErrorKind::AlreadyExists => Err(Failure::usage(
+            format!("{} exists and is left as it is", file.display()),
+            "name another file: --out NAME.toml",
+        )),
+        Err(source) => Err(Failure::File {
+            action: "write",
+            file: file.to_path_buf(),
+            source,
+        }),
+    }
 }
 
 fn refused(error: FindError) -> Failure {
@@ -210,7 +239,9 @@ fn casimirs(
             casimirs: rows.clone(),
         });
     } else if rows.is_empty() {
-        console.result(&format!("No Casimir of degree {degree} or less in the variables"));
+        console.result(&format!(
+            "No Casimir of degree {degree} or less in the variables"
+        ));
     } else {
         let rows: Vec<Vec<String>> = (rows.iter())
             .map(|(name, formula)| vec![format!("  Casimir {name}"), format!("= {formula}")])
@@ -220,10 +251,10 @@ fn casimirs(
         }
     }
     if let Some(file) = arguments.out.as_ref().filter(|_| !rows.is_empty()) {
-        let text = with_casimirs(text, &rows)
-            .map_err(|error| Failure::usage(error.to_string(), "name a scene with a [system] table"))?;
-        write(file, &text)?;
-        told(file, console);
+        let text = with_casimirs(text, &rows).map_err(|error| {
+            Failure::usage(error.to_string(), "name a scene with a [system] table")
+        })?;
+        write_new(file, &text, console)?;
     }
     Ok(exit::DONE)
 }
@@ -241,12 +272,15 @@ fn json(equations: &Equations, report: &Report) -> FindJson {
         kind: bracket.map(|bracket| bracket.kind.name()),
         bracket: bracket.map_or_else(Vec::new, |bracket| {
             let rows = bracket.rows().into_iter();
-            rows.map(|([x, y], entry)| (format!("{x},{y}"), entry)).collect()
+            rows.map(|([x, y], entry)| (format!("{x},{y}"), entry))
+                .collect()
         }),
         hamiltonian: bracket.map(|bracket| bracket.written(&bracket.hamiltonian)),
         casimirs: bracket.map_or_else(Vec::new, |bracket| {
             let casimirs = bracket.named_casimirs().into_iter();
-            casimirs.map(|(name, formula)| (name.to_owned(), formula)).collect()
+            casimirs
+                .map(|(name, formula)| (name.to_owned(), formula))
+                .collect()
         }),
         family: bracket.map(|bracket| bracket.family),
         has_parameters: bracket.is_some_and(|bracket| bracket.has_parameters),
@@ -260,12 +294,15 @@ fn json(equations: &Equations, report: &Report) -> FindJson {
             })
             .collect(),
         never: report.never.clone(),
-        system: bracket.map(Bracket::fragment),
+        system: bracket.map(FoundBracket::fragment),
     }
 }
 
 fn integrals(equations: &Equations, report: &Report) -> Vec<String> {
-    let written = report.integrals.iter().map(|f| f.written(equations.variables(), &[]));
+    let written = report
+        .integrals
+        .iter()
+        .map(|f| f.written(equations.variables(), &[]));
     written.collect()
 }
 
@@ -303,7 +340,11 @@ fn lines(equations: &Equations, report: &Report) -> Vec<String> {
     }
     let reasons: Vec<(String, String)> = (report.refused.iter())
         .map(|refused| {
-            let word = if refused.is_proved { "none exists" } else { "none found" };
+            let word = if refused.is_proved {
+                "none exists"
+            } else {
+                "none found"
+            };
             (
                 refused.kind.name().to_owned(),
                 format!("{word}: {}", refused.reason),
@@ -320,8 +361,15 @@ fn lines(equations: &Equations, report: &Report) -> Vec<String> {
     let integrals = integrals(equations, report);
     if report.bracket.is_none() && !integrals.is_empty() {
         lines.push(String::new());
-        lines.push(format!("First integrals of degree {} or less:", report.degree));
-        lines.extend(integrals.into_iter().map(|integral| format!("  {integral}")));
+        lines.push(format!(
+            "First integrals of degree {} or less:",
+            report.degree
+        ));
+        lines.extend(
+            integrals
+                .into_iter()
+                .map(|integral| format!("  {integral}")),
+        );
     }
     lines
 }
@@ -336,16 +384,19 @@ fn title(kind: Kind) -> &'static str {
 }
 
 /// How many other brackets there are.
-fn others(bracket: &Bracket) -> String {
+fn others(bracket: &FoundBracket) -> String {
     match (bracket.kind, bracket.family) {
         (Kind::FirstIntegrals, _) => {
-            "Every function of the first integrals may stand in the place of H or of the Casimir.".to_owned()
+            "Every function of the first integrals may stand in the place of H or of the Casimir."
+                .to_owned()
         }
         (Kind::Affine, family) => format!(
             "For this H the equations leave {} of the coefficients free; Jacobi's identity holds, and most others are 0.",
             family - 1
         ),
-        (_, 1) => "No other bracket of this kind has the same leaves, but for a factor of H.".to_owned(),
+        (_, 1) => {
+            "No other bracket of this kind has the same leaves, but for a factor of H.".to_owned()
+        }
         (_, family) => format!(
             "One of a linear family of dimension {family}, whose inverses give brackets: the sparsest that was tried."
         ),

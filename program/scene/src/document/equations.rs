@@ -19,7 +19,7 @@ pub(super) const FIND: &str = "find";
 
 /// Whether a `[system]` table has equations in the place of a bracket.
 pub(super) fn has_equations(table: &Table<'_>) -> bool {
-    let is_word = |item: &Item<'_>| item.is_string();
+    let is_word = |item: &Item<'_>| item.is_word(FIND);
     table.get("equations").is_some() || table.get("bracket").is_some_and(is_word)
 }
 
@@ -111,7 +111,9 @@ fn read_equations(table: &Table<'_>, problems: &mut Problems) -> Option<Equation
         None => None,
     };
     let rows = rows(item, names, problems)?;
-    let Parameters { numbers, formulas, .. } = match table.get("parameters") {
+    let Parameters {
+        numbers, formulas, ..
+    } = match table.get("parameters") {
         Some(item) => read_parameters(item, false, |_| false, problems)?,
         None => Parameters::default(),
     };
@@ -137,7 +139,10 @@ fn read_equations(table: &Table<'_>, problems: &mut Problems) -> Option<Equation
             problems.push(cause, name.place());
         } else if seen.contains(&name.value.as_str()) {
             let name_twice = name.value.clone();
-            problems.push(SceneProblemCause::Duplicate { name: name_twice }, name.place());
+            problems.push(
+                SceneProblemCause::Duplicate { name: name_twice },
+                name.place(),
+            );
         }
         seen.push(&name.value);
     }
@@ -252,8 +257,14 @@ pub fn with_system(text: &str, fragment: &str) -> Result<String, RewriteError> {
     };
     let (mut scene, found) = (read(text)?, read(fragment)?);
     let table = RewriteError::NoTable { table: "system" };
-    let found = found.get("system").and_then(|item| item.as_table()).ok_or(table.clone())?;
-    let system = scene.get_mut("system").and_then(|item| item.as_table_like_mut()).ok_or(table)?;
+    let found = found
+        .get("system")
+        .and_then(|item| item.as_table())
+        .ok_or(table.clone())?;
+    let system = scene
+        .get_mut("system")
+        .and_then(|item| item.as_table_like_mut())
+        .ok_or(table)?;
     for key in ["variables", "parameters", "equations", "bracket"] {
         system.remove(key);
     }
@@ -272,7 +283,9 @@ pub fn with_casimirs(text: &str, casimirs: &[(String, String)]) -> Result<String
     let mut scene = scene.map_err(|error| RewriteError::Syntax {
         message: error.message().to_owned(),
     })?;
-    let system = scene.get_mut("system").and_then(|item| item.as_table_like_mut());
+    let system = scene
+        .get_mut("system")
+        .and_then(|item| item.as_table_like_mut());
     let system = system.ok_or(RewriteError::NoTable { table: "system" })?;
     let mut table = InlineTable::new();
     for (name, formula) in casimirs {

@@ -280,11 +280,6 @@ impl SceneProblemCause {
                 "a key with other letters than a to z, A to Z, 0 to 9, `-` and `_` stands in quotes: \"Iα\" = 1.0"
                     .to_owned(),
             ),
-            Self::UnknownName {
-                kind: "bracket", ..
-            } => Some(
-                "write its entries, bracket = { \"q,p\" = \"1\" }, or bracket = \"find\" beside `equations`".to_owned(),
-            ),
             Self::WrongType { key, .. } if key == "bracket" => Some(
                 "write the pairs that do not vanish: bracket = { \"q,p\" = \"1\" } with convention = \"{x,H}\" for \
                  q' = ∂H/∂p and p' = -∂H/∂q"
