@@ -6,6 +6,7 @@
 //!   dynamics and steppers.
 //! - [`systems`]: the problem library.
 //! - [`plugins`]: parts of third parties from shared libraries.
+//! - [`find`]: brackets of equations of motion, found and proved.
 //! - [`walk`]: trajectories in memory, watched between steps.
 //! - [`scene`]: scene files, composed.
 //! - [`run`]: runs, ensembles and sweeps, into directories; [`report`]: their pages.
@@ -27,6 +28,7 @@ pub use leafwise_core as core;
 pub use leafwise_darboux_magnetic as darboux_magnetic;
 pub use leafwise_direct_sum as direct_sum;
 pub use leafwise_expression as expression;
+pub use leafwise_find as find;
 pub use leafwise_generating_function as generating_function;
 pub use leafwise_hamilton_jacobi as hamilton_jacobi;
 pub use leafwise_karasev as karasev;

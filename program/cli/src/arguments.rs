@@ -87,6 +87,8 @@ pub enum Command {
     Describe(DescribeArguments),
     /// Evaluate a scene's realization and generating function at a point
     Evaluate(EvaluateArguments),
+    /// Find the bracket and the Hamiltonian of equations of motion, and the Casimirs of a bracket
+    Find(FindArguments),
     /// Print the shadow Hamiltonian of a scene's method, and how well it is kept
     Shadow(ShadowArguments),
     /// Measure what every part declares: orders, tensor defects, drift, cost
@@ -156,6 +158,7 @@ impl Command {
             Self::List(arguments) => arguments.json,
             Self::Describe(arguments) => arguments.json,
             Self::Evaluate(arguments) => arguments.json,
+            Self::Find(arguments) => arguments.json,
             Self::Shadow(arguments) => arguments.json,
             Self::Verify(arguments) => arguments.json,
             Self::Compare(arguments) => arguments.json,
@@ -560,6 +563,34 @@ pub struct EvaluateArguments {
     /// The momentum, as comma-separated decimals [default: zero]
     #[arg(long, allow_hyphen_values = true, value_name = "P1,P2,…")]
     pub p: Option<String>,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `find`.
+#[derive(Args, Clone, Debug)]
+pub struct FindArguments {
+    /// A scene with `equations` and `bracket = "find"`, or with a bracket whose Casimirs are looked for
+    #[arg(required_unless_present = "equations", conflicts_with = "equations")]
+    pub scene: Option<PathBuf>,
+    /// An equation in the place of a scene, once for each variable: -e "q' = p" -e "p' = -sin(q)"
+    #[arg(short, long = "equation", value_name = "X'=F")]
+    pub equations: Vec<String>,
+    /// The value of a parameter of these equations: -p a=0.5
+    #[arg(
+        short,
+        long = "parameter",
+        value_name = "NAME=VALUE",
+        requires = "equations"
+    )]
+    pub parameters: Vec<String>,
+    /// The degree of first integrals and Casimirs [default: 2 of Casimirs, that of the equations, 2 or 3, of integrals]
+    #[arg(long, value_name = "D", value_parser = clap::value_parser!(u8).range(1..=12))]
+    pub degree: Option<u8>,
+    /// Write the scene with what was found to this file
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
     /// Print one JSON object on standard output
     #[arg(long)]
     pub json: bool,

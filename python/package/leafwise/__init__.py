@@ -20,6 +20,7 @@ from ._commands import command, describe, list_parts as list, load_plugin
 from ._comparison import Comparison
 from ._ensemble import Ensemble
 from ._errors import IntegrationError, LeafwiseError, LeafwiseWarning, SceneError
+from ._find import Found, find
 from ._fit import Fit
 from ._functions import System
 from ._gradient import Gradient, Tangents, Trajectory, Tried
@@ -36,6 +37,7 @@ __version__ = _version()
 __all__ = [
     "Comparison",
     "Fit",
+    "Found",
     "Gradient",
     "Growth",
     "Ensemble",
@@ -56,6 +58,7 @@ __all__ = [
     "closed_form",
     "command",
     "describe",
+    "find",
     "generating_function",
     "lattice",
     "load_plugin",

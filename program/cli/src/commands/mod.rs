@@ -7,6 +7,7 @@ pub mod ensemble;
 pub mod evaluate;
 pub mod explain;
 pub mod explain_word;
+pub mod find;
 pub mod list;
 pub mod merge;
 mod motion;

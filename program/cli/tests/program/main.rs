@@ -6,6 +6,7 @@ mod comparisons;
 mod ensembles;
 mod events;
 mod failing_runs;
+mod found;
 mod gallery;
 mod guide;
 mod invalid_scenes;

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::located::{Place, Source};
+use super::located::{FOUND, Place, Source};
 use super::suggest::nearest;
 use crate::diagnostic::SceneDiagnostic;
 
@@ -156,6 +156,12 @@ pub enum SceneProblemCause {
         /// Why not.
         message: String,
     },
+    /// Equations for which no bracket was found.
+    #[error("no bracket was found for these equations: {reason}")]
+    NoBracket {
+        /// The reason, of each kind that was looked for.
+        reason: String,
+    },
     /// A bracket entry whose key is no pair of variables.
     #[error("`{key}` is not a pair of variables")]
     BracketKey {
@@ -247,6 +253,7 @@ impl SceneProblemCause {
             Self::BracketKey { .. } => "expected two variables and a comma".to_owned(),
             Self::CanonicalPair { name, .. } => format!("`{name}` is in no pair"),
             Self::System { .. } => "here".to_owned(),
+            Self::NoBracket { .. } => "nothing to put here".to_owned(),
             Self::TwoSummands { .. } => "in an earlier summand".to_owned(),
             Self::NoSummand { .. } => "of no summand".to_owned(),
             Self::WithoutSites { .. } => "of no lattice".to_owned(),
@@ -323,6 +330,11 @@ impl SceneProblemCause {
             )),
             Self::WithoutSites { .. } => Some(
                 "declare the lattice that it belongs to: families = { q = 100, p = 100 }".to_owned(),
+            ),
+            Self::NoBracket { .. } => Some(
+                "`leafwise find SCENE` prints what was tried; damping and driving stand beside a bracket of the rest, as \
+                 `forces` and `damping`"
+                    .to_owned(),
             ),
             Self::MagneticSign => Some(
                 "under \"{H,x}\" `magnetic` meant v' = -v × B, under \"{x,H}\" it ran time backwards; for \
@@ -425,7 +437,10 @@ pub(super) fn source_text(
     match source {
         Source::Scene => (name.to_owned(), text.to_owned()),
         Source::Library(id) => (
-            format!("library system {id}"),
+            match &**id == FOUND {
+                true => FOUND.to_owned(),
+                false => format!("library system {id}"),
+            },
             fragment.map_or_else(String::new, |(_, text)| text.clone()),
         ),
         Source::Override(given) => ("--set".to_owned(), given.to_string()),

@@ -4,6 +4,9 @@ use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
 
+/// The name of the text that stands in the place of equations, as that of a library system.
+pub(super) const FOUND: &str = "the bracket that was found";
+
 /// The text a byte range refers to.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Source {

@@ -4,6 +4,7 @@
 //! - `system`, `bracket`, `method`, `run`, `ensemble`, `sweep`, `plugin`: one table or list of the scene each;
 //! - `canonical`: pairs of a coordinate and its momentum, the bracket of a word;
 //! - `system_section`: the contents of `[system]`, read from the scene, a library or a system without formulas;
+//! - `equations`: equations of motion, whose bracket is found;
 //! - `forces`: forces that move the system beside its Hamiltonian;
 //! - `noise`: channels that move it at random;
 //! - `families`: lengths of axes and ends of a lattice;
@@ -23,6 +24,7 @@ mod bracket;
 mod canonical;
 mod contradictions;
 mod ensemble;
+mod equations;
 mod error;
 mod families;
 mod field;
@@ -53,6 +55,7 @@ mod tests;
 
 pub use bracket::{BracketSpec, SummandSpec};
 pub use ensemble::{Distribution, EnsembleSection, FinalStates, InitialDraw, ParameterDraw};
+pub use equations::{equations_of, with_casimirs, with_system};
 pub use error::{SceneErrors, SceneProblem, SceneProblemCause};
 pub use field::FieldSpec;
 pub use forces::{ByCoordinate, DampingSpec, ForcesSpec, MetricSpec, OneFormSpec, TorqueSpec};

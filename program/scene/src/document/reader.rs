@@ -198,6 +198,11 @@ impl<'a> Item<'a> {
         matches!(self.value, DeValue::Integer(_) | DeValue::Float(_))
     }
 
+    /// Whether the value is this string.
+    pub fn is_word(&self, word: &str) -> bool {
+        self.value.as_str() == Some(word)
+    }
+
     /// The value if it is a truth value.
     pub fn flag(&self) -> Option<bool> {
         self.value.as_bool()

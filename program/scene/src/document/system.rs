@@ -10,13 +10,14 @@ use toml::de::DeTable;
 
 use super::bracket::{BracketSpec, read_bracket};
 use super::canonical::Coordinates;
+use super::equations::{found_system, has_equations};
 use super::error::SceneProblemCause;
 use super::families::{
     Families, boundaries, chain_length, check_boundaries, on_axes, read_families,
 };
 use super::field::{FieldSpec, Parameters, family_of, read_parameters, without_sites};
 use super::forces::{ForcesSpec, read_forces};
-use super::located::{Located, Place, Source};
+use super::located::{FOUND, Located, Place, Source};
 use super::noise::read_noise;
 use super::numbers::{asks_for_numbers, read_numbers};
 use super::reader::{Item, Problems, Table};
@@ -35,7 +36,15 @@ pub(super) fn read_system(
 ) -> Option<SystemSection> {
     table.only(&SYSTEM, problems);
     let Some(item) = table.get("library") else {
-        return read_inline(table, registry, problems);
+        if !has_equations(table) {
+            return read_inline(table, registry, problems);
+        }
+        let text = found_system(table, problems)?;
+        *fragment = Some((FOUND.to_owned(), text.clone()));
+        let mut system = read_fragment(FOUND, &text, registry, problems)?;
+        system.forces = read_forces(table, ForcesSpec::default(), problems)?;
+        system.noise = read_noise(table, Vec::new(), problems)?;
+        return Some(system);
     };
     let id = item.string(problems)?;
     let Ok(part) = registry.system(&id.value) else {

@@ -47,6 +47,22 @@ static LIBRARY_BESIDE: [Beside; 1] = [Beside::Keys {
               stand; remove it, or write the system out without `library`",
 }];
 
+/// Keys of a system that is written out, and those that are found.
+static EQUATIONS_BESIDE: [Beside; 1] = [Beside::Keys {
+    keys: &[
+        "library",
+        "families",
+        "define",
+        "constraints",
+        "boundary",
+        "convention",
+        "hamiltonian",
+        "casimirs",
+    ],
+    advice: "beside `equations` only `variables`, `parameters`, `bracket = \"find\"`, `forces`, `damping` and `noise` may stand: the \
+              rest is found",
+}];
+
 static PARAMETERS_BESIDE: [Beside; 1] = [Beside::Note(
     "as values of sites: a bracket by a form or with constraints",
 )];
@@ -56,7 +72,7 @@ static NOISE_BESIDE: [Beside; 2] = [
     Beside::Note(NUMBERS_ALONE),
 ];
 
-pub(super) static SYSTEM: [Key; 16] = [
+pub(super) static SYSTEM: [Key; 17] = [
     key(
         "library",
         Shape::System,
@@ -102,10 +118,23 @@ pub(super) static SYSTEM: [Key; 16] = [
     .otherwise("none")
     .not_beside(&[Beside::Note(NUMBERS_ALONE)]),
     key(
+        "equations",
+        Shape::Either(&[FORMULAS, Shape::List(&Shape::Formula)]),
+        "The equations of motion, a formula of x' for each variable x, with bracket = \"find\": bracket and Hamiltonian \
+         are found",
+    )
+    .otherwise("none")
+    .not_beside(&EQUATIONS_BESIDE),
+    key(
         "bracket",
-        Shape::Either(&[CANONICAL, KIND, table(&SUM, &[&["sum"]]), PAIRS]),
-        "The Poisson tensor: { \"x,y\" = \"formula\" } for each pair that is not zero, or a \
-         kind by its name, or \"canonical\": q with p, x with px, q' = dH/dp",
+        Shape::Either(&[
+            Shape::Words(&["canonical", "find"]),
+            KIND,
+            table(&SUM, &[&["sum"]]),
+            PAIRS,
+        ]),
+        "The Poisson tensor: { \"x,y\" = \"formula\" } for each pair that is not zero, a kind by its name, \"canonical\": q with p, \
+         x with px, q' = dH/dp, or \"find\" beside `equations`",
     ),
     key(
         "constraints",

@@ -27,7 +27,20 @@ pub(super) const CASES: [Case; 2] = [
 ];
 
 /// Scenes that between them hold every key of [`scene_keys`].
-pub const SCENES_WITH_EVERY_KEY: [&str; 20] = [
+pub const SCENES_WITH_EVERY_KEY: [&str; 21] = [
+    r#"
+    [system]
+    parameters = { a = 1.5 }
+    equations  = { q = "p", p = "-a*sin(q)" }
+    bracket    = "find"
+    [method]
+    realization = "auto"
+    dynamics    = "auto"
+    time-step   = 0.1
+    [run]
+    initial = [1, 0.5]
+    steps   = 10
+    "#,
     r#"
     plugins = []
     [system]

@@ -1,0 +1,637 @@
+//! Brackets of classical equations, found and proved, and equations that have none.
+
+use leafwise_core::diagnostics::{Verdict, check_casimir, check_jacobi};
+use leafwise_core::system::{Convention, Parameter};
+use leafwise_core::{PoissonSystem, SystemFormulas};
+use leafwise_expression::algebra::{Elimination, quotient};
+use leafwise_expression::syntax::{Formula, Scope};
+use leafwise_expression::{Arithmetic, Expression, Polynomial, Rational, Ring};
+use leafwise_find::{Equations, FindError, FoundBracket, Kind, Options, Report, casimirs_of, find};
+
+fn equations(rows: &[(&str, &str)], parameters: &[(&str, Rational)]) -> Equations {
+    let names: Vec<&str> = rows.iter().map(|(name, _)| *name).collect();
+    let of: Vec<&str> = parameters.iter().map(|(name, _)| *name).collect();
+    let scope = Scope::new().with_variables(&names).with_parameters(&of);
+    let formula = |text: &str| {
+        let parsed = Formula::parse(text).expect(text);
+        parsed.resolve(&scope, None).expect(text).expect(text)
+    };
+    let field = rows.iter().map(|(_, text)| formula(text)).collect();
+    let names = names.iter().map(|&name| name.to_owned()).collect();
+    let parameters = parameters
+        .iter()
+        .map(|(name, value)| ((*name).to_owned(), value.clone()));
+    Equations::new(names, parameters.collect(), field).expect("a formula for each variable")
+}
+
+type Rows = &'static [(&'static str, &'static str)];
+
+fn search(equations: &Equations) -> Report {
+    find(equations, Options::default()).expect("formulas of the algebra")
+}
+
+/// The bracket of equations, with Jacobi's identity, the motion and the Casimirs looked at once more: identities in a ring of their
+/// own, the motion also by differences of H.
+fn bracket(name: &str, equations: &Equations) -> FoundBracket {
+    let report = search(equations);
+    let refused = report.refused;
+    let bracket = report
+        .bracket
+        .unwrap_or_else(|| panic!("{name}: {refused:?}"));
+    let system = &bracket.system;
+    let near = system.near().to_vec();
+    let values = system.parameter_values();
+    let checked = PoissonSystem::from(system.clone());
+    let check = check_jacobi(&checked, &values, &near).expect(name);
+    assert_eq!(check.verdict, Verdict::Proved, "{name}");
+    for casimir in 0..system.casimirs().len() {
+        let check = check_casimir(&checked, casimir, &values, &near).expect(name);
+        let holds = matches!(check.verdict, Verdict::Proved | Verdict::NumericallyZero);
+        assert!(holds, "{name}: {check:?}");
+    }
+    assert_eq!(
+        defects(system, equations.field()),
+        Vec::<usize>::new(),
+        "{name}"
+    );
+    moves(name, system, equations);
+    bracket
+}
+
+/// The components in which −Π ∇H of the paper's convention is not f in normal form.
+fn defects(system: &SystemFormulas, field: &[Expression]) -> Vec<usize> {
+    let mut ring = Ring::new(field.len());
+    let x: Vec<_> = (0..field.len()).map(|i| ring.variable(i)).collect();
+    let variable = &mut |_: &mut Ring, at: usize| Ok(x[at].clone());
+    let energy = system.hamiltonian().evaluate_in(&mut ring, variable);
+    let gradient = ring.gradient(&energy.expect("a formula")).expect("smooth");
+    let rows = system
+        .apply_tensor(&mut ring, &x, &gradient)
+        .expect("formulas");
+    let mut wrong = Vec::new();
+    for (at, (row, f)) in rows.iter().zip(field).enumerate() {
+        let f = f
+            .evaluate_in(&mut ring, &mut |_, at| Ok(x[at].clone()))
+            .expect("a formula");
+        if !ring.add(row, &f).is_zero() {
+            wrong.push(at);
+        }
+    }
+    wrong
+}
+
+/// {x, H} = f to the error of central differences of H at three states: 1e-4² of its third derivatives, and round-off over 1e-4.
+fn moves(name: &str, system: &SystemFormulas, equations: &Equations) {
+    let d = system.dimension();
+    let values: Vec<f64> = equations
+        .parameters()
+        .iter()
+        .map(|(_, v)| v.to_f64())
+        .collect();
+    let of_system = system.parameter_values();
+    let step = 1e-4;
+    for shift in [0.0, 0.13, 0.29] {
+        let x: Vec<f64> = system.near().iter().map(|v| v + shift).collect();
+        let energy = |at: usize, by: f64| {
+            let mut x = x.clone();
+            x[at] += by;
+            system.hamiltonian().evaluate(&x, &of_system)
+        };
+        let slopes: Vec<f64> = (0..d)
+            .map(|k| (energy(k, step) - energy(k, -step)) / (2.0 * step))
+            .collect();
+        let mut motion = vec![0.0; d];
+        let mut size = 1.0;
+        for (&(i, j), entry) in system.tensor() {
+            let entry = entry.evaluate(&x, &of_system);
+            motion[i] -= entry * slopes[j];
+            motion[j] += entry * slopes[i];
+            size += entry.abs();
+        }
+        size *= 1.0 + slopes.iter().fold(0.0_f64, |most, s| most.max(s.abs()));
+        for (f, motion) in equations.field().iter().zip(motion) {
+            let f = f.evaluate(&x, &values);
+            assert!((f - motion).abs() <= 1e-6 * size, "{name}: {f} {motion}");
+        }
+    }
+}
+
+fn entries(bracket: &FoundBracket) -> Vec<String> {
+    let rows = bracket.rows().into_iter();
+    rows.map(|([x, y], entry)| format!("{{{x}, {y}}} = {entry}"))
+        .collect()
+}
+
+fn hamiltonian(bracket: &FoundBracket) -> String {
+    bracket.written(&bracket.hamiltonian)
+}
+
+const HENON_HEILES: Rows = &[
+    ("q1", "p1"),
+    ("q2", "p2"),
+    ("p1", "-q1 - 2*q1*q2"),
+    ("p2", "-q2 - q1^2 + q2^2"),
+];
+const LOTKA_VOLTERRA: Rows = &[
+    ("a", "a*(b + c + d - 4)"),
+    ("b", "b*(-a + c + d - 1)"),
+    ("c", "c*(-a - b + d + 2)"),
+    ("d", "d*(-a - b - c + 4)"),
+];
+/// The same with columns times 1, 2, 1/2, 3.
+const RESCALED: Rows = &[
+    ("a", "a*(2*b + c/2 + 3*d - 4)"),
+    ("b", "b*(-a + c/2 + 3*d - 1)"),
+    ("c", "c*(-a - 2*b + 3*d + 2)"),
+    ("d", "d*(-a - 2*b - c/2 + 4)"),
+];
+const B5: Rows = &[("x", "y*z"), ("y", "-x*z"), ("z", "-0.51*x*y")];
+/// m' = m × m/I + g × c, g' = g × m/I with I = (1, 1.5, 2), c = (0.3, 0.2, 0.9).
+const HEAVY_TOP: Rows = &[
+    ("m1", "m2*m3/2 - m3*m2/1.5 + 0.9*g2 - 0.2*g3"),
+    ("m2", "m3*m1 - m1*m3/2 + 0.3*g3 - 0.9*g1"),
+    ("m3", "m1*m2/1.5 - m2*m1 + 0.2*g1 - 0.3*g2"),
+    ("g1", "g2*m3/2 - g3*m2/1.5"),
+    ("g2", "g3*m1 - g1*m3/2"),
+    ("g3", "g1*m2/1.5 - g2*m1"),
+];
+/// m' = m × m/I + p × p/M, p' = p × m/I with M = (1, 2, 1.6).
+const KIRCHHOFF: Rows = &[
+    ("m1", "m2*m3/2 - m3*m2/1.5 + p2*p3/1.6 - p3*p2/2"),
+    ("m2", "m3*m1 - m1*m3/2 + p3*p1 - p1*p3/1.6"),
+    ("m3", "m1*m2/1.5 - m2*m1 + p1*p2/2 - p2*p1"),
+    ("p1", "p2*m3/2 - p3*m2/1.5"),
+    ("p2", "p3*m1 - p1*m3/2"),
+    ("p3", "p1*m2/1.5 - p2*m1"),
+];
+/// i a₁' = ā₂ a₃, i a₂' = ā₁ a₃, i a₃' = a₁ a₂ with a = x + i y.
+const THREE_WAVE: Rows = &[
+    ("x1", "x2*y3 - x3*y2"),
+    ("x2", "x1*y3 - x3*y1"),
+    ("x3", "x1*y2 + x2*y1"),
+    ("y1", "-x2*x3 - y2*y3"),
+    ("y2", "-x1*x3 - y1*y3"),
+    ("y3", "-x1*x2 + y1*y2"),
+];
+const TODA: Rows = &[
+    ("a1", "a1*(b2 - b1)"),
+    ("a2", "a2*(b3 - b2)"),
+    ("b1", "2*a1^2"),
+    ("b2", "2*a2^2 - 2*a1^2"),
+    ("b3", "-2*a2^2"),
+];
+/// May and Leonard's quadratic part with both coefficients −1/2.
+const MAY_LEONARD: Rows = &[
+    ("x", "-x*(x - (y + z)/2)"),
+    ("y", "-y*(y - (x + z)/2)"),
+    ("z", "-z*(z - (x + y)/2)"),
+];
+const MAXWELL_BLOCH: Rows = &[("x", "y"), ("y", "x*z"), ("z", "-x*y")];
+/// m' = m × (m₁, m₂/2, (m₃ − 0.3)/3).
+const ROTOR: Rows = &[
+    ("x", "y*(z - 0.3)/3 - z*y/2"),
+    ("y", "z*x - x*(z - 0.3)/3"),
+    ("z", "x*y/2 - y*x"),
+];
+
+/// Each classical system has a bracket of the kind that the books give it.
+#[test]
+fn classical_systems_have_brackets() {
+    let cases: &[(&str, Rows, Kind, usize)] = &[
+        ("Henon and Heiles", HENON_HEILES, Kind::Constant, 0),
+        ("Lotka and Volterra", LOTKA_VOLTERRA, Kind::LogCanonical, 0),
+        ("columns rescaled", RESCALED, Kind::LogCanonical, 0),
+        ("DETEST B5", B5, Kind::Affine, 1),
+        ("heavy top", HEAVY_TOP, Kind::Affine, 2),
+        ("Kirchhoff", KIRCHHOFF, Kind::Affine, 2),
+        ("three waves", THREE_WAVE, Kind::Constant, 0),
+        ("Toda", TODA, Kind::Affine, 1),
+        ("May and Leonard", MAY_LEONARD, Kind::FirstIntegrals, 1),
+        ("Maxwell and Bloch", MAXWELL_BLOCH, Kind::Affine, 1),
+        ("rotor", ROTOR, Kind::Affine, 1),
+        (
+            "pendulum",
+            &[("q", "p"), ("p", "-sin(q)")],
+            Kind::Constant,
+            0,
+        ),
+        (
+            "Kepler",
+            &[
+                ("x", "u"),
+                ("y", "v"),
+                ("u", "-x/(x^2 + y^2)^(3/2)"),
+                ("v", "-y/(x^2 + y^2)^(3/2)"),
+            ],
+            Kind::Constant,
+            0,
+        ),
+        (
+            "exponentials",
+            &[("q", "p"), ("p", "exp(-q) - q*exp(q^2)")],
+            Kind::Constant,
+            0,
+        ),
+        (
+            "two oscillators",
+            &[("x", "u"), ("y", "v"), ("u", "-x"), ("v", "-y")],
+            Kind::Constant,
+            0,
+        ),
+        (
+            "three species",
+            &[("a", "a*(b - c)"), ("b", "b*(c - a)"), ("c", "c*(a - b)")],
+            Kind::Constant,
+            1,
+        ),
+        (
+            "three species that grow",
+            &[
+                ("a", "a*(1 + b - 2*c)"),
+                ("b", "b*(1 + 2*c - a)"),
+                ("c", "c*(-4 + 2*a - 2*b)"),
+            ],
+            Kind::LogCanonical,
+            1,
+        ),
+        (
+            "epidemic",
+            &[("s", "-s*i"), ("i", "s*i - i/2"), ("r", "i/2")],
+            Kind::FirstIntegrals,
+            1,
+        ),
+        (
+            "a factor in the plane",
+            &[("x", "y*(1 + x^2)"), ("y", "-x*(1 + x^2)")],
+            Kind::FirstIntegrals,
+            0,
+        ),
+    ];
+    let mut count = 0;
+    for (name, rows, kind, casimirs) in cases {
+        let bracket = bracket(name, &equations(rows, &[]));
+        assert_eq!(bracket.kind, *kind, "{name}: {:?}", entries(&bracket));
+        assert_eq!(bracket.casimirs.len(), *casimirs, "{name}");
+        count += 1;
+    }
+    assert_eq!(count, 19);
+}
+
+/// Entries and Hamiltonians as they are printed, of systems whose bracket of a kind is unique.
+#[test]
+fn brackets_that_are_unique_are_those_of_the_books() {
+    let found = bracket("Henon and Heiles", &equations(HENON_HEILES, &[]));
+    assert_eq!(entries(&found), ["{q1, p1} = 1", "{q2, p2} = 1"]);
+    assert_eq!(
+        hamiltonian(&found),
+        "q1^2/2 + q1^2*q2 + q2^2/2 - q2^3/3 + p1^2/2 + p2^2/2"
+    );
+    assert_eq!(found.family, 1);
+    let found = bracket("columns rescaled", &equations(RESCALED, &[]));
+    let expected = [
+        "{a, b} = a*b",
+        "{a, c} = a*c",
+        "{a, d} = a*d",
+        "{b, c} = b*c",
+        "{b, d} = b*d",
+        "{c, d} = c*d",
+    ];
+    assert_eq!(entries(&found), expected);
+    assert_eq!(
+        hamiltonian(&found),
+        "a + 2*b + c/2 + 3*d - ln(a) - 2*ln(b) - ln(c) - ln(d)"
+    );
+    // e(3)*, by its nine entries, and its Casimirs.
+    for (rows, vector) in [(HEAVY_TOP, "g"), (KIRCHHOFF, "p")] {
+        let found = bracket("e(3)", &equations(rows, &[]));
+        let text =
+            |names: [String; 2], entry: String| format!("{{{}, {}}} = {entry}", names[0], names[1]);
+        let m = |i: usize| format!("m{i}");
+        let v = |i: usize| format!("{vector}{i}");
+        let mut expected = Vec::new();
+        for (i, j, k, sign) in [(1, 2, 3, "-"), (1, 3, 2, ""), (2, 3, 1, "-")] {
+            expected.push(text([m(i), m(j)], format!("{sign}{}", m(k))));
+            let other = if sign.is_empty() { "-" } else { "" };
+            expected.push(text([m(i), v(j)], format!("{sign}{}", v(k))));
+            expected.push(text([m(j), v(i)], format!("{other}{}", v(k))));
+        }
+        let mut found = entries(&found);
+        (found.sort(), expected.sort());
+        assert_eq!(found, expected);
+    }
+}
+
+/// x = A z with small integers turns z' = A⁻¹ f(A z) into the same kind of equations.
+fn changed(rows: Rows, seed: u64) -> Option<Equations> {
+    let original = equations(rows, &[]);
+    let d = rows.len();
+    let mut state = seed;
+    let mut next = move || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        i64::try_from(state >> 33).expect("31 bits") % 5 - 2
+    };
+    let a: Vec<Vec<Rational>> = (0..d)
+        .map(|_| (0..d).map(|_| Rational::from_integer(next())).collect())
+        .collect();
+    // A⁻¹ by its columns: A y = f, solved with unknown y for each unit vector.
+    let mut inverse = vec![vec![Rational::zero(); d]; d];
+    for column in 0..d {
+        let mut system = Elimination::new(d);
+        for (row, entries) in a.iter().enumerate() {
+            let right = Rational::from_integer(i64::from(row == column));
+            system.add(entries.iter().cloned().chain([right]).enumerate());
+        }
+        if system.rank() < d {
+            return None;
+        }
+        for (row, value) in system.solutions()?.particular.into_iter().enumerate() {
+            inverse[row][column] = value;
+        }
+    }
+    let mut ring = Ring::new(d);
+    let z: Vec<Polynomial> = (0..d).map(|i| ring.variable(i)).collect();
+    let combined = |ring: &mut Ring, row: &[Rational], parts: &[Polynomial]| {
+        let terms: Vec<_> = row.iter().cloned().zip(parts.iter().cloned()).collect();
+        ring.combine(&terms)
+    };
+    let x: Vec<Polynomial> = a.iter().map(|row| combined(&mut ring, row, &z)).collect();
+    let mut f = Vec::new();
+    for formula in original.field() {
+        f.push(
+            formula
+                .evaluate_in(&mut ring, &mut |_, at| Ok(x[at].clone()))
+                .expect("a polynomial"),
+        );
+    }
+    let field = inverse
+        .iter()
+        .map(|row| combined(&mut ring, row, &f))
+        .collect::<Vec<_>>();
+    let field = field.iter().map(|f| ring.formula(f)).collect();
+    let names = original.variables().to_vec();
+    Some(Equations::new(names, Vec::new(), field).expect("a formula for each"))
+}
+
+/// Constant and affine brackets go over into such under linear changes of variables.
+#[test]
+fn linear_changes_of_variables_keep_the_kind() {
+    let cases: &[(&str, Rows, &[Kind])] = &[
+        ("Henon and Heiles", HENON_HEILES, &[Kind::Constant]),
+        ("DETEST B5", B5, &[Kind::Affine]),
+        ("Maxwell and Bloch", MAXWELL_BLOCH, &[Kind::Affine]),
+        ("rotor", ROTOR, &[Kind::Affine]),
+        ("Toda", TODA, &[Kind::Affine]),
+        ("three waves", THREE_WAVE, &[Kind::Constant]),
+        ("heavy top", HEAVY_TOP, &[Kind::Affine]),
+        ("Kirchhoff", KIRCHHOFF, &[Kind::Affine]),
+    ];
+    let mut count = 0;
+    for (name, rows, kinds) in cases {
+        for equations in (1..20).filter_map(|seed| changed(rows, seed)).take(3) {
+            let found = bracket(name, &equations);
+            assert!(kinds.contains(&found.kind), "{name}");
+            count += 1;
+        }
+    }
+    assert_eq!(count, 24);
+}
+
+/// Damping, self-limitation and friction leave no bracket: constant ones are excluded by rank, all of them where an equilibrium is stable.
+#[test]
+fn dissipation_is_refused_with_a_certificate() {
+    let cases: &[(&str, Rows, &[Kind], bool)] = &[
+        (
+            "Henon and Heiles, damped",
+            &[
+                ("q1", "p1"),
+                ("q2", "p2"),
+                ("p1", "-q1 - 2*q1*q2 - 0.1*p1"),
+                ("p2", "-q2 - q1^2 + q2^2 - 0.1*p2"),
+            ],
+            &[Kind::Constant, Kind::LogCanonical],
+            true,
+        ),
+        (
+            "pendulum, damped",
+            &[("q", "p"), ("p", "-sin(q) - 0.1*p")],
+            &[Kind::Constant, Kind::LogCanonical],
+            true,
+        ),
+        (
+            "species that limit themselves",
+            &[
+                ("a", "a*(b + c + d - 4 - 0.1*a)"),
+                ("b", "b*(-a + c + d - 1 - 0.1*b)"),
+                ("c", "c*(-a - b + d + 2 - 0.1*c)"),
+                ("d", "d*(-a - b - c + 4 - 0.1*d)"),
+            ],
+            &[Kind::Constant, Kind::LogCanonical],
+            true,
+        ),
+        (
+            "van der Pol",
+            &[("x", "y"), ("y", "(1 - x^2)*y - x")],
+            &[Kind::Constant, Kind::LogCanonical],
+            true,
+        ),
+        (
+            "heavy top with friction",
+            &[
+                ("m1", "m2*m3/2 - m3*m2/1.5 + 0.9*g2 - 0.2*g3 - 0.1*m1"),
+                ("m2", "m3*m1 - m1*m3/2 + 0.3*g3 - 0.9*g1 - 0.1*m2"),
+                ("m3", "m1*m2/1.5 - m2*m1 + 0.2*g1 - 0.3*g2 - 0.1*m3"),
+                ("g1", "g2*m3/2 - g3*m2/1.5"),
+                ("g2", "g3*m1 - g1*m3/2"),
+                ("g3", "g1*m2/1.5 - g2*m1"),
+            ],
+            &[Kind::Constant, Kind::LogCanonical],
+            false,
+        ),
+        (
+            "Lorenz",
+            &[
+                ("x", "10*(y - x)"),
+                ("y", "x*(28 - z) - y"),
+                ("z", "x*y - 8*z/3"),
+            ],
+            &[Kind::Constant, Kind::LogCanonical],
+            false,
+        ),
+    ];
+    for (name, rows, excluded, is_excluded_at_all) in cases {
+        let report = search(&equations(rows, &[]));
+        assert!(report.bracket.is_none(), "{name}");
+        assert_eq!(
+            report.never.is_some(),
+            *is_excluded_at_all,
+            "{name}: {:?}",
+            report.never
+        );
+        assert_eq!(report.refused.len(), Kind::ALL.len(), "{name}");
+        for refused in &report.refused {
+            assert_eq!(
+                refused.is_proved,
+                excluded.contains(&refused.kind),
+                "{name}: {refused:?}"
+            );
+        }
+    }
+}
+
+/// A conservative saddle and a centre are no reason against a bracket; a damped oscillator is.
+#[test]
+fn an_equilibrium_excludes_brackets_only_where_it_attracts_or_repels() {
+    for (damping, is_excluded) in [("", false), ("-0.1*p", true), ("+0.1*p", true)] {
+        let text = format!("-q + q^3 {damping}");
+        let rows = [("q", "p"), ("p", text.as_str())];
+        let report = search(&equations(&rows, &[]));
+        assert_eq!(report.never.is_some(), is_excluded, "{damping}");
+        assert_eq!(report.bracket.is_none(), is_excluded, "{damping}");
+    }
+}
+
+/// Constant tensors hold the parameters as names, others their numbers.
+#[test]
+fn parameters_stay_where_the_tensor_does_not_need_them() {
+    let number = |text: &str| Rational::parse_decimal(text).expect(text);
+    let rows = [("q", "p/m"), ("p", "-k*sin(q)")];
+    let parameters = [("m", number("1.5")), ("k", number("0.3"))];
+    let equations_of = equations(&rows, &parameters);
+    let found = search(&equations_of).bracket.expect("a pendulum");
+    assert!(found.has_parameters);
+    assert_eq!(hamiltonian(&found), "p^2/(2*m) - k*cos(q)");
+    assert_eq!(
+        defects(&found.system, equations_of.field()),
+        Vec::<usize>::new()
+    );
+    let rows = [("x", "y*z"), ("y", "-x*z"), ("z", "-k*x*y")];
+    let equations_of = equations(&rows, &[("k", number("0.51"))]);
+    let found = search(&equations_of).bracket.expect("a rigid body");
+    assert!(!found.has_parameters);
+    assert_eq!(
+        defects(&found.system, equations_of.with_numbers().field()),
+        Vec::<usize>::new()
+    );
+}
+
+/// Casimirs of written tensors, with parameters and logarithms.
+#[test]
+fn casimirs_of_any_tensor_are_found() {
+    type Case = (
+        &'static [&'static str],
+        &'static [((usize, usize), &'static str)],
+        &'static [&'static str],
+    );
+    let cases: &[Case] = &[
+        (
+            &["x", "y", "z"],
+            &[((0, 1), "z"), ((1, 2), "x"), ((0, 2), "-y")],
+            &["x^2 + y^2 + z^2"],
+        ),
+        (
+            &["x", "y", "z"],
+            &[((0, 1), "a*z"), ((1, 2), "b*x"), ((0, 2), "-b*y")],
+            &["b*x^2 + b*y^2 + a*z^2"],
+        ),
+        (&["q", "p", "c"], &[((0, 1), "1")], &["c"]),
+        (&["q", "p"], &[((0, 1), "1 + q^2")], &[]),
+        (
+            &["x", "y", "z"],
+            &[((0, 1), "x*y"), ((1, 2), "2*y*z"), ((0, 2), "-x*z")],
+            &["2*ln(x) + ln(y) + ln(z)"],
+        ),
+        (
+            &["h", "e", "f"],
+            &[((0, 1), "2*e"), ((0, 2), "-2*f"), ((1, 2), "h")],
+            &["h^2 + 4*e*f"],
+        ),
+    ];
+    for (names, tensor, expected) in cases {
+        let scope = Scope::new()
+            .with_variables(names)
+            .with_parameters(&["a", "b"]);
+        let formula = |text: &str| {
+            let parsed = Formula::parse(text).expect(text);
+            parsed.resolve(&scope, None).expect(text).expect(text)
+        };
+        let parameters = [("a", 2.0), ("b", 3.0)].map(|(name, value)| Parameter {
+            name: name.to_owned(),
+            value,
+        });
+        let system = SystemFormulas::new(
+            names.iter().map(|&name| name.to_owned()).collect(),
+            parameters.to_vec(),
+            tensor.iter().map(|(pair, text)| (*pair, formula(text))),
+            0.into(),
+            Vec::new(),
+            Convention::HamiltonianFirst,
+        );
+        let system = system.expect("entries above the diagonal");
+        let found = casimirs_of(&system, 2).expect("formulas");
+        let mut ring = Ring::new(names.len());
+        let mut element = |formula: &Expression| {
+            let value = formula.evaluate_in(&mut ring, &mut |ring, at| Ok(ring.variable(at)));
+            value.expect("a formula")
+        };
+        assert_eq!(found.len(), expected.len(), "{names:?} {tensor:?}");
+        for (found, expected) in found.iter().zip(*expected) {
+            let (found, expected) = (element(found), element(&formula(expected)));
+            // Up to a factor.
+            let ratio = quotient(&found, &expected).and_then(|ratio| ratio.as_constant());
+            assert!(ratio.is_some(), "{tensor:?}: {found:?}");
+        }
+    }
+}
+
+/// Forty species, whose monomials of degree 2 in x and ln x are too many: the bracket is found all the same.
+#[test]
+fn a_food_web_of_forty_species_has_its_bracket() {
+    let names: Vec<String> = (0..40).map(|i| format!("x{i}")).collect();
+    let rows: Vec<(String, String)> = (0..40)
+        .map(|i| {
+            let others = (0..40).filter(|j| *j != i);
+            let sign = |j: usize| if j > i { '+' } else { '-' };
+            let sum = others.map(|j| format!("{}(x{j} - 1)*{}", sign(j), 1 + (i * j) % 3));
+            (
+                format!("x{i}"),
+                format!("x{i}*(0 {})", sum.collect::<String>()),
+            )
+        })
+        .collect();
+    let rows: Vec<(&str, &str)> = rows.iter().map(|(x, f)| (x.as_str(), f.as_str())).collect();
+    let equations = equations(&rows, &[]);
+    let found = search(&equations).bracket.expect("a bracket");
+    assert_eq!(found.kind, Kind::LogCanonical);
+    assert_eq!(found.entries.len(), 40 * 39 / 2);
+    assert_eq!(
+        defects(&found.system, equations.field()),
+        Vec::<usize>::new()
+    );
+    assert_eq!(names.len(), found.system.dimension());
+}
+
+#[test]
+fn equations_that_cannot_be_searched_are_refused_with_the_reason() {
+    let one = equations(&[("x", "y"), ("y", "1/(x - x)")], &[]);
+    let error = find(&one, Options::default()).expect_err("1/0");
+    assert!(
+        matches!(&error, FindError::Equation { variable, .. } if variable == "y"),
+        "{error}"
+    );
+    let count = Equations::new(vec!["x".to_owned()], Vec::new(), Vec::new());
+    assert!(matches!(
+        count,
+        Err(FindError::Count {
+            equations: 0,
+            variables: 1
+        })
+    ));
+    let many = equations(HEAVY_TOP, &[]);
+    let error = find(&many, Options { degree: Some(12) }).expect_err("18 563 monomials");
+    assert!(
+        matches!(error, FindError::TooMany { degree: 12, .. }),
+        "{error}"
+    );
+}

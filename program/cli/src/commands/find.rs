@@ -1,0 +1,404 @@
+//! `leafwise find`: the bracket and the Hamiltonian of equations of motion, the Casimirs of a bracket.
+
+use std::fs::OpenOptions;
+use std::io::{ErrorKind, Write};
+use std::path::Path;
+
+use leafwise::core::SystemFormulas;
+use leafwise::find::{
+    Equations, FindError, FoundBracket, Kind, Options, Report, casimirs_of, find,
+};
+use leafwise::scene::compose::compose;
+use leafwise::scene::json::object;
+use leafwise::scene::{equations_of, with_casimirs, with_system};
+use serde::Serialize;
+
+use crate::arguments::{FindArguments, PluginArguments, SceneArguments};
+use crate::bar::while_building;
+use crate::console::Console;
+use crate::failure::{Failure, exit};
+use crate::plugins::Parts;
+use crate::scene::read;
+use crate::table::{labelled, words};
+
+/// The degree of Casimirs where none is asked for.
+const CASIMIR_DEGREE: usize = 2;
+
+/// The tables that stand below equations of the command line.
+const DEFAULT_RUN: &str =
+    "\n[method]\nrealization = \"auto\"\ndynamics    = \"auto\"\ntime-step   = 0.05\n";
+
+/// The object of `find --json` for equations.
+#[derive(Serialize)]
+struct FindJson {
+    outcome: &'static str,
+    kind: Option<&'static str>,
+    #[serde(serialize_with = "object")]
+    bracket: Vec<(String, String)>,
+    hamiltonian: Option<String>,
+    #[serde(serialize_with = "object")]
+    casimirs: Vec<(String, String)>,
+    /// The dimension of the linear family that the tensor was chosen in.
+    family: Option<usize>,
+    /// Whether parameters are held as names.
+    has_parameters: bool,
+    integrals: Vec<String>,
+    degree: usize,
+    refused: Vec<RefusedJson>,
+    /// Why no bracket of any kind exists.
+    never: Option<String>,
+    /// The `[system]` table.
+    system: Option<String>,
+}
+
+/// A kind without a bracket.
+#[derive(Serialize)]
+struct RefusedJson {
+    kind: &'static str,
+    reason: String,
+    is_proved: bool,
+}
+
+/// The object of `find --json` for a scene that has a bracket.
+#[derive(Serialize)]
+struct CasimirsJson {
+    outcome: &'static str,
+    degree: usize,
+    #[serde(serialize_with = "object")]
+    casimirs: Vec<(String, String)>,
+}
+
+/// Looks for a bracket and prints it; returns the exit code.
+///
+/// # Errors
+/// [`Failure`] when the scene or an equation is not valid.
+pub fn execute(
+    arguments: &FindArguments,
+    plugins: &PluginArguments,
+    console: &mut Console<'_>,
+) -> Result<u8, Failure> {
+    let scene = match &arguments.scene {
+        Some(scene) => read(&SceneArguments {
+            scene: scene.clone(),
+            overrides: Vec::new(),
+        })
+        .map(|scene| (scene.name, scene.text))?,
+        None => ("the command line".to_owned(), written_scene(arguments)?),
+    };
+    let (name, text) = scene;
+    let equations =
+        equations_of(&name, &text).map_err(|errors| Failure::Scene(errors.diagnostics()))?;
+    let shown = console.shown(false);
+    let Some(equations) = equations else {
+        return casimirs(arguments, &text, plugins, console);
+    };
+    let options = Options {
+        degree: arguments.degree.map(usize::from),
+    };
+    let report = while_building(shown, || find(&equations, options)).map_err(refused)?;
+    if arguments.json {
+        console.json(&json(&equations, &report));
+    } else {
+        for line in lines(&equations, &report) {
+            console.result(&line);
+        }
+    }
+    let Some(bracket) = &report.bracket else {
+        return Ok(exit::CHECK_FAILED);
+    };
+    if let Some(file) = &arguments.out {
+        let text = match &arguments.scene {
+            Some(_) => with_system(&text, &bracket.fragment()).map_err(|error| {
+                Failure::usage(error.to_string(), "name a scene with a [system] table")
+            })?,
+            None => format!(
+                "{}{DEFAULT_RUN}{}",
+                bracket.fragment(),
+                run_table(&equations)
+            ),
+        };
+        write_new(file, &text, console)?;
+    }
+    Ok(exit::DONE)
+}
+
+/// Writes a file that does not exist.
+fn write_new(file: &Path, text: &str, console: &mut Console<'_>) -> Result<(), Failure> {
+    let written = OpenOptions::new()
+        .write(true)
+        .create_new(true)
+        .open(file)
+        .and_then(|mut open| open.write_all(text.as_bytes()));
+    match written {
+        Ok(()) => {
+            console.prose(&format!(
+                "wrote {0}; `leafwise check {0}` prints its motion, `leafwise run {0}` integrates it",
+                file.display()
+            ));
+            Ok(())
+        }
+        Err(error) if error.kind() == ErrorKind::AlreadyExists => Err(Failure::usage(
+            format!("{} exists and is left as it is", file.display()),
+            "name another file: --out NAME.toml",
+        )),
+        Err(source) => Err(Failure::File {
+            action: "write",
+            file: file.to_path_buf(),
+            source,
+        }),
+    }
+}
+
+fn refused(error: FindError) -> Failure {
+    Failure::usage(
+        error.to_string(),
+        "write equations in numbers, variables and elementary functions; --degree makes the search for integrals smaller",
+    )
+}
+
+/// A scene's `[system]` table with the equations of the command line.
+fn written_scene(arguments: &FindArguments) -> Result<String, Failure> {
+    let mut rows = Vec::new();
+    for equation in &arguments.equations {
+        let Some((name, formula)) = equation.split_once('=') else {
+            return Err(Failure::usage(
+                format!("the equation `{equation}` has no `=`"),
+                "write -e \"q' = p\"",
+            ));
+        };
+        let name = name.trim();
+        let name = name.strip_suffix('\'').unwrap_or(name);
+        rows.push(format!("{} = {}\n", string(name), string(formula.trim())));
+    }
+    let mut parameters = Vec::new();
+    for parameter in &arguments.parameters {
+        let Some((name, value)) = parameter.split_once('=') else {
+            return Err(Failure::usage(
+                format!("the parameter `{parameter}` has no `=`"),
+                "write -p a=0.5",
+            ));
+        };
+        parameters.push(format!("{} = {}", string(name.trim()), value.trim()));
+    }
+    Ok(format!(
+        "[system]\nparameters = {{ {} }}\nbracket = \"find\"\n[system.equations]\n{}",
+        parameters.join(", "),
+        rows.concat()
+    ))
+}
+
+/// A string of TOML.
+fn string(text: &str) -> String {
+    format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
+}
+
+/// A state of no special value to start from.
+fn run_table(equations: &Equations) -> String {
+    let count = equations.variables().len();
+    let initial = (0..count).map(|i| format!("{}.{}", i % 2, 9 - 2 * (i % 4)));
+    format!(
+        "\n[run]\ninitial = [{}]\nsteps   = 1000\n",
+        initial.collect::<Vec<_>>().join(", ")
+    )
+}
+
+/// The Casimirs of a scene's bracket.
+fn casimirs(
+    arguments: &FindArguments,
+    text: &str,
+    plugins: &PluginArguments,
+    console: &mut Console<'_>,
+) -> Result<u8, Failure> {
+    let Some(scene) = arguments.scene.clone() else {
+        return Ok(exit::USAGE);
+    };
+    let mut parts = Parts::new(plugins)?;
+    let document = parts.scene(&SceneArguments {
+        scene,
+        overrides: Vec::new(),
+    })?;
+    let shown = console.shown(false);
+    let composed = while_building(shown, || compose(&document, &parts.registry))?;
+    let system = composed.system.formulas("the search for Casimirs")?;
+    let degree = arguments.degree.map_or(CASIMIR_DEGREE, usize::from);
+    let found = while_building(shown, || casimirs_of(system, degree)).map_err(refused)?;
+    let names = names(system);
+    let rows: Vec<(String, String)> = (found.iter().enumerate())
+        .map(|(at, casimir)| {
+            let name = match found.len() {
+                1 => "C".to_owned(),
+                _ => format!("C{}", at + 1),
+            };
+            (name, casimir.written(system.variables(), &names))
+        })
+        .collect();
+    if arguments.json {
+        console.json(&CasimirsJson {
+            outcome: if rows.is_empty() { "none" } else { "found" },
+            degree,
+            casimirs: rows.clone(),
+        });
+    } else if rows.is_empty() {
+        console.result(&format!(
+            "No Casimir of degree {degree} or less in the variables"
+        ));
+    } else {
+        let rows: Vec<Vec<String>> = (rows.iter())
+            .map(|(name, formula)| vec![format!("  Casimir {name}"), format!("= {formula}")])
+            .collect();
+        for line in words(&rows) {
+            console.result(&line);
+        }
+    }
+    if let Some(file) = arguments.out.as_ref().filter(|_| !rows.is_empty()) {
+        let text = with_casimirs(text, &rows).map_err(|error| {
+            Failure::usage(error.to_string(), "name a scene with a [system] table")
+        })?;
+        write_new(file, &text, console)?;
+    }
+    Ok(exit::DONE)
+}
+
+fn names(system: &SystemFormulas) -> Vec<String> {
+    let parameters = system.parameters().iter();
+    parameters.map(|parameter| parameter.name.clone()).collect()
+}
+
+fn json(equations: &Equations, report: &Report) -> FindJson {
+    let bracket = report.bracket.as_ref();
+    let refused = report.refused.iter();
+    FindJson {
+        outcome: if bracket.is_some() { "found" } else { "none" },
+        kind: bracket.map(|bracket| bracket.kind.name()),
+        bracket: bracket.map_or_else(Vec::new, |bracket| {
+            let rows = bracket.rows().into_iter();
+            rows.map(|([x, y], entry)| (format!("{x},{y}"), entry))
+                .collect()
+        }),
+        hamiltonian: bracket.map(|bracket| bracket.written(&bracket.hamiltonian)),
+        casimirs: bracket.map_or_else(Vec::new, |bracket| {
+            let casimirs = bracket.named_casimirs().into_iter();
+            casimirs
+                .map(|(name, formula)| (name.to_owned(), formula))
+                .collect()
+        }),
+        family: bracket.map(|bracket| bracket.family),
+        has_parameters: bracket.is_some_and(|bracket| bracket.has_parameters),
+        integrals: integrals(equations, report),
+        degree: report.degree,
+        refused: refused
+            .map(|refused| RefusedJson {
+                kind: refused.kind.name(),
+                reason: refused.reason.clone(),
+                is_proved: refused.is_proved,
+            })
+            .collect(),
+        never: report.never.clone(),
+        system: bracket.map(FoundBracket::fragment),
+    }
+}
+
+fn integrals(equations: &Equations, report: &Report) -> Vec<String> {
+    let written = report
+        .integrals
+        .iter()
+        .map(|f| f.written(equations.variables(), &[]));
+    written.collect()
+}
+
+fn lines(equations: &Equations, report: &Report) -> Vec<String> {
+    let mut lines = Vec::new();
+    match &report.bracket {
+        Some(bracket) => {
+            lines.push(format!(
+                "{} bracket with x' = {{x, H}}: Jacobi's identity and the equations hold exactly",
+                title(bracket.kind)
+            ));
+            lines.push(String::new());
+            let row = |left: String, right: String| vec![format!("  {left}"), format!("= {right}")];
+            let mut rows: Vec<Vec<String>> = (bracket.rows().into_iter())
+                .map(|([x, y], entry)| row(format!("{{{x}, {y}}}"), entry))
+                .collect();
+            rows.push(row("H".to_owned(), bracket.written(&bracket.hamiltonian)));
+            for (name, formula) in bracket.named_casimirs() {
+                rows.push(row(format!("Casimir {name}"), formula));
+            }
+            lines.extend(words(&rows));
+            lines.push(String::new());
+            lines.push(others(bracket));
+            if !bracket.has_parameters && !equations.parameters().is_empty() {
+                lines.push("The numbers of the parameters stand in their places.".to_owned());
+            }
+        }
+        None => lines.push(match &report.never {
+            Some(_) => "No bracket at all".to_owned(),
+            None => "No bracket of these kinds".to_owned(),
+        }),
+    }
+    if !report.refused.is_empty() {
+        lines.push(String::new());
+    }
+    let reasons: Vec<(String, String)> = (report.refused.iter())
+        .map(|refused| {
+            let word = if refused.is_proved {
+                "none exists"
+            } else {
+                "none found"
+            };
+            (
+                refused.kind.name().to_owned(),
+                format!("{word}: {}", refused.reason),
+            )
+        })
+        .collect();
+    let mut texts: Vec<(&str, &str)> = (reasons.iter())
+        .map(|(kind, reason)| (kind.as_str(), reason.as_str()))
+        .collect();
+    if let Some(never) = &report.never {
+        texts.push(("of any kind", never));
+    }
+    lines.extend(labelled(&texts));
+    let integrals = integrals(equations, report);
+    if report.bracket.is_none() && !integrals.is_empty() {
+        lines.push(String::new());
+        lines.push(format!(
+            "First integrals of degree {} or less:",
+            report.degree
+        ));
+        lines.extend(
+            integrals
+                .into_iter()
+                .map(|integral| format!("  {integral}")),
+        );
+    }
+    lines
+}
+
+fn title(kind: Kind) -> &'static str {
+    match kind {
+        Kind::LogCanonical => "Log-canonical",
+        Kind::Affine => "Affine",
+        Kind::FirstIntegrals => "First integrals give a",
+        _ => "Constant",
+    }
+}
+
+/// How many other brackets there are.
+fn others(bracket: &FoundBracket) -> String {
+    match (bracket.kind, bracket.family) {
+        (Kind::FirstIntegrals, _) => {
+            "Every function of the first integrals may stand in the place of H or of the Casimir."
+                .to_owned()
+        }
+        (Kind::Affine, family) => format!(
+            "For this H the equations leave {} of the coefficients free; Jacobi's identity holds, and most others are 0.",
+            family - 1
+        ),
+        (_, 1) => {
+            "No other bracket of this kind has the same leaves, but for a factor of H.".to_owned()
+        }
+        (_, family) => format!(
+            "One of a linear family of dimension {family}, whose inverses give brackets: the sparsest that was tried."
+        ),
+    }
+}

@@ -1,0 +1,89 @@
+"""Brackets of equations of motion."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from ._commands import command
+from ._scene import Scene
+
+#: Exit codes of the command: found, and none found.
+_ANSWERS = (0, 5)
+
+
+@dataclass(frozen=True)
+class Found:
+    """A bracket with x' = {x, H}, proved, or the reasons why there is none.
+
+    Attributes:
+        kind: ``"constant"``, ``"log canonical"``, ``"affine"`` or ``"first integrals"``; ``None`` where no bracket was found.
+        bracket: formulas of {x, y} by ``"x,y"``; pairs left out are zero.
+        hamiltonian: H, a formula.
+        casimirs: formulas by name.
+        family: dimension of the linear family in which the tensor was chosen.
+        has_parameters: whether the parameters are held as names; otherwise numbers stand in their places.
+        integrals: first integrals that were looked at, up to ``degree``.
+        degree: the degree of the first integrals, 0 where none was needed.
+        refused: kinds without a bracket, each with ``kind``, ``reason`` and ``is_proved``.
+        never: the reason why no bracket of any kind exists, where one is known.
+        system: the ``[system]`` table of a scene, as TOML.
+    """
+
+    kind: str | None
+    bracket: dict[str, str]
+    hamiltonian: str | None
+    casimirs: dict[str, str]
+    family: int | None
+    has_parameters: bool
+    integrals: list[str]
+    degree: int
+    refused: list[dict[str, Any]] = field(repr=False)
+    never: str | None
+    system: str | None = field(repr=False)
+
+    def __bool__(self) -> bool:
+        """Whether a bracket was found."""
+        return self.kind is not None
+
+    def scene(self, initial: Sequence[float], time_step: float, steps: int) -> Scene:
+        """The scene of the found system with ``realization`` and ``dynamics`` chosen by ``"auto"``.
+
+        Raises:
+            ValueError: no bracket was found.
+            SceneError: another number of initial values than of variables.
+        """
+        if self.system is None:
+            raise ValueError("no bracket was found: `refused` and `never` say why")
+        return Scene.parse(
+            f"{self.system}\n[method]\nrealization = \"auto\"\ndynamics = \"auto\"\ntime-step = {float(time_step)!r}\n"
+            f"\n[run]\ninitial = {[float(value) for value in initial]!r}\nsteps = {int(steps)}\n"
+        )
+
+
+def find(
+    equations: Mapping[str, str], *, parameters: Mapping[str, float] | None = None, degree: int | None = None
+) -> Found:
+    """Find a bracket {·, ·} and a Hamiltonian H with x' = {x, H} for given equations, in exact algebra.
+
+    Args:
+        equations: the formula of x' for each variable x, in the order of the state: ``{"q": "p", "p": "-sin(q)"}``.
+        parameters: numbers for the other names in the formulas. Decimals are exact.
+        degree: the degree of first integrals and Casimirs; by default that of the equations, at least 2 and at most 3.
+
+    Returns:
+        What was found. ``bool(found)`` says whether a bracket was.
+
+    Raises:
+        LeafwiseError: an equation that cannot be read, or a degree with too many coefficients.
+    """
+    arguments = [part for name, formula in equations.items() for part in ("-e", f"{name}={formula}")]
+    for name, value in (parameters or {}).items():
+        arguments += ["-p", f"{name}={json.dumps(value)}"]
+    if degree is not None:
+        arguments += ["--degree", str(int(degree))]
+    report: dict[str, Any] = command("find", *arguments, accept=_ANSWERS)
+    del report["outcome"]
+    return Found(**report)
