@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use crate::random::{self, Random};
 
-/// Standard normal numbers ξ, ΔW = √t ξ, of a member, a channel and a step, counted from 0: one for this channel and each behind
-/// it, as many as there are places. Of a [split](Noise::Split) step the channel behind the last tells by its sign which pass the
-/// flows take.
+/// Standard normal numbers ξ, ΔW = √t ξ, of a member, a channel and a step, counted from 0. Each place gets one: the first that of
+/// this channel, the others those of the channels behind it. Of a [split](Noise::Split) step the channel behind the last tells by
+/// its sign which pass the flows take.
 pub type Normals = Arc<dyn Fn(u64, u32, u64, &mut [f64]) + Send + Sync>;
 
 /// Numbers of a function of a member, a channel and a step.

@@ -1,7 +1,6 @@
 //! `torque = ["…", "…", "…"]`: the one-form of a torque on a body with attitude.
 //!
-//! With the quaternion q of the attitude and τ in the body, η = −(2/|q|²) q∘(0, τ) on q gives m′ = … + τ and leaves q′ as it
-//! is. A torque in space stands on the other side, (0, τ)∘q.
+//! The form is η = −(2/|q|²) q∘(0, τ) on the quaternion q, of τ in the body: m′ gains τ, and q′ stays as it is. A torque in space stands on the other side, (0, τ)∘q.
 
 use leafwise_core::PoissonSystem;
 use leafwise_expression::Expression;
@@ -21,7 +20,7 @@ const QUATERNION: [&str; 4] = ["q0", "q1", "q2", "q3"];
 const ROUND_OFF: f64 = 1e-12;
 
 /// Help for a system without attitude.
-const NO_ATTITUDE: &str = "the library systems `attitude` and `heavy-top-attitude` have it; other systems take the one-form itself as `forces`";
+const NO_ATTITUDE: &str = "`leafwise list systems` names those that have it; other systems take the one-form itself as `forces`";
 
 /// Adds the one-form of a torque to that of the other forces.
 ///
