@@ -27,7 +27,7 @@ impl Formula {
     /// [`Formula::resolve`].
     pub fn density(&self, scope: &Scope, site: usize) -> Result<Density, SyntaxError> {
         let parts = Parts::of(self.root())?;
-        let mut resolver = Resolver::new(self.text(), scope);
+        let mut resolver = Resolver::new(self.source(), scope);
         let unboxed = |stop| match stop {
             Stop::Error(error) => *error,
             Stop::Outside { .. } => {
@@ -40,7 +40,10 @@ impl Formula {
         }
         let mut terms = Vec::new();
         for (factors, sum) in parts.sums {
-            if let Some(body) = sum.at(self.text(), &mut resolver, site).map_err(unboxed)? {
+            if let Some(body) = sum
+                .at(self.source(), &mut resolver, site)
+                .map_err(unboxed)?
+            {
                 let mut product = vec![body];
                 for factor in &factors {
                     product.push(factor.resolve(&mut resolver).map_err(unboxed)?);
@@ -62,14 +65,14 @@ impl Formula {
     /// As [`Formula::density`].
     pub fn left_out(&self, scope: &Scope, site: usize) -> Result<Vec<&str>, SyntaxError> {
         let parts = Parts::of(self.root())?;
-        let mut resolver = Resolver::new(self.text(), scope);
+        let mut resolver = Resolver::new(self.source(), scope);
         for (_, sum) in parts.sums {
-            if let Err(Stop::Error(error)) = sum.at(self.text(), &mut resolver, site) {
+            if let Err(Stop::Error(error)) = sum.at(self.source(), &mut resolver, site) {
                 return Err(*error);
             }
         }
         let dropped = resolver.dropped.iter();
-        Ok(dropped.map(|span| span.of(self.text())).collect())
+        Ok(dropped.map(|span| span.of(self.source())).collect())
     }
 }
 

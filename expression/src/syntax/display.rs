@@ -20,7 +20,7 @@ impl fmt::Display for Formula {
     /// The formula in a uniform spelling, which parses to the same tree. Numbers stand as written.
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         Printer {
-            text: self.text(),
+            text: self.source(),
             formatter,
         }
         .print(self.root(), Binding::Sum)

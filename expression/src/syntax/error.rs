@@ -202,6 +202,47 @@ pub enum SyntaxErrorKind {
         /// The index.
         name: String,
     },
+    /// A vector where a number is meant.
+    #[error("`{text}` is a vector, and a number is meant here")]
+    VectorAsNumber {
+        /// The vector as written.
+        text: String,
+        /// The names of its components, where it has names.
+        components: Vec<String>,
+    },
+    /// A number where a vector is meant.
+    #[error("`{text}` is no vector")]
+    NoVector {
+        /// What stands there.
+        text: String,
+        /// The names of vectors.
+        vectors: Vec<String>,
+    },
+    /// Vectors of which one has more components.
+    #[error("a vector of {first} components stands beside one of {second}")]
+    UnlikeVectors {
+        /// Components of one.
+        first: usize,
+        /// Components of the other.
+        second: usize,
+    },
+    /// A product of two vectors by `*`.
+    #[error("a product of two vectors is `dot(a, b)`, a number, or `cross(a, b)`, a vector")]
+    TwoVectors,
+    /// A cross product outside of three dimensions.
+    #[error("`cross` is of vectors with three components, and these have {found}")]
+    NoCrossProduct {
+        /// Components of the vectors.
+        found: usize,
+    },
+    /// A function of vectors with another number of arguments.
+    #[error("`{name}` takes {count} {}", if *count == 1 { "vector" } else { "vectors" })]
+    VectorArguments {
+        /// The function.
+        name: String,
+        /// How many it takes.
+        count: usize,
+    },
     /// A `sum` over an index name that is already in use around it.
     #[error("the index `{name}` is already in use here; give this sum another one")]
     DuplicateIndex {

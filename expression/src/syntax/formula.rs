@@ -11,7 +11,10 @@ use super::tree::{Kind, Node, Span};
 /// [`Formula::resolve`] makes an exact expression of it, [`Formula::value`] a number.
 #[derive(Clone, Debug)]
 pub struct Formula {
+    /// The text, and behind it names of components of vectors.
     text: String,
+    /// The bytes of the text alone.
+    written: usize,
     root: Node,
 }
 
@@ -27,6 +30,7 @@ impl Formula {
             .map_err(|error| *error)?;
         Ok(Self {
             text: text.to_owned(),
+            written: text.len(),
             root: *root,
         })
     }
@@ -42,13 +46,24 @@ impl Formula {
             .map_err(|error| *error)?;
         Ok(Self {
             text: text.to_owned(),
+            written: text.len(),
             root: *root,
         })
     }
 
     /// The text as parsed.
     pub fn text(&self) -> &str {
+        &self.text[..self.written]
+    }
+
+    /// The text that spans lead into.
+    pub(super) fn source(&self) -> &str {
         &self.text
+    }
+
+    /// The same formula as another tree over a longer text.
+    pub(super) fn rewritten(self, text: String, root: Node) -> Self {
+        Self { text, root, ..self }
     }
 
     pub(super) fn root(&self) -> &Node {

@@ -16,7 +16,7 @@ impl Formula {
     /// # Errors
     /// Those of [`Formula::resolve`].
     pub fn margin(&self, scope: &Scope) -> Result<(Expression, bool), SyntaxError> {
-        let mut resolver = Resolver::new(self.text(), scope);
+        let mut resolver = Resolver::new(self.source(), scope);
         match resolver.margin(self.root(), None) {
             Ok(margin) => Ok(margin),
             // No index is free.

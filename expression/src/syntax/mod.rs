@@ -43,6 +43,7 @@ mod suggestion;
 mod tests;
 mod tree;
 mod value;
+mod vectors;
 mod vocabulary;
 
 pub use density::Density;
@@ -53,4 +54,5 @@ pub use parser::{AXES, DEPTH_LIMIT};
 pub use pattern::VariablePattern;
 pub use resolve::{POWER_LIMIT, TERM_LIMIT};
 pub use scope::{At, Boundary, Scope};
+pub use vectors::Vector;
 pub use vocabulary::function_names;

@@ -53,7 +53,7 @@ impl Formula {
     pub fn offsets_of_sums(&self) -> Result<Vec<Offsets>, SyntaxError> {
         let mut found = Vec::new();
         for (_, sum) in Parts::of(self.root())?.sums {
-            found.extend(self.offsets_in(&sum.names(self.text()), sum.body)?);
+            found.extend(self.offsets_in(&sum.names(self.source()), sum.body)?);
         }
         Ok(found)
     }
@@ -76,7 +76,7 @@ impl Formula {
                 return Err(SyntaxError::new(node.span, kind));
             }
             Kind::Reference(reference) => {
-                return offsets(self.text(), reference, node.span, indices);
+                return offsets(self.source(), reference, node.span, indices);
             }
             _ => {}
         }

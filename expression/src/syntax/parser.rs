@@ -247,14 +247,22 @@ impl<'a> Parser<'a> {
         let name = self.index_name("the name of a variable")?;
         let mut sites = Vec::new();
         if !self.accept(Symbol::OpenBracket) {
-            return Ok(Reference { name, sites });
+            return Ok(Reference {
+                name,
+                shown: name,
+                sites,
+            });
         }
         sites.push(self.site()?);
         while sites.len() < AXES && self.accept(Symbol::Comma) {
             sites.push(self.site()?);
         }
         self.expect(Symbol::CloseBracket, "`+`, `-` or `]`")?;
-        Ok(Reference { name, sites })
+        Ok(Reference {
+            name,
+            shown: name,
+            sites,
+        })
     }
 
     fn site(&mut self) -> Result<Site, Box<SyntaxError>> {

@@ -34,7 +34,7 @@ impl Formula {
         scope: &Scope,
         index: Option<At<'_>>,
     ) -> Result<Option<Expression>, SyntaxError> {
-        let mut resolver = Resolver::new(self.text(), scope);
+        let mut resolver = Resolver::new(self.source(), scope);
         let mut resolve = |bound: Option<&Bound<'_>>| resolver.expression(self.root(), bound);
         match scope.at_site(index, 0, &mut resolve) {
             Ok(expression) => Ok(Some(expression)),
@@ -208,7 +208,7 @@ impl<'a> Resolver<'a> {
             let kind = SyntaxErrorKind::IndexAsNumber {
                 name: name.to_owned(),
             };
-            return Err(SyntaxError::new(reference.name, kind).into());
+            return Err(SyntaxError::new(reference.shown, kind).into());
         }
         match self.scope.place(self.text, reference, bound)? {
             Place::Variable(index) => Ok(Expression::Variable(index)),

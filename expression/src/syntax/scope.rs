@@ -461,11 +461,11 @@ impl Scope {
             }
             (Entry::Table(_), _) => {
                 let kind = SyntaxErrorKind::TableWithoutPoint { name: name() };
-                return Err(SyntaxError::new(reference.name, kind));
+                return Err(SyntaxError::new(reference.shown, kind));
             }
             (Entry::Family { .. }, true) => {
                 let kind = SyntaxErrorKind::IndexMissing { name: name() };
-                return Err(SyntaxError::new(reference.name, kind));
+                return Err(SyntaxError::new(reference.shown, kind));
             }
         };
         let axes = shape.lengths();

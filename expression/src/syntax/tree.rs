@@ -47,6 +47,8 @@ pub(super) struct Site {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Reference {
     pub(super) name: Span,
+    /// Where it is written: the name, or that of a vector it is a component of.
+    pub(super) shown: Span,
     pub(super) sites: Vec<Site>,
 }
 
@@ -73,7 +75,7 @@ impl Reference {
     /// The place of name and sites.
     pub(super) fn span(&self) -> Span {
         self.bracket()
-            .map_or(self.name, |bracket| self.name.to(bracket))
+            .map_or(self.shown, |bracket| self.shown.to(bracket))
     }
 }
 

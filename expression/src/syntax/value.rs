@@ -27,7 +27,7 @@ impl Formula {
         index: Option<At<'_>>,
     ) -> Result<f64, SyntaxError> {
         let mut evaluator = Evaluator {
-            text: self.text(),
+            text: self.source(),
             scope,
             parameters,
             terms: 0,

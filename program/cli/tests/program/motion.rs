@@ -391,3 +391,39 @@ fn a_torque_without_an_attitude_is_refused() {
     assert_eq!(refused.code, Some(3), "{}", refused.err);
     refused.says(&["a torque needs the bracket of an attitude"]);
 }
+
+/// A scene by vectors has the bits of one by components.
+#[test]
+fn vectors_have_the_bits_of_their_components() {
+    let method = "[method]\nstepper = \"splitting\"\ntime-step = 0.05\n[run]\nsteps = 20\n";
+    let kepler = [
+        "variables = { r = 3, p = 3 }\nbracket = \"canonical\"\nhamiltonian = \"dot(p, p)/2 - 1/norm(r)\"\n",
+        "variables = [\"r.x\", \"r.y\", \"r.z\", \"p.x\", \"p.y\", \"p.z\"]\nbracket = \"canonical\"\n\
+         hamiltonian = \"(p.x*p.x + p.y*p.y + p.z*p.z)/2 - 1/sqrt(r.x*r.x + r.y*r.y + r.z*r.z)\"\n",
+    ];
+    let spins = |hamiltonian: &str| {
+        format!(
+            "families = {{ s = {{ components = [\"x\", \"y\", \"z\"], length = 40 }} }}\nbracket = {{ lie-algebra = \"so3\" }}\n\
+             hamiltonian = \"-sum(i, {hamiltonian})\"\n"
+        )
+    };
+    let spins = [
+        spins("dot(s[i], s[i+1])"),
+        spins("s.x[i]*s.x[i+1] + s.y[i]*s.y[i+1] + s.z[i]*s.z[i+1]"),
+    ];
+    let of_spins = "initial = { \"s.x[i]\" = \"0.6*cos(i)\", \"s.y[i]\" = \"0.6*sin(i)\", \"s.z[i]\" = 0.8 }\n";
+    let kepler = kepler.map(str::to_owned);
+    for (systems, initial) in [
+        (kepler, "initial = [1, 0, 0, 0, 1, 0.2]\n"),
+        (spins, of_spins),
+    ] {
+        let ends = systems.map(|system| {
+            let here = Place::with(&format!("[system]\n{system}{method}{initial}"));
+            let said = here.leafwise(&["run", "scene.toml", "--json"]);
+            assert_eq!(said.code, Some(0), "{}", said.err);
+            said.json()["final_state"].clone()
+        });
+        assert_eq!(ends[0], ends[1]);
+        assert!(ends[0].as_array().is_some_and(|state| state.len() >= 6));
+    }
+}

@@ -172,7 +172,9 @@ fn margin(
         let message = format!("`{whole}` compares nothing: it has no <, <=, >, >=");
         return Err(refuse(document, text, message, "no comparison", EXAMPLE));
     }
-    let condition = Formula::parse_condition(&text.value);
+    let vectors = document.system.named_vectors();
+    let condition =
+        Formula::parse_condition(&text.value).and_then(|parsed| parsed.in_components(&vectors));
     let condition = condition.map_err(|error| match error.kind {
         SyntaxErrorKind::UnexpectedCharacter { character: '=' } => Box::new(document.diagnostic(
             &document.place_in_formula(text, error.span.clone()),

@@ -16,7 +16,7 @@ use super::geometry::geometry;
 use super::instantiate::instantiate;
 use super::lattice_functions::LatticeFunctions;
 use super::lattice_noise::SiteTerms;
-use super::names::{function, is_a_sum, of_lattice, parse, refusal};
+use super::names::{function, is_a_sum, of_lattice, parse, parse_text, refusal};
 use super::observables::{Observable, coordinate, observables};
 use super::sum::summands;
 use super::time::wants_time;
@@ -543,7 +543,7 @@ impl LatticeSource for SceneLattice<'_> {
         let own = self.own(geometry);
         let scope = scope(self.document, &own, None).map_err(of_lattice)?;
         let densities = self.formulas().into_iter().map(|formula| {
-            let parsed = Formula::parse(&formula.value);
+            let parsed = parse_text(self.document, &formula.value);
             // What is no sum over sites is evaluated as a whole.
             let parsed = parsed.and_then(|parsed| match parsed.offsets_of_sums() {
                 Ok(_) => Ok(parsed),

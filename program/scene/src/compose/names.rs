@@ -116,7 +116,12 @@ pub(super) fn parse(
     document: &SceneDocument,
     formula: &Located<String>,
 ) -> Result<Formula, Refusal> {
-    Formula::parse(&formula.value).map_err(|error| refusal(document, formula, &error))
+    parse_text(document, &formula.value).map_err(|error| refusal(document, formula, &error))
+}
+
+/// Parses a formula in the components of the scene's vectors.
+pub(super) fn parse_text(document: &SceneDocument, text: &str) -> Result<Formula, SyntaxError> {
+    Formula::parse(text)?.in_components(&document.system.named_vectors())
 }
 
 /// A number as a rational.
@@ -209,22 +214,34 @@ pub(super) fn refusal(
     Box::new(document.diagnostic(&place, error.kind.to_string(), label, help))
 }
 
-/// How the components of a vector are written, where its family stands without one, or a component behind the site.
+/// How numbers come of a vector that stands where a number is meant, or a component behind the site.
 fn about_vectors(document: &SceneDocument, kind: &SyntaxErrorKind) -> Option<String> {
-    let mut vectors = document.system.vectors.iter();
-    let vector = match kind {
-        SyntaxErrorKind::UnknownName { name } => vectors.find(|v| v.name.value == *name),
-        SyntaxErrorKind::UnexpectedCharacter { character: '.' } => vectors.next(),
+    let named = document.system.named_vectors();
+    match kind {
+        SyntaxErrorKind::VectorAsNumber { components, .. } => Some(match components.split_first() {
+            Some((first, _)) => format!(
+                "its components are {}: write one, such as {first}, or dot(a, b), a number of two vectors, or norm(a)",
+                components.join(", ")
+            ),
+            None => "write dot(a, b), a number of two vectors, or norm(a)".to_owned(),
+        }),
+        SyntaxErrorKind::NoVector { vectors, .. } => Some(match vectors.is_empty() {
+            true => "vectors are declared by their components: variables = { r = 3, p = 3 }, or families = { s = { components = \
+                     [\"x\", \"y\", \"z\"], length = 100 } }"
+                .to_owned(),
+            false => format!("vectors of this scene: {}", vectors.join(", ")),
+        }),
+        SyntaxErrorKind::UnexpectedCharacter { character: '.' } => {
+            let vector = named.first()?;
+            Some(format!(
+                "`{}` is a family of vectors with the components {}: write {}[i]",
+                vector.name,
+                vector.components.join(", "),
+                vector.components.first()?
+            ))
+        }
         _ => None,
-    }?;
-    let components = vector.components.iter();
-    let families: Vec<String> = components.map(|c| vector.family(&c.value)).collect();
-    Some(format!(
-        "`{}` is a family of vectors with the components {}: write {}[i]",
-        vector.name.value,
-        families.join(", "),
-        families.first()?
-    ))
+    }
 }
 
 /// A single site of a long lattice, whose formulas are tried on a shorter one.

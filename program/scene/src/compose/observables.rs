@@ -2,10 +2,10 @@
 
 use leafwise_core::lattice::LatticeGeometry;
 use leafwise_expression::Expression;
-use leafwise_expression::syntax::{Formula, Scope};
+use leafwise_expression::syntax::Scope;
 
 use super::Refusal;
-use super::names::{function, is_a_sum, refusal};
+use super::names::{function, is_a_sum, parse_text, refusal};
 use super::time::TIME;
 use crate::document::{Located, SceneDocument, nearest};
 
@@ -154,7 +154,7 @@ fn expression(
     known: &[&str],
 ) -> Result<Expression, Refusal> {
     let resolved =
-        Formula::parse(&asked.value).and_then(|parsed| parsed.resolve(scope, None).map(drop));
+        parse_text(document, &asked.value).and_then(|parsed| parsed.resolve(scope, None).map(drop));
     if let Err(error) = resolved {
         let begins_like_one = asked.value.starts_with(char::is_alphabetic);
         let is_name = |c: char| c.is_alphabetic() || c.is_ascii_digit() || "_-'".contains(c);

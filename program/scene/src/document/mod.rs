@@ -7,6 +7,7 @@
 //! - `equations`: equations of motion, whose bracket is found;
 //! - `forces`: forces that move the system beside its Hamiltonian;
 //! - `noise`: channels that move it at random;
+//! - `variables`: single variables, and vectors of them;
 //! - `families`: lengths of axes and ends of a lattice;
 //! - `field`: values that variables, sites of families and parameters of sites begin with;
 //! - `numbers`: systems that have no formulas;
@@ -52,6 +53,7 @@ mod system_section;
 mod tables;
 #[cfg(test)]
 mod tests;
+mod variables;
 
 pub use bracket::{BracketSpec, SummandSpec};
 pub use ensemble::{Distribution, EnsembleSection, FinalStates, InitialDraw, ParameterDraw};

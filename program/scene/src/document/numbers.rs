@@ -155,6 +155,7 @@ fn section(id: &Located<String>, system: PoissonSystem, given: PartParameters) -
         axes: Vec::new(),
         sites: Vec::new(),
         vectors: Vec::new(),
+        variable_vectors: Vec::new(),
         parameters: parameters.collect(),
         define: Vec::new(),
         tables: Vec::new(),

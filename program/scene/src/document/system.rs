@@ -25,6 +25,7 @@ use super::suggest::nearest;
 use super::system_schema::SYSTEM;
 use super::system_section::{Convention, SystemSection};
 use super::tables::{TableSpec, read_tables};
+use super::variables::{Variables, read_variables};
 
 /// Reads `[system]`, going to the library when it names one; the fragment used is left in
 /// `fragment` as id and text.
@@ -291,8 +292,8 @@ fn read_inline(
     problems: &mut Problems,
 ) -> Option<SystemSection> {
     let variables = match table.get("variables") {
-        Some(item) => item.list_of("a list of names", problems, Item::string),
-        None => Some(Vec::new()),
+        Some(item) => read_variables(item, problems),
+        None => Some(Variables::default()),
     };
     let families = match table.get("families") {
         Some(item) => read_families(item, problems),
@@ -334,8 +335,9 @@ fn read_inline(
         }
         None => Some(Convention::default()),
     };
+    let names = variables.as_ref().map(|variables| &variables.names[..]);
     let coordinates = Coordinates::of(
-        variables.as_deref().unwrap_or_default(),
+        names.unwrap_or_default(),
         families.as_ref().unwrap_or(&Families::default()),
         convention.unwrap_or_default(),
     );
@@ -359,9 +361,14 @@ fn read_inline(
         formulas,
         sites,
     } = parameters?;
+    let Variables {
+        names: variables,
+        vectors: variable_vectors,
+    } = variables?;
     let mut system = SystemSection {
         library: None,
-        variables: variables?,
+        variables,
+        variable_vectors,
         families: scalars,
         axes,
         vectors,
@@ -392,9 +399,15 @@ fn read_inline(
 
 fn check_names(system: &SystemSection, problems: &mut Problems) {
     let mut seen: HashSet<&str> = HashSet::new();
-    let declared = system
-        .variables
-        .iter()
+    let vectors = || system.vectors.iter().chain(&system.variable_vectors);
+    let is_component = |name: &&Located<String>| {
+        let mut vectors = system.variable_vectors.iter();
+        vectors.any(|vector| vector.has(&name.value))
+    };
+    let variables = system.variables.iter().filter(|name| !is_component(name));
+    let of_vectors = system.variable_vectors.iter().map(|vector| &vector.name);
+    let declared = variables
+        .chain(of_vectors)
         .map(|name| ("variable", name))
         .chain(
             system
@@ -418,7 +431,7 @@ fn check_names(system: &SystemSection, problems: &mut Problems) {
                 .skip(system.moving().len())
                 .map(|(name, _)| ("parameter", name)),
         );
-    let components = system.vectors.iter().flat_map(|vector| {
+    let components = vectors().flat_map(|vector| {
         let is_new = |at: usize| {
             let mut earlier = vector.components[..at].iter();
             !earlier.any(|other| other.value == vector.components[at].value)

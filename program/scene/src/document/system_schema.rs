@@ -81,8 +81,11 @@ pub(super) static SYSTEM: [Key; 17] = [
     .not_beside(&LIBRARY_BESIDE),
     key(
         "variables",
-        Shape::List(&Shape::Text),
-        "The coordinates' names",
+        Shape::Either(&[
+            Shape::List(&Shape::Text),
+            Shape::Names(&Shape::Either(&[Shape::Whole(1), Shape::List(&Shape::Text)])),
+        ]),
+        "The coordinates' names, or vectors with their numbers of components: { r = 3, p = 3 } for r.x, r.y, r.z, p.x, …",
     )
     .not_beside(&[Beside::Note("a long lattice")]),
     key(

@@ -1,5 +1,7 @@
 //! The `[system]` table as a value.
 
+use leafwise_expression::syntax::Vector;
+
 use std::sync::Arc;
 
 use leafwise_core::{PartParameters, PoissonSystem};
@@ -44,6 +46,8 @@ pub struct SystemSection {
     pub axes: Vec<usize>,
     /// Families of vectors, whose components are families `s.x`, `s.y`, ….
     pub vectors: Vec<VectorFamily>,
+    /// Vectors of single variables, whose components are variables `r.x`, `r.y`, ….
+    pub variable_vectors: Vec<VectorFamily>,
     /// Parameters with their values.
     pub parameters: Vec<(Located<String>, Located<Number>)>,
     /// Parameters of every site by their keys, `J[i]` or `J[3]`: families at rest, which nothing outside shows.
@@ -105,6 +109,18 @@ impl SystemSection {
             Some([one]) => *one,
             Some(each) => each.get(axis).copied().unwrap_or(Boundary::Periodic),
         }
+    }
+
+    /// The vectors that formulas may name.
+    pub fn named_vectors(&self) -> Vec<Vector> {
+        let vectors = self.vectors.iter().chain(&self.variable_vectors);
+        let named = vectors.map(|vector| Vector {
+            name: vector.name.value.clone(),
+            components: (vector.components.iter())
+                .map(|component| vector.family(&component.value))
+                .collect(),
+        });
+        named.collect()
     }
 
     /// The families that a name stands for: one, or the components of vectors.
