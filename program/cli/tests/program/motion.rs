@@ -398,7 +398,7 @@ fn vectors_have_the_bits_of_their_components() {
     let method = "[method]\nstepper = \"splitting\"\ntime-step = 0.05\n[run]\nsteps = 20\n";
     let kepler = [
         "variables = { r = 3, p = 3 }\nbracket = \"canonical\"\nhamiltonian = \"dot(p, p)/2 - 1/norm(r)\"\n",
-        "variables = [\"r.x\", \"r.y\", \"r.z\", \"p.x\", \"p.y\", \"p.z\"]\nbracket = \"canonical\"\n\
+        "variables = { r = 3, p = 3 }\nbracket = \"canonical\"\n\
          hamiltonian = \"(p.x*p.x + p.y*p.y + p.z*p.z)/2 - 1/sqrt(r.x*r.x + r.y*r.y + r.z*r.z)\"\n",
     ];
     let spins = |hamiltonian: &str| {
