@@ -9,8 +9,9 @@ use crate::sources::{code, sources};
 
 /// Sources that serve every part alike. The figures of the paper (`reproduce`) and the cases of `stress`
 /// choose their methods as scenes do.
-const ROOMS: [&str; 12] = [
+const ROOMS: [&str; 13] = [
     "expression/src",
+    "solver/src",
     "core/src",
     "systems/src",
     "program/scene/src",

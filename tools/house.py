@@ -8,8 +8,9 @@
 
 circles   groups of folders and files directly below a crate's src that import one another, as a reader meets them
 loops     places in program/ and python/ that make an integrator or a stepper: each is a loop over steps of its own
-refusals  default methods of public traits in core that only refuse: None, false, Err
-methods   methods of public traits in core
+traits    public traits in core, solver and walk
+refusals  their default methods that only refuse: None, false, Err
+methods   their methods
 rules     modules with a rule of convergence of their own
 names     names of parts in strings outside of the parts
 twins     names of types that three types or more share
@@ -30,7 +31,7 @@ from pathlib import Path
 
 LIMITS = Path("tools/house.json")
 PARTS = ("realizations/", "dynamics/")
-JOINTS = ("circles", "loops", "refusals", "methods", "rules", "names", "twins")
+JOINTS = ("circles", "loops", "traits", "refusals", "methods", "rules", "names", "twins")
 WORDS = ("long", "what")
 
 
@@ -140,8 +141,8 @@ class House:
         maker = re.compile(r"\.step\(\)|\.increment\(")
         return [f"{path}:{at}" for path, at, line in self.code("program/", "python/") if maker.search(line)]
 
-    def traits(self) -> list[tuple[str, str]]:
-        """Public traits of core and their texts."""
+    def trait_texts(self) -> list[tuple[str, str]]:
+        """Public traits of core, solver and walk, and their texts."""
         found = []
         for path in self.files:
             if str(path).startswith(("core/src", "solver/src", "walk/src")):
@@ -150,13 +151,16 @@ class House:
                 found += [(match.group(1), match.group(2)) for match in traits]
         return found
 
+    def traits(self) -> list[str]:
+        return [name for name, _ in self.trait_texts()]
+
     def methods(self) -> list[str]:
         method = re.compile(r"^    (?:unsafe )?fn (\w+)", re.M)
-        return [f"{name}::{own}" for name, text in self.traits() for own in method.findall(text)]
+        return [f"{name}::{own}" for name, text in self.trait_texts() for own in method.findall(text)]
 
     def refusals(self) -> list[str]:
         refusal = re.compile(r"^    fn (\w+)[^{;]*\{\n(?:\s+let _ = [^;]*;\n)?\s+(?:None|false|Err\([^\n]*\))\n    \}", re.M)
-        return [f"{name}::{own}" for name, text in self.traits() for own in refusal.findall(text)]
+        return [f"{name}::{own}" for name, text in self.trait_texts() for own in refusal.findall(text)]
 
     def rules(self) -> list[str]:
         rule = re.compile(r"\bis_converged\b|DenseFactors::new")

@@ -174,7 +174,7 @@ impl Walk {
 
     /// Evaluations so far, those of [`statistics`](Self::statistics).
     pub fn evaluations(&self) -> u64 {
-        self.stepper.evaluations()
+        self.stepper.statistics().evaluations
     }
 
     /// Whether a lane goes on.

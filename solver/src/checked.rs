@@ -98,10 +98,6 @@ impl Stepper for Checked {
         is_offered
     }
 
-    fn evaluations(&self) -> u64 {
-        self.stepper.evaluations()
-    }
-
     fn statistics(&self) -> SolverStatistics {
         let statistics = self.stepper.statistics();
         SolverStatistics {

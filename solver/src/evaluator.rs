@@ -28,12 +28,10 @@ pub trait Evaluator: Send {
     /// # Errors
     /// As [`values`](Self::values); [`StepError::NoTangent`] for a map without one, of which the map knows.
     fn jacobians(&mut self, x: &[f64], out: &mut [f64]) -> Result<(), StepError>;
-    /// The Hessian of x ↦ λ·G(x), row-major n × n, for a covector λ; G is F, and α̂ of a realization's [ends].
+    /// The Hessian of x ↦ λ·G(x), row-major n × n, for a covector λ; G is F, and α̂ of a realization's ends.
     ///
     /// # Errors
     /// As [`values`](Self::values); [`StepError::NoTangent`] where it is not offered.
-    ///
-    /// [ends]: crate::Ends
     fn hessian(&mut self, x: &[f64], covector: &[f64], out: &mut [f64]) -> Result<(), StepError> {
         let _ = (x, covector, out);
         Err(StepError::NoTangent)

@@ -68,9 +68,7 @@ impl ExplicitMap {
         &self.shared.step
     }
 
-    /// A stepper of `lanes` trajectories at once, as [`StepMap::stepper`].
-    ///
-    /// [`StepMap::stepper`]: super::StepMap::stepper
+    /// A stepper of `lanes` trajectories at once, as that of a step map.
     pub fn stepper(
         &self,
         lanes: usize,

@@ -22,7 +22,7 @@ pub enum CorrectionMethod {
 ///
 /// The caller forms δ from its equation: the residual, by Newton's method with the Jacobian. Row i of δ is measured
 /// against |state| + |change|. The change counts [as far as it serves](Allowed) as a scale, row by row: units of rows
-/// change nothing. The measured sizes are judged by [`LinearIteration`]. Newton's method also keeps a [`Watch`] on
+/// change nothing. The measured sizes are judged by observed rates (`judge/linear.rs`). Newton's method also keeps a [`Watch`] on
 /// whether its solution is plainly on the branch that begins at the state.
 #[derive(Clone, Debug)]
 pub struct Iteration {

@@ -23,7 +23,7 @@ pub struct SolverStatistics {
     /// largest, still changed. The relative error of that component is not known to be small.
     pub rounded: u64,
     /// Largest part of Σ |c x_i x_j| that was taken off a step so that a quadratic Casimir Σ c x_i x_j is
-    /// [held](crate::lift::Lift::hold); 0 where none is.
+    /// held; 0 where none is.
     pub held: f64,
 }
 

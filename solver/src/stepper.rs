@@ -65,12 +65,8 @@ pub trait Stepper: Send {
         let _ = setting;
         false
     }
-    /// Work done so far.
+    /// Work done so far, which an observer of every step asks for.
     fn statistics(&self) -> SolverStatistics;
-    /// Their evaluations, which an observer of every step asks for.
-    fn evaluations(&self) -> u64 {
-        self.statistics().evaluations
-    }
     /// Everything that later steps depend on beyond the state, for a checkpoint.
     fn memory(&self) -> Vec<f64>;
     /// Restores [`Stepper::memory`].

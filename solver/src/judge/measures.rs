@@ -1,7 +1,7 @@
 //! Sizes of corrections, and what they are measured against.
 
 use super::ROUND_OFF;
-use super::numbers::{Doubles, relative_size, scale_beside};
+use super::numbers::{Doubles, at_most, relative_size, scale_beside};
 
 /// max that keeps NaN.
 #[inline(always)]
@@ -13,12 +13,6 @@ pub fn larger(a: f64, b: f64) -> f64 {
 #[inline(always)]
 pub fn at_least(a: f64, b: f64) -> f64 {
     if b > a { b } else { a }
-}
-
-/// min of a and b, which counts only where it is a number.
-#[inline(always)]
-pub fn at_most(a: f64, b: f64) -> f64 {
-    if b < a { b } else { a }
 }
 
 /// |size|/(scale + |size|), 0 for 0: a component that has no scale yet counts as 1.

@@ -14,9 +14,10 @@ mod watch;
 pub(crate) use linear::LinearIteration;
 pub use linear::Verdict;
 pub use measures::{
-    Allowed, CorrectionSize, at_least, at_most, is_between, larger, largest, ratio_in_own_units,
-    reach, relative, settled,
+    Allowed, CorrectionSize, at_least, is_between, larger, largest, ratio_in_own_units, reach,
+    relative, settled,
 };
+pub use numbers::at_most;
 pub(crate) use numbers::{Doubles, Numbers, SMALLEST_SCALE, relative_size, scale_beside};
 pub(super) use watch::WANDERING;
 pub use watch::Watch;

@@ -1,7 +1,5 @@
 //! Measures of corrections that doubles and code share, line by line.
 
-use super::measures::at_most;
-
 /// Beside this a few of the smallest numbers, which have no digits, are a negligible remainder: components that die out pass
 /// through them to 0.
 pub(crate) const SMALLEST_SCALE: f64 = 1e-303;
@@ -9,6 +7,12 @@ pub(crate) const SMALLEST_SCALE: f64 = 1e-303;
 /// How many times the size of a state what a step adds to it may be and still serve as a scale. A
 /// correction that is negligible beside it is below an ulp of the state.
 const MOST_GROWTH: f64 = 1024.0;
+
+/// min of a and b, which counts only where it is a number.
+#[inline(always)]
+pub fn at_most(a: f64, b: f64) -> f64 {
+    if b < a { b } else { a }
+}
 
 /// Arithmetic that measures are formed in: that of doubles, or of values in code, several components at once.
 pub(crate) trait Numbers {

@@ -21,6 +21,8 @@ pub struct NewtonStepper {
     single: Vec<Box<dyn LaneBlock>>,
     lanes: usize,
     kernel: NewtonKernel,
+    /// Work of an evaluation with Jacobians, of one without, and of a start.
+    work: [u64; 3],
     statistics: SolverStatistics,
     /// How many of the evaluations were with Jacobians.
     jacobians: u64,
@@ -56,6 +58,7 @@ impl NewtonStepper {
             single: single.collect(),
             lanes,
             kernel: kernel.clone(),
+            work: [kernel.work(), kernel.chord_work(), kernel.start_work()],
             statistics: SolverStatistics::default(),
             jacobians: 0,
         }
@@ -206,17 +209,13 @@ impl Stepper for NewtonStepper {
 
     fn statistics(&self) -> SolverStatistics {
         let chords = self.statistics.evaluations - self.jacobians;
-        let operations = self.jacobians * self.kernel.work()
-            + chords * self.kernel.chord_work()
-            + self.statistics.steps * self.kernel.start_work();
+        let [with_jacobian, without, start] = self.work;
+        let operations =
+            self.jacobians * with_jacobian + chords * without + self.statistics.steps * start;
         SolverStatistics {
             operations: Some(operations),
             ..self.statistics
         }
-    }
-
-    fn evaluations(&self) -> u64 {
-        self.statistics.evaluations
     }
 
     fn memory(&self) -> Vec<f64> {
