@@ -41,8 +41,8 @@ pub(crate) fn constant(field: &mut RingField, kind: Kind) -> Result<Attempt, Fin
         Kind::LogCanonical => match field.rates() {
             Some(rates) => rates,
             None => {
-                return Ok(Attempt::proved(
-                    "it needs equations x' = x*(…), and not every one has its own variable as a factor",
+                return Ok(Attempt::none(
+                    "it is looked for where each equation has its own variable as a factor",
                 ));
             }
         },
