@@ -17,6 +17,9 @@ use crate::report::{Attempt, Kind, TensorCandidate};
 /// Choices of Casimirs among more linear integrals.
 const MOST_CHOICES: usize = 64;
 
+/// The largest dimension: of 48 variables W has 1128 entries.
+const MOST_VARIABLES: usize = 48;
+
 /// Members of a family that are tried.
 const MOST_MEMBERS: usize = 40;
 
@@ -37,6 +40,11 @@ struct Leaves {
 /// A tensor of this kind, the sparsest of those that are tried.
 pub(crate) fn constant(field: &mut RingField, kind: Kind) -> Result<Attempt, FindError> {
     let d = field.dimension();
+    if d > MOST_VARIABLES {
+        return Ok(Attempt::none(format!(
+            "it is looked for in at most {MOST_VARIABLES} variables"
+        )));
+    }
     let g = match kind {
         Kind::LogCanonical => match field.rates() {
             Some(rates) => rates,
