@@ -316,7 +316,8 @@ fn brackets_that_are_unique_are_those_of_the_books() {
             expected.push(text([m(j), v(i)], format!("{other}{}", v(k))));
         }
         let mut found = entries(&found);
-        (found.sort(), expected.sort());
+        found.sort();
+        expected.sort();
         assert_eq!(found, expected);
     }
 }
