@@ -8,7 +8,8 @@ use leafwise_expression::{AlgebraError, Arithmetic, Polynomial, Rational};
 use crate::constant::{members, pairs};
 use crate::error::FindError;
 use crate::field::RingField;
-use crate::jacobi::{Identity, Space, sparse_solution};
+use crate::identity::Identity;
+use crate::jacobi::{Space, sparse_solution};
 use crate::potential::combination;
 use crate::report::{Attempt, Kind, TensorCandidate};
 

@@ -17,6 +17,9 @@ use crate::report::{Attempt, Kind, TensorCandidate};
 /// Choices of Casimirs among more linear integrals.
 const MOST_CHOICES: usize = 64;
 
+/// The largest dimension: of 48 variables W has 1128 entries.
+const MOST_VARIABLES: usize = 48;
+
 /// Members of a family that are tried.
 const MOST_MEMBERS: usize = 40;
 
@@ -37,12 +40,17 @@ struct Leaves {
 /// A tensor of this kind, the sparsest of those that are tried.
 pub(crate) fn constant(field: &mut RingField, kind: Kind) -> Result<Attempt, FindError> {
     let d = field.dimension();
+    if d > MOST_VARIABLES {
+        return Ok(Attempt::none(format!(
+            "it is looked for in at most {MOST_VARIABLES} variables"
+        )));
+    }
     let g = match kind {
         Kind::LogCanonical => match field.rates() {
             Some(rates) => rates,
             None => {
-                return Ok(Attempt::proved(
-                    "it needs equations x' = x*(…), and not every one has its own variable as a factor",
+                return Ok(Attempt::none(
+                    "it is looked for where each equation has its own variable as a factor",
                 ));
             }
         },

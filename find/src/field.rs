@@ -103,9 +103,8 @@ impl RingField {
                 return false;
             }
         }
-        let coefficients = self.f.iter().flat_map(Polynomial::terms).map(|(_, c)| c);
-        let are_rational = coefficients.clone().all(|c| c.as_constant().is_some());
-        are_rational
+        let mut coefficients = self.f.iter().flat_map(Polynomial::terms).map(|(_, c)| c);
+        coefficients.all(|c| c.as_constant().is_some())
     }
 }
 

@@ -1,6 +1,6 @@
-//! Poisson brackets and Hamiltonians of equations of motion ẋ = f(x) that are written as formulas.
+//! Poisson brackets and Hamiltonians of equations of motion ẋ = f(x) that are written as formulas, found and proved.
 //!
-//! [`find`] looks for J and H with ẋ = J ∇H = {x, H} in exact algebra over ℚ.
+//! The function [`find`] looks for J and H with ẋ = J ∇H = {x, H} in exact algebra over ℚ.
 //!
 //! - `constant`: J constant in x, or log-canonical.
 //! - `affine`: J affine in x, H among the first integrals.
@@ -8,8 +8,6 @@
 //! - `integrals`: first integrals, polynomials or products of powers.
 //! - `casimirs`: functions C with J ∇C = 0, of any tensor.
 //! - `never`: stable equilibria, about which no bracket exists.
-//!
-//! A bracket that is returned is proved: Jacobi's identity and J ∇H = f hold exactly.
 
 mod affine;
 mod candidates;
@@ -18,6 +16,7 @@ mod constant;
 mod equations;
 mod error;
 mod field;
+mod identity;
 mod integrals;
 mod jacobi;
 mod low;

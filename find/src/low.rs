@@ -133,7 +133,8 @@ fn in_space(
 
 /// The formula, where the ring would expand it.
 fn energy(h: &Integral) -> Option<Expression> {
-    (!h.divisor.as_constant().is_some_and(|c| !c.is_zero())).then(|| h.formula.clone())
+    let is_expanded = h.divisor.as_constant().is_some();
+    (!is_expanded).then(|| h.formula.clone())
 }
 
 fn element(ring: &mut Ring, integral: &Integral) -> Result<Polynomial, FindError> {

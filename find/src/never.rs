@@ -1,5 +1,5 @@
-//! Equations with no bracket at all: an equilibrium that is asymptotically stable, forward or backward in time, has a neighbourhood in which a
-//! continuous integral is constant. H is one, so that f = {x, H} would vanish there.
+//! Equations that have no bracket near an equilibrium. Where it is asymptotically stable, forward or backward in time, it has a neighbourhood in
+//! which a continuous integral is constant. H is one, so that f = {x, H} would vanish there.
 
 use leafwise_expression::algebra::Elimination;
 use leafwise_expression::{AlgebraError, Polynomial, Rational, Ring};
@@ -46,7 +46,7 @@ pub(crate) fn never(
             .map(|(name, value)| format!("{name} = {value}"))
             .collect();
         return Ok(Some(format!(
-            "the equilibrium {} is {kind}: around it every continuous integral is constant, so H would be, and f would vanish",
+            "the equilibrium {} is {kind}: no bracket near it has a continuous Hamiltonian, which would be constant there, so that f would vanish",
             place.join(", ")
         )));
     }

@@ -183,6 +183,6 @@ pub struct Report {
     pub integrals: Vec<Expression>,
     /// The degree up to which first integrals were looked for, 0 where none was needed.
     pub degree: usize,
-    /// Reason why no bracket of any kind exists, where one is known.
+    /// Equilibrium near which no bracket of any kind exists, and the reason, where one is known.
     pub never: Option<String>,
 }

@@ -28,7 +28,7 @@ class Found:
         integrals: first integrals that were looked at, up to ``degree``.
         degree: the degree of the first integrals, 0 where none was needed.
         refused: kinds without a bracket, each with ``kind``, ``reason`` and ``is_proved``.
-        never: the reason why no bracket of any kind exists, where one is known.
+        never: an equilibrium near which no bracket of any kind exists, and the reason.
         system: the ``[system]`` table of a scene, as TOML.
     """
 

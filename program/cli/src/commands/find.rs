@@ -45,7 +45,7 @@ struct FindJson {
     integrals: Vec<String>,
     degree: usize,
     refused: Vec<RefusedJson>,
-    /// Why no bracket of any kind exists.
+    /// Equilibrium near which no bracket of any kind exists.
     never: Option<String>,
     /// The `[system]` table.
     system: Option<String>,
@@ -331,7 +331,7 @@ fn lines(equations: &Equations, report: &Report) -> Vec<String> {
             }
         }
         None => lines.push(match &report.never {
-            Some(_) => "No bracket at all".to_owned(),
+            Some(_) => "No bracket near an equilibrium".to_owned(),
             None => "No bracket of these kinds".to_owned(),
         }),
     }

@@ -18,6 +18,7 @@ pub(super) static SCENE: [Key; 6] = [
                 &["library"],
                 &["variables", "bracket", "hamiltonian"],
                 &["families", "bracket", "hamiltonian"],
+                &["equations", "bracket"],
             ],
         ),
         "The Poisson manifold and the Hamiltonian",
