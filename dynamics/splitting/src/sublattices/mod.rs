@@ -12,11 +12,11 @@
 //!
 //! Modules:
 //!
-//! - [`flow`]: the damped precession of one spin.
-//! - [`spins`]: which systems are of spins.
-//! - [`colours`]: sublattices.
-//! - [`written`]: steps of systems that are written out.
-//! - [`lattice`]: sweeps over long lattices.
+//! - `flow`: the damped precession of one spin.
+//! - `spins`: which systems are of spins.
+//! - `colours`: sublattices.
+//! - `written`: steps of systems that are written out.
+//! - `lattice`: sweeps over long lattices.
 
 mod colours;
 mod flow;
