@@ -28,7 +28,7 @@ pub struct NoisyMap {
     entry: Entry,
     normals: Normals,
     /// The same map as sweeps over one set of fields.
-    swept: Option<SweptNoise>,
+    swept: Option<Arc<SweptNoise>>,
 }
 
 impl NoisyMap {
@@ -68,6 +68,7 @@ impl NoisyMap {
 
     /// The same as sweeps over one set of fields.
     pub fn by_sweeps(self, swept: Option<SweptNoise>) -> Self {
+        let swept = swept.map(Arc::new);
         Self { swept, ..self }
     }
 

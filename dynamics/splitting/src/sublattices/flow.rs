@@ -20,32 +20,16 @@
 use leafwise_expression::pairs::{EXPONENTIAL_MINUS_1, SINE, VERSINE};
 use leafwise_expression::{AlgebraError, Arithmetic, Function, Graph, Rational, Term};
 
-/// Added to a square before its root is taken: 2⁻⁹⁴⁰, which no number beside which it counts survives.
-fn smallest(graph: &mut Graph) -> Term {
-    let mut factor = graph.constant(&Rational::new(1, 1 << 47));
-    for _ in 0..2 {
-        factor = graph.multiply(&factor, &factor);
-    }
-    // 2⁻¹⁸⁸ five times.
-    let mut product = factor.clone();
-    for _ in 0..4 {
-        product = graph.multiply(&product, &factor);
-    }
-    product
-}
+/// Added to a square before its root is taken: 2⁻⁹⁴⁰, which changes no number but those about 0.
+const SMALLEST: f64 = f64::from_bits((1023 - 940) << 52);
 
 fn cross(graph: &mut Graph, a: &[Term], b: &[Term]) -> Vec<Term> {
     let component = |i: usize| {
         let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-        (j, k)
+        let (left, right) = (graph.multiply(&a[j], &b[k]), graph.multiply(&a[k], &b[j]));
+        graph.subtract(&left, &right)
     };
-    (0..3)
-        .map(|i| {
-            let (j, k) = component(i);
-            let (left, right) = (graph.multiply(&a[j], &b[k]), graph.multiply(&a[k], &b[j]));
-            graph.subtract(&left, &right)
-        })
-        .collect()
+    (0..3).map(component).collect()
 }
 
 fn dot(graph: &mut Graph, a: &[Term], b: &[Term]) -> Term {
@@ -64,7 +48,8 @@ pub(super) fn increment(
     q: &[Term],
     damping: Option<&Term>,
 ) -> Result<Vec<Term>, AlgebraError> {
-    let (one, tiny) = (graph.one(), smallest(graph));
+    let tiny = Rational::from_f64(SMALLEST).expect("a finite number");
+    let (one, tiny) = (graph.one(), graph.constant(&tiny));
     let square = dot(graph, q, q);
     let square = graph.add(&square, &tiny);
     let angle = graph.apply(Function::Sqrt, &square)?;

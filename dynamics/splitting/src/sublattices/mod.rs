@@ -1,16 +1,22 @@
 //! Damped spins, sublattice after sublattice.
 //!
-//! Where no spin of a sublattice is in the field of another, all of them turn and fall into fields at rest: the motion has
-//! a closed form, along the leaves. Strang's product over the sublattices is explicit, of order 2 and self-adjoint. Without
-//! damping it is a Poisson map. Sources are two (J. Frank, W. Huang, B. Leimkuhler, *Geometric integrators for classical spin systems*,
-//! Journal of Computational Physics 133 (1997); M. Krech, A. Bunker, D. P. Landau, *Fast spin dynamics algorithms for
-//! classical spin systems*, Computer Physics Communications 111 (1998)).
+//! Where no spin of a sublattice is in the field of another, all of them turn and fall into fields at rest. Their motion has a
+//! closed form, along the leaves. Strang's product over the sublattices is explicit, of order 2 and self-adjoint. Without
+//! damping it is a Poisson map.
 //!
-//! - [`flow`]: the damped precession of one spin.
-//! - [`spins`]: which systems are of spins.
-//! - [`colours`]: sublattices.
-//! - [`written`]: steps of systems that are written out.
-//! - [`lattice`]: sweeps over long lattices.
+//! Literature on even and odd sites, and on more sublattices:
+//!
+//! - Frank, Huang, Leimkuhler, *Geometric integrators for classical spin systems*, Journal of Computational Physics 133 (1997);
+//! - Krech, Bunker, Landau, *Fast spin dynamics algorithms for classical spin systems*, Computer Physics Communications 111
+//!   (1998).
+//!
+//! Modules:
+//!
+//! - `flow`: the damped precession of one spin.
+//! - `spins`: which systems are of spins.
+//! - `colours`: sublattices.
+//! - `written`: steps of systems that are written out.
+//! - `lattice`: sweeps over long lattices.
 
 mod colours;
 mod flow;
