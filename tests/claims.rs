@@ -45,6 +45,7 @@ mod spins;
 mod starts;
 mod stepped_over;
 mod stress;
+mod tables;
 mod theorems;
 mod time;
 mod truncation_high;

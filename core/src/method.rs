@@ -21,8 +21,8 @@ use crate::shadow::Shadow;
 use crate::solution_series::start_of_solves;
 use crate::solver::{
     ByTangents, Checked, CorrectionMethod, Differential, Lanes, MakeCheck, MapProperties,
-    NewtonKernel, NewtonStepper, NumericSolver, Poles, Solved, StepMap, Stepper, Structure, Walls,
-    Uncoupled, by_parameters, check_variables, keeping_signs, kept_signs,
+    NewtonKernel, NewtonStepper, NumericSolver, Poles, Solved, StepMap, Stepper, Structure,
+    Uncoupled, Walls, by_parameters, check_variables, keeping_signs, kept_signs,
 };
 use crate::system::{PoissonSystem, SystemFormulas};
 

@@ -34,7 +34,7 @@ type Parameters = Vec<(String, f64)>;
 /// Coordinates, Casimirs, parameters with their values, and the method in words.
 type Description = (Vec<String>, Vec<String>, Vec<(String, f64)>, Vec<String>);
 
-/// What makes a scene again.
+/// All that makes a scene again.
 type Told<'a> = (
     &'a str,
     &'a str,
@@ -193,6 +193,7 @@ impl Scene {
             kept: self.kept.clone(),
         })
     }
+
     /// The scene's name.
     #[getter]
     fn name(&self) -> &str {

@@ -50,8 +50,8 @@ pub use signs::{keeping_signs, kept_signs};
 pub use statistics::SolverStatistics;
 pub(crate) use stepper::add;
 pub use stepper::{StepCheck, Stepper};
-pub use walls::Walls;
 use stepper::{one_by_one, restore_each};
+pub use walls::Walls;
 
 use std::sync::Arc;
 

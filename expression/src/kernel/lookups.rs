@@ -1,5 +1,6 @@
-//! Code of tables: the cell and the place in it once for each argument, each coefficient once for each point, and sums over
-//! one axis after the other, the last first. Derivatives of other orders at the point share what they have in common.
+//! Code of tables. It has the cell and the place in it once for each argument, and each coefficient once for each point.
+//!
+//! Sums go over one axis after the other, the last first. Derivatives of other orders at the point share all that is common.
 
 use rustc_hash::FxHashMap;
 
@@ -7,16 +8,16 @@ use super::code::Instruction;
 use super::emit::Emitter;
 use crate::analytic::AnalyticFunction;
 use crate::graph::Node;
-use crate::table::{Lookup, MOST_AXES, Part, Table};
+use crate::table::{Lookup, MOST_AXES, Part, TableFunction};
 
-/// What an argument's number is a part of: its nodes, and the places between coefficients.
+/// Axis of an argument: its ends, nodes, period, and the places between coefficients.
 type AxisKey = ([u64; 2], usize, bool, usize);
 
 /// The slots of what tables are evaluated of.
 #[derive(Default)]
 pub(super) struct LookupSlots {
     parts: FxHashMap<(AxisKey, u32), u32>,
-    coefficients: FxHashMap<(Table, usize, u32), u32>,
+    coefficients: FxHashMap<(TableFunction, usize, u32), u32>,
     /// p! times the B-splines of a degree p, by the slot of the place in the cell.
     splines: FxHashMap<(u32, u8), Vec<u32>>,
     /// u + m, and m − u.
@@ -24,11 +25,21 @@ pub(super) struct LookupSlots {
     /// Their derivatives of an order.
     weights: FxHashMap<(u32, u8, u8), Vec<u32>>,
     /// Sums over the axes from one on, by their orders and the first coefficient.
-    sums: FxHashMap<(Table, u32, [u32; MOST_AXES], [u8; MOST_AXES], usize, usize), u32>,
+    sums: FxHashMap<
+        (
+            TableFunction,
+            u32,
+            [u32; MOST_AXES],
+            [u8; MOST_AXES],
+            usize,
+            usize,
+        ),
+        u32,
+    >,
 }
 
 /// A lookup at a point: the slots of its cell's place and of its places in the cell.
-struct Point {
+struct PointSlots {
     lookup: Lookup,
     place: u32,
     fractions: [u32; MOST_AXES],
@@ -50,7 +61,7 @@ impl Emitter<'_> {
         }
         let place = place.unwrap_or_default();
         let sum = self.sum(
-            &Point {
+            &PointSlots {
                 lookup,
                 place,
                 fractions,
@@ -80,7 +91,7 @@ impl Emitter<'_> {
     }
 
     /// A function of one argument: of equal axes of several tables it is one.
-    fn part(&mut self, table: Table, axis: usize, part: Part, x: u32) -> u32 {
+    fn part(&mut self, table: TableFunction, axis: usize, part: Part, x: u32) -> u32 {
         let own = &table.axes()[axis];
         let stride = match part {
             Part::Place(_) => table.stride(axis),
@@ -102,7 +113,7 @@ impl Emitter<'_> {
         slot
     }
 
-    fn apply_part(&mut self, table: Table, part: Part, a: u32) -> u32 {
+    fn apply_part(&mut self, table: TableFunction, part: Part, a: u32) -> u32 {
         self.code.push(|out| Instruction::ApplyAnalytic {
             function: AnalyticFunction::of_table(table),
             order: part.code(),
@@ -112,7 +123,7 @@ impl Emitter<'_> {
     }
 
     /// Σ over the axes from `axis` on, of the coefficients from `offset` behind the place on.
-    fn sum(&mut self, point: &Point, axis: usize, offset: usize) -> u32 {
+    fn sum(&mut self, point: &PointSlots, axis: usize, offset: usize) -> u32 {
         let table = point.lookup.table();
         let own = point.lookup.orders();
         let Some(order) = own.get(axis) else {

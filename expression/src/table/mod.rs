@@ -1,7 +1,7 @@
 //! Tables as functions: tensor products of B-splines on uniform knots, in one to three variables.
 //!
-//! f(x₁, …, x_d) = Σ c_{i+j} Π_l b_{j_l}(u_l) with i_l the cell of x_l, u_l its place in it from 0 to 1, and j_l from 0 to the
-//! degree k. The coefficients c are those for which f has the table's numbers at its nodes. Derivatives are those of f: of
+//! f(x₁, …, x_d) = Σ c_{i+j} Π_l b_{j_l}(u_l). Here i_l is the cell of x_l, u_l its place in it from 0 to 1, and j_l goes from 0
+//! to the degree k. The coefficients c are those for which f has the table's numbers at its nodes. Derivatives are those of f: of
 //! order up to k along each axis, and continuous up to k − 1.
 
 mod banded;
@@ -48,18 +48,18 @@ pub struct TableAxis {
 /// Copies are one table. A program keeps each table until it ends, and tables of the same name, axes and numbers once.
 ///
 /// ```
-/// use leafwise_expression::table::{Table, TableAxis};
+/// use leafwise_expression::table::{TableFunction, TableAxis};
 ///
 /// let axis = TableAxis { name: "x".to_owned(), first: 0.0, last: 3.0, nodes: 7, is_periodic: false };
 /// let cubes: Vec<f64> = (0..7).map(|i| f64::from(i * i * i) / 8.0).collect();
-/// let table = Table::new("cube", vec![axis], 3, &cubes).expect("a table");
+/// let table = TableFunction::new("cube", vec![axis], 3, &cubes).expect("a table");
 /// let slope = table.value().derivative(0).expect("a slope");
 /// assert!((table.value().at(&[1.3]) - 2.197).abs() < 1e-14);
 /// assert!((slope.at(&[1.3]) - 5.07).abs() < 1e-13);
 /// assert!(table.value().at(&[3.5]).is_nan());
 /// ```
 #[derive(Clone, Copy)]
-pub struct Table(&'static Spline);
+pub struct TableFunction(&'static Spline);
 
 struct Spline {
     /// The place among all tables of the program.
@@ -79,7 +79,7 @@ struct Spline {
 /// Every table of the program.
 static TABLES: Mutex<Vec<&'static Spline>> = Mutex::new(Vec::new());
 
-impl Table {
+impl TableFunction {
     /// The spline of this degree with these numbers at the nodes, the last axis fastest.
     ///
     /// # Errors
@@ -151,7 +151,7 @@ impl Table {
         self.0.degree
     }
 
-    /// What it is evaluated of, the last axis fastest: as many along each axis as it has cells, and the degree more.
+    /// The coefficients c, the last axis fastest: as many along each axis as it has cells, and the degree more.
     pub fn coefficients(self) -> &'static [f64] {
         &self.0.coefficients
     }
@@ -264,7 +264,7 @@ impl Table {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outside {
     /// The table.
-    pub table: Table,
+    pub table: TableFunction,
     /// The place of the axis along which it is outside.
     pub axis: usize,
     /// The coordinate there.
@@ -322,13 +322,13 @@ impl Part {
 /// A table or one of its derivatives.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Lookup {
-    table: Table,
+    table: TableFunction,
     orders: [u8; MOST_AXES],
 }
 
 impl Lookup {
     /// The derivative of these orders along the axes; `None` where that is 0 everywhere.
-    pub fn of_orders(table: Table, orders: &[u8]) -> Option<Self> {
+    pub fn of_orders(table: TableFunction, orders: &[u8]) -> Option<Self> {
         let mut own = [0; MOST_AXES];
         own[..orders.len()].copy_from_slice(orders);
         let is_zero = orders.iter().any(|order| *order > table.degree());
@@ -336,7 +336,7 @@ impl Lookup {
     }
 
     /// The table.
-    pub fn table(self) -> Table {
+    pub fn table(self) -> TableFunction {
         self.table
     }
 
@@ -514,21 +514,21 @@ fn check_periods(axes: &[TableAxis], shape: &[usize], numbers: &[f64]) -> Result
     Ok(())
 }
 
-impl PartialEq for Table {
+impl PartialEq for TableFunction {
     fn eq(&self, other: &Self) -> bool {
         self.0.number == other.0.number
     }
 }
 
-impl Eq for Table {}
+impl Eq for TableFunction {}
 
-impl Hash for Table {
+impl Hash for TableFunction {
     fn hash<H: Hasher>(&self, state: &mut H) {
         self.0.number.hash(state);
     }
 }
 
-impl fmt::Debug for Table {
+impl fmt::Debug for TableFunction {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(&self.0.unique)
     }
