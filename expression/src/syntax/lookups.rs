@@ -38,8 +38,8 @@ impl Scope {
     /// The table called at `name`, or the derivative of it that orders behind the point ask for, with the point.
     ///
     /// # Errors
-    /// `UnknownFunction` where it is no name of the scene, `NameAndFunction` where it is one of another thing. Fails with
-    /// `Arguments` for another number of arguments, and with `Orders` for orders that are no whole numbers.
+    /// `UnknownFunction` where it is no table's name, `Arguments` for another number of arguments, and `Orders` for orders
+    /// that are no whole numbers.
     pub(super) fn lookup<'a>(
         &self,
         text: &str,
@@ -48,7 +48,6 @@ impl Scope {
     ) -> Result<(Option<Lookup>, TableFunction, &'a [Node]), SyntaxError> {
         let called = name.of(text);
         let Some(Entry::Table(at)) = self.entry_of(called) else {
-            self.check_call(text, called, name)?;
             let tables = self.tables.iter().map(|table| table.name());
             return Err(unknown_function(called, name, tables));
         };

@@ -24,5 +24,6 @@ mod sites;
 mod states;
 mod support;
 mod sweeps;
+mod tables;
 mod time;
 mod warnings;

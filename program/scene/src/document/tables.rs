@@ -70,9 +70,12 @@ impl TableSpec {
             .map_err(|reason| (place.clone(), reason))?;
         if array.shape.len() != self.axes.len() {
             let reason = format!(
-                "the numbers of `{name}` have the shape {:?}, and the table has {} axes: one number of nodes for each is needed",
+                "the numbers of `{name}` have the shape {:?}, and the table has {}: one length for each axis is needed",
                 array.shape,
-                self.axes.len()
+                match self.axes.len() {
+                    1 => "1 axis".to_owned(),
+                    axes => format!("{axes} axes"),
+                }
             );
             return Err((place, reason));
         }
