@@ -40,7 +40,7 @@ pub(super) struct Emitter<'a> {
     pub(super) code: Draft,
     pub(super) places: FxHashMap<Node, u32>,
     scaled: FxHashMap<(Node, u64), u32>,
-    pub(super) lookups: LookupSlots,
+    lookups: LookupSlots,
     /// Numbers that keep others on a side of a slot's 0.
     seams: FxHashMap<(Side, u32), [u32; 3]>,
     /// The slot of each graph input, where that is not its number.
@@ -169,7 +169,10 @@ impl<'a> Emitter<'a> {
                 self.push(|out| Instruction::Divide { out, a, b })
             }
             Operation::Function(function, a) => self.emit_function(function, a),
-            Operation::Lookup(lookup, point) => self.emit_lookup(lookup, &point),
+            Operation::Lookup(lookup, point) => {
+                let point: Vec<u32> = point.iter().map(|at| self.place(*at)).collect();
+                self.lookups.emit(&mut self.code, lookup, &point)
+            }
             Operation::Kept(side, c, v) => {
                 let (c, v) = (self.place(c), self.place(v));
                 self.emit_kept(side, c, v)

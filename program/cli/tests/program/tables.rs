@@ -99,22 +99,67 @@ fn wrong_tables_are_refused_where_they_stand() {
     };
     let axis = "axes = { q = [-3, 3] }";
     for (tables, said) in [
-        ("{ V = { axes = { q = [-3, 3] } } }".to_owned(), "the table `V` has no numbers"),
-        (format!("{{ V = {{ file = \"no.csv\", {axis} }} }}"), "cannot read"),
-        (format!("{{ V = {{ file = \"v.csv\", {axis} }} }}"), "choose one by column"),
-        (format!("{{ V = {{ file = \"plane.npy\", {axis} }} }}"), "have the shape [4, 4], and the table has 1 axis"),
-        (format!("{{ V = {{ file = \"nan.npy\", {axis} }} }}"), "node [5], counted from 0, is NaN"),
-        ("{ V = { file = \"v.csv\", axes = { q = [3, -3] } } }".to_owned(), "the first below the last"),
-        ("{ V = { file = \"v.csv\", axes = { q = [3] } } }".to_owned(), "the first and the last node"),
+        (
+            "{ V = { axes = { q = [-3, 3] } } }".to_owned(),
+            "the table `V` has no numbers",
+        ),
+        (
+            format!("{{ V = {{ file = \"no.csv\", {axis} }} }}"),
+            "cannot read",
+        ),
+        (
+            format!("{{ V = {{ file = \"v.csv\", {axis} }} }}"),
+            "choose one by column",
+        ),
+        (
+            format!("{{ V = {{ file = \"plane.npy\", {axis} }} }}"),
+            "have the shape [4, 4], and the table has 1 axis",
+        ),
+        (
+            format!("{{ V = {{ file = \"nan.npy\", {axis} }} }}"),
+            "node [5], counted from 0, is NaN",
+        ),
+        (
+            "{ V = { file = \"v.csv\", axes = { q = [3, -3] } } }".to_owned(),
+            "the first below the last",
+        ),
+        (
+            "{ V = { file = \"v.csv\", axes = { q = [3] } } }".to_owned(),
+            "the first and the last node",
+        ),
         ("{ V = { file = \"v.csv\" } }".to_owned(), "needs `axes`"),
-        (format!("{{ V = {{ file = \"v.csv\", {axis}, degree = 12 }} }}"), "at most 9"),
-        (format!("{{ V = {{ file = \"v.csv\", {axis}, periodic = [\"r\"] }} }}"), "unknown axis of this table `r`"),
-        (format!("{{ V = {{ file = \"v.csv\", {axis}, spline = 3 }} }}"), "unknown key `spline`"),
-        (format!("{{ V = {{ values = [1, 2, 3], {axis} }} }}"), "takes 6 at least: take more, or degree = 1"),
-        (format!("{{ V = {{ values = [[1, 2], [3]], {axis} }} }}"), "the rows before it"),
-        (format!("{{ V = {{ values = [1, 2], file = \"v.csv\", {axis} }} }}"), "keep one of them"),
-        (format!("{{ V = {table}, q = {table} }}"), "`q` is declared twice"),
-        (format!("{{ V = {table}, gamma = {table} }}"), "`gamma` is reserved"),
+        (
+            format!("{{ V = {{ file = \"v.csv\", {axis}, degree = 12 }} }}"),
+            "at most 9",
+        ),
+        (
+            format!("{{ V = {{ file = \"v.csv\", {axis}, periodic = [\"r\"] }} }}"),
+            "unknown axis of this table `r`",
+        ),
+        (
+            format!("{{ V = {{ file = \"v.csv\", {axis}, spline = 3 }} }}"),
+            "unknown key `spline`",
+        ),
+        (
+            format!("{{ V = {{ values = [1, 2, 3], {axis} }} }}"),
+            "takes 6 at least: take more, or degree = 1",
+        ),
+        (
+            format!("{{ V = {{ values = [[1, 2], [3]], {axis} }} }}"),
+            "the rows before it",
+        ),
+        (
+            format!("{{ V = {{ values = [1, 2], file = \"v.csv\", {axis} }} }}"),
+            "keep one of them",
+        ),
+        (
+            format!("{{ V = {table}, q = {table} }}"),
+            "`q` is declared twice",
+        ),
+        (
+            format!("{{ V = {table}, gamma = {table} }}"),
+            "`gamma` is reserved",
+        ),
     ] {
         let scene = PENDULUM.replace(&format!("{{ V = {table} }}"), &tables);
         assert_ne!(scene, PENDULUM);
@@ -123,7 +168,10 @@ fn wrong_tables_are_refused_where_they_stand() {
         told.says(&[said, "scene.toml:"]);
     }
     for (call, said) in [
-        ("V(q, p, 1)", "`V` is a table of 1 variable, and 3 arguments stand here: write `V(q)`"),
+        (
+            "V(q, p, 1)",
+            "`V` is a table of 1 variable, and 3 arguments stand here: write `V(q)`",
+        ),
         ("V(q, 0.5)", "the orders of a derivative, whole numbers"),
         ("V*q", "`V` is a table: write its arguments behind it"),
         ("W(q)", "unknown function `W`"),
@@ -167,7 +215,10 @@ fn a_degree_that_costs_the_order_is_warned_of() {
         here.leafwise(&["run", "scene.toml"]).err
     };
     let told = with("degree = 3, ");
-    assert!(told.contains("of the method's order 6 they leave 3"), "{told}");
+    assert!(
+        told.contains("of the method's order 6 they leave 3"),
+        "{told}"
+    );
     assert!(told.contains("degree = 6 in [system.tables]"), "{told}");
     assert!(!with("degree = 6, ").contains("they leave"));
 }

@@ -43,7 +43,7 @@ static LIBRARY_BESIDE: [Beside; 1] = [Beside::Keys {
         "convention",
         "hamiltonian",
     ],
-    advice: "beside `library` only `parameters`, `families`, `casimirs`, `forces`, `damping` and `noise` may \
+    advice: "beside `library` only `parameters`, `tables`, `families`, `casimirs`, `forces`, `damping` and `noise` may \
               stand; remove it, or write the system out without `library`",
 }];
 
