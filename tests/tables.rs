@@ -254,8 +254,13 @@ fn steps_are_poisson_maps_whatever_the_table() {
                 }
                 walk.step().expect("a step");
                 let now = momentum.evaluate(walk.state(), &values);
+                // |∂ϑ_φ/∂R| is below 1/16, and R about 1: so much are 200 steps of four units each.
+                let allowed = match degree {
+                    3 => 200.0 * 4.0 * f64::EPSILON / 16.0,
+                    _ => 1e-13 * first.abs(),
+                };
                 assert!(
-                    (now - first).abs() <= 1e-13 * first.abs(),
+                    (now - first).abs() <= allowed,
                     "{degree} {n}: {now} {first}"
                 );
             }
