@@ -164,7 +164,7 @@ fn wrong_tables_are_refused_where_they_stand() {
         let scene = PENDULUM.replace(&format!("{{ V = {table} }}"), &tables);
         assert_ne!(scene, PENDULUM);
         let told = here(&scene).leafwise(&["check", "scene.toml"]);
-        assert_eq!(told.code, Some(2), "{tables}: {}", told.err);
+        assert_eq!(told.code, Some(3), "{tables}: {}", told.err);
         told.says(&[said, "scene.toml:"]);
     }
     for (call, said) in [
@@ -177,7 +177,7 @@ fn wrong_tables_are_refused_where_they_stand() {
         ("W(q)", "unknown function `W`"),
     ] {
         let told = here(&PENDULUM.replace("p^2/2 + V(q)", call)).leafwise(&["check", "scene.toml"]);
-        assert_eq!(told.code, Some(2), "{call}: {}", told.err);
+        assert_eq!(told.code, Some(3), "{call}: {}", told.err);
         told.says(&[said, "scene.toml:5"]);
     }
 }
@@ -194,7 +194,7 @@ fn members_are_lost_at_a_wall_inside_the_table() {
         let here = Place::with(&format!("{text}{ensemble}"));
         here.write("v.csv", &csv(&potential()));
         let said = here.leafwise(&["ensemble", "scene.toml"]);
-        let states = here.read("runs/scene/final_states.csv");
+        let states = here.read("runs/scene-ensemble/final_states.csv");
         let count = |word: &str| states.lines().filter(|line| line.contains(word)).count();
         (said, [count("failed"), count("stopped")])
     };
@@ -202,7 +202,8 @@ fn members_are_lost_at_a_wall_inside_the_table() {
     assert!(failed > 0 && stopped == 0, "{}", said.err);
     let walled = scene.replace("steps   = 200", "steps   = 200\nstop = \"q > 1.49\"");
     let (said, [still, lost]) = outcomes(&walled);
-    assert_eq!((still, lost), (0, failed), "{}", said.err);
+    // Some turn round between the wall and the end of the table.
+    assert!(still == 0 && lost >= failed, "{}", said.err);
 }
 
 /// A cubic table under a method of order 6 is warned of; the change that is named cures it.
