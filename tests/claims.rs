@@ -46,6 +46,7 @@ mod starts;
 mod stepped_over;
 mod stress;
 mod sublattices;
+mod tables;
 mod theorems;
 mod time;
 mod truncation_high;

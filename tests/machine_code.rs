@@ -4,6 +4,7 @@
 use std::sync::Mutex;
 
 use leafwise::core::Registry;
+use leafwise::expression::table::{Lookup, TableAxis, TableFunction};
 use leafwise::expression::{
     AnalyticFunction, Arithmetic, Execution, Function, Graph, Kernel, Rational, Side, Term,
 };
@@ -34,6 +35,21 @@ enum Choice {
     Apply(Function, usize),
     ApplyAnalytic(u32, usize),
     Kept(Side, usize, usize),
+    LookUp([u8; 2], usize, usize),
+}
+
+/// A table of two variables, one of them periodic.
+fn table() -> TableFunction {
+    let axis = |name: &str, nodes, is_periodic| TableAxis {
+        name: name.to_owned(),
+        first: -1.5,
+        last: 2.0,
+        nodes,
+        is_periodic,
+    };
+    let numbers: Vec<f64> = (0..63).map(|at| f64::from(at * 29 % 17) - 8.0).collect();
+    let axes = vec![axis("x", 7, false), axis("y", 9, true)];
+    TableFunction::new("grid", axes, 4, &numbers).expect("a table")
 }
 
 fn choice() -> impl Strategy<Value = Choice> {
@@ -48,6 +64,7 @@ fn choice() -> impl Strategy<Value = Choice> {
         1 => (at(), at()).prop_map(|(a, b)| Choice::Power(a, b)),
         2 => (0..Function::ALL.len(), at()).prop_map(|(f, a)| Choice::Apply(Function::ALL[f], a)),
         1 => (0_u32..5, at()).prop_map(|(k, a)| Choice::ApplyAnalytic(k, a)),
+        1 => (0_u8..5, 0_u8..5, at(), at()).prop_map(|(i, j, a, b)| Choice::LookUp([i, j], a, b)),
         2 => (any::<bool>(), at(), at()).prop_map(|(is_above, c, v)| {
             Choice::Kept(if is_above { Side::Above } else { Side::Below }, c, v)
         }),
@@ -94,6 +111,10 @@ fn kernel(choices: &[Choice], outputs: &[usize]) -> Kernel {
             Choice::Apply(function, a) => graph.apply(*function, &term(a)),
             Choice::ApplyAnalytic(order, a) => Ok(graph.apply_analytic(CUBE, *order, &term(a))),
             Choice::Kept(side, c, v) => graph.kept(*side, &term(c), &term(v)),
+            Choice::LookUp(orders, a, b) => {
+                let lookup = Lookup::of_orders(table(), orders).expect("a derivative");
+                graph.look_up(lookup, &[term(a), term(b)])
+            }
         };
         // A division by an exact zero has no code.
         nodes.extend(next);

@@ -4,7 +4,7 @@ use std::fmt;
 use std::hash::{Hash, Hasher};
 
 use crate::elementary::NearZero;
-use crate::table::Table;
+use crate::table::TableFunction;
 
 /// An analytic function f of one variable that a crate evaluates itself: straight-line code calls
 /// it and its derivatives f⁽ᵏ⁾ like elementary functions.
@@ -25,7 +25,7 @@ enum Values {
     /// A pair and which of the two functions it is, with its derivative.
     OfPair(&'static FunctionPair, Member, fn() -> Slope),
     /// The parts of a table, by their codes in the place of orders.
-    OfTable(Table),
+    OfTable(TableFunction),
 }
 
 /// f′ = constant + factor·g: the derivative of a function that is expressed by another one, or by itself.
@@ -62,7 +62,7 @@ impl AnalyticFunction {
     }
 
     /// The functions of one number of which a table is evaluated, by their codes in the place of orders.
-    pub(crate) fn of_table(table: Table) -> Self {
+    pub(crate) fn of_table(table: TableFunction) -> Self {
         Self {
             name: table.unique_name(),
             values: Values::OfTable(table),

@@ -55,4 +55,4 @@ pub use graph::{Graph, StepSize, Term};
 pub use kernel::{Aligned, Execution, Kernel, MachineCodeSize, OperationCount, Workspace};
 pub use operators::Quantity;
 pub use rational::Rational;
-pub use table::{Lookup, Outside, Table};
+pub use table::{Lookup, Outside, TableFunction};

@@ -35,7 +35,7 @@ type Parameters = Vec<(String, f64)>;
 /// Coordinates, Casimirs, parameters with their values, and the method in words.
 type Description = (Vec<String>, Vec<String>, Vec<(String, f64)>, Vec<String>);
 
-/// What makes a scene again.
+/// All that makes a scene again.
 type Told<'a> = (
     &'a str,
     &'a str,
@@ -194,6 +194,7 @@ impl Scene {
             kept: self.kept.clone(),
         })
     }
+
     /// The scene's name.
     #[getter]
     fn name(&self) -> &str {

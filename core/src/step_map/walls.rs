@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use leafwise_expression::table::{Outside, Table};
+use leafwise_expression::table::{Outside, TableFunction};
 use leafwise_expression::{Graph, Kernel, Term, Workspace};
 
 use leafwise_solver::StepCheck;
@@ -20,7 +20,7 @@ const AHEAD: [f64; 4] = [0.0, 0.5, 1.0, 2.0];
 /// The tables of a system with their arguments.
 #[derive(Debug)]
 pub struct Walls {
-    tables: Vec<Table>,
+    tables: Vec<TableFunction>,
     /// The arguments of all tables.
     arguments: Kernel,
     /// Hamiltonian, tensor and forces.
@@ -68,7 +68,7 @@ impl Walls {
 
 impl MakeCheck for Walls {
     fn make(self: Arc<Self>, lanes: usize, parameters: &[f64]) -> Box<dyn StepCheck> {
-        let mut look = Look {
+        let mut look = AtWalls {
             arguments: self.arguments.workspace(lanes),
             functions: self.functions.workspace(1),
             values: vec![0.0; self.arguments.outputs() * lanes],
@@ -84,7 +84,7 @@ impl MakeCheck for Walls {
 }
 
 /// The tables at the ends of steps.
-struct Look {
+struct AtWalls {
     walls: Arc<Walls>,
     arguments: Workspace,
     functions: Workspace,
@@ -96,7 +96,7 @@ struct Look {
     lanes: usize,
 }
 
-impl Look {
+impl AtWalls {
     /// The arguments at x + Δ.
     fn evaluate(&mut self, x: &[f64], increment: &[f64]) {
         for ((place, x), change) in self.place.iter_mut().zip(x).zip(increment) {
@@ -135,7 +135,7 @@ impl Look {
     }
 }
 
-impl StepCheck for Look {
+impl StepCheck for AtWalls {
     fn reads(&self, coordinate: usize) -> bool {
         self.walls.reads.contains(&coordinate)
     }
@@ -157,8 +157,11 @@ impl StepCheck for Look {
                 *outcome = Err(StepError::OutsideTable(outside));
             }
         }
-        let is_lost =
-            |outcome: &Result<(), StepError>| outcome.as_ref().is_err_and(StepError::is_of_a_solve);
+        // Series beyond a table look as if they had no radius.
+        let is_lost = |outcome: &Result<(), StepError>| match outcome {
+            Ok(()) => false,
+            Err(error) => error.is_of_a_solve() || matches!(error, StepError::Singularity { .. }),
+        };
         if outcome.iter().any(is_lost) {
             let last = self.last.clone();
             for part in AHEAD {

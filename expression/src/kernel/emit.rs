@@ -42,7 +42,7 @@ pub(super) struct Emitter<'a> {
     scaled: FxHashMap<(Node, u64), u32>,
     /// Slots with 0 where another is a number.
     nothings: FxHashMap<u32, u32>,
-    pub(super) lookups: LookupSlots,
+    lookups: LookupSlots,
     /// The slot of each graph input, where that is not its number.
     pub(super) input_slots: Option<FxHashMap<u32, u32>>,
 }
@@ -178,7 +178,10 @@ impl<'a> Emitter<'a> {
                     b,
                 })
             }
-            Operation::Lookup(lookup, point) => self.emit_lookup(lookup, &point),
+            Operation::Lookup(lookup, point) => {
+                let point: Vec<u32> = point.iter().map(|at| self.place(*at)).collect();
+                self.lookups.emit(&mut self.code, lookup, &point)
+            }
             Operation::Kept(side, c, v) => {
                 let (c, v) = (self.place(c), self.place(v));
                 self.emit_kept(side, c, v)

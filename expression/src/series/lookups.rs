@@ -2,43 +2,50 @@
 
 use rustc_hash::FxHashMap;
 
-use super::tape::{TapeIndex, TaylorState};
 use crate::arithmetic::{AlgebraError, Arithmetic};
 use crate::rational::Rational;
 use crate::table::Lookup;
 
-/// The coefficients known so far of each table and derivative at a point of the tape.
-pub(super) type Lookups<E> = FxHashMap<(Lookup, Vec<TapeIndex>), Vec<E>>;
+/// The coefficients known so far of each table and derivative at a point, whose numbers are nodes of a tape.
+#[derive(Clone, Debug)]
+pub(super) struct LookupSeries<E>(FxHashMap<(Lookup, Vec<usize>), Vec<E>>);
 
-impl<E: Clone + std::fmt::Debug> TaylorState<E> {
-    /// The coefficient of order k of g = f(u₁, …, u_d): k gₖ = Σ_l Σ_{j=1..k} j u_{l,j} d_{l,k−j} with d_l = ∂_l f(u).
-    pub(super) fn look_up<A: Arithmetic<Element = E>>(
+impl<E> Default for LookupSeries<E> {
+    fn default() -> Self {
+        Self(FxHashMap::default())
+    }
+}
+
+impl<E: Clone + std::fmt::Debug> LookupSeries<E> {
+    /// The coefficient of order k of g = f(u₁, …, u_d): k gₖ = Σ_l Σ_{j=1..k} j u_{l,j} d_{l,k−j} with d_l = ∂_l f(u). Those of
+    /// all nodes u are `nodes`.
+    pub(super) fn coefficient<A: Arithmetic<Element = E>>(
         &mut self,
         arithmetic: &mut A,
-        lookup: Lookup,
-        point: &[TapeIndex],
+        nodes: &[Vec<E>],
+        (lookup, point): (Lookup, &[usize]),
         k: usize,
     ) -> Result<E, AlgebraError> {
         let key = (lookup, point.to_vec());
         loop {
-            let known = self.lookups.get(&key).map_or(0, Vec::len);
+            let known = self.0.get(&key).map_or(0, Vec::len);
             if known > k {
-                return Ok(self.lookups[&key][k].clone());
+                return Ok(self.0[&key][k].clone());
             }
-            let next = self.next_of(arithmetic, lookup, point, known)?;
-            self.lookups.entry(key.clone()).or_default().push(next);
+            let next = self.next(arithmetic, nodes, (lookup, point), known)?;
+            self.0.entry(key.clone()).or_default().push(next);
         }
     }
 
-    fn next_of<A: Arithmetic<Element = E>>(
+    fn next<A: Arithmetic<Element = E>>(
         &mut self,
         arithmetic: &mut A,
-        lookup: Lookup,
-        point: &[TapeIndex],
+        nodes: &[Vec<E>],
+        (lookup, point): (Lookup, &[usize]),
         k: usize,
     ) -> Result<E, AlgebraError> {
         if k == 0 {
-            let begins = point.iter().map(|u| self.coefficients[*u][0].clone());
+            let begins = point.iter().map(|u| nodes[*u][0].clone());
             return arithmetic.look_up(lookup, &begins.collect::<Vec<_>>());
         }
         let mut factors = Vec::new();
@@ -47,9 +54,9 @@ impl<E: Clone + std::fmt::Debug> TaylorState<E> {
                 continue;
             };
             for j in 1..=k {
-                let u = self.coefficients[*u][j].clone();
+                let u = nodes[*u][j].clone();
                 if !arithmetic.is_zero(&u) {
-                    let d = self.look_up(arithmetic, slope, point, k - j)?;
+                    let d = self.coefficient(arithmetic, nodes, (slope, point), k - j)?;
                     factors.push((Rational::new(j as i64, k as i64), u, d));
                 }
             }

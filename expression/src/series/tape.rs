@@ -2,7 +2,7 @@
 
 use rustc_hash::FxHashMap;
 
-use super::lookups::Lookups;
+use super::lookups::LookupSeries;
 use crate::arithmetic::{AlgebraError, Arithmetic, binary_derivative, function_derivative};
 use crate::expression::{Binary, Expression, Function, Side};
 use crate::rational::Rational;
@@ -213,11 +213,11 @@ impl Arithmetic for Tape {
 /// The Taylor coefficients of every node of a tape known so far.
 #[derive(Clone, Debug)]
 pub struct TaylorState<E> {
-    pub(super) coefficients: Vec<Vec<E>>,
+    coefficients: Vec<Vec<E>>,
     /// The coefficients of f′(u), f″(u), … of each special function f(u).
     towers: FxHashMap<TapeIndex, Vec<Vec<E>>>,
     /// The coefficients of tables and their derivatives, each at a point.
-    pub(super) lookups: Lookups<E>,
+    lookups: LookupSeries<E>,
     order: usize,
 }
 
@@ -227,7 +227,7 @@ impl<E: Clone + std::fmt::Debug> TaylorState<E> {
         Self {
             coefficients: vec![Vec::new(); tape.steps.len()],
             towers: FxHashMap::default(),
-            lookups: Lookups::default(),
+            lookups: LookupSeries::default(),
             order: 0,
         }
     }
@@ -290,7 +290,11 @@ impl<E: Clone + std::fmt::Debug> TaylorState<E> {
                     }
                 },
                 Step::Lookup(..) if k > 0 && tape.is_constant(at) => arithmetic.zero(),
-                Step::Lookup(lookup, point) => self.look_up(arithmetic, *lookup, point, k)?,
+                Step::Lookup(lookup, point) => {
+                    let own = (*lookup, &point[..]);
+                    let nodes = &self.coefficients;
+                    self.lookups.coefficient(arithmetic, nodes, own, k)?
+                }
                 Step::Kept(side, c, v) => {
                     arithmetic.kept(*side, &self.coefficients[*c][0], &self.coefficients[*v][k])?
                 }

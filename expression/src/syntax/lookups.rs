@@ -5,11 +5,11 @@ use super::scope::{Entry, Scope};
 use super::suggestion::{alias, is_elsewhere, nearest, written};
 use super::tree::{Kind, Node, Span};
 use super::vocabulary::function_names;
-use crate::table::{Lookup, Table};
+use crate::table::{Lookup, TableFunction};
 
 impl Scope {
     /// Adds a table, which formulas call by its name. Of two declarations of one name the later holds.
-    pub fn with_table(mut self, table: Table) -> Self {
+    pub fn with_table(mut self, table: TableFunction) -> Self {
         self.declare(table.name(), Entry::Table(self.tables.len()));
         self.tables.push(table);
         self
@@ -38,17 +38,16 @@ impl Scope {
     /// The table called at `name`, or the derivative of it that orders behind the point ask for, with the point.
     ///
     /// # Errors
-    /// `UnknownFunction` where it is no name of the scene, `NameAndFunction` where it is one of another thing,
-    /// `Arguments` for another number of arguments, and `Orders` for orders that are no whole numbers.
+    /// `UnknownFunction` where it is no table's name, `Arguments` for another number of arguments, and `Orders` for orders
+    /// that are no whole numbers.
     pub(super) fn lookup<'a>(
         &self,
         text: &str,
         name: Span,
         arguments: &'a [Node],
-    ) -> Result<(Option<Lookup>, Table, &'a [Node]), SyntaxError> {
+    ) -> Result<(Option<Lookup>, TableFunction, &'a [Node]), SyntaxError> {
         let called = name.of(text);
         let Some(Entry::Table(at)) = self.entry_of(called) else {
-            self.check_call(text, called, name)?;
             let tables = self.tables.iter().map(|table| table.name());
             return Err(unknown_function(called, name, tables));
         };

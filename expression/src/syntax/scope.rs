@@ -9,7 +9,7 @@ use super::suggestion::{constant, nearest};
 use super::tree::{Anchor, Node, Reference, Site, Span};
 use super::vocabulary::{LENGTH, PI, SUM, is_reserved};
 use crate::expression::Expression;
-use crate::table::Table;
+use crate::table::TableFunction;
 
 /// Meaning of a reference beyond the ends of a family.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
@@ -81,7 +81,7 @@ pub struct Scope {
     scalars: usize,
     parameters: usize,
     definitions: Vec<Definition>,
-    pub(super) tables: Vec<Table>,
+    pub(super) tables: Vec<TableFunction>,
     /// The lengths of the longest family, one an axis.
     longest: Option<Shape>,
     shown_length: Option<usize>,

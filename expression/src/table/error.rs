@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::{HIGHEST_DEGREE, MOST_AXES};
+use super::axis::{HIGHEST_DEGREE, MOST_AXES};
 
 /// Why numbers at nodes make no spline.
 #[derive(Clone, Debug, PartialEq, Error)]

@@ -44,7 +44,7 @@ impl Cells {
     }
 }
 
-/// What turns values at nodes into coefficients.
+/// Equations between values at nodes and coefficients.
 pub(super) enum Interpolation {
     /// Not-a-knot ends.
     Open {

@@ -73,7 +73,7 @@ fn polynomials_of_the_degree_are_reproduced() {
                     .product()
             };
             let numbers = tabulated(axes, |point| f(point, [0; 3]));
-            let table = Table::new("f", axes.to_vec(), degree, &numbers).expect("a table");
+            let table = TableFunction::new("f", axes.to_vec(), degree, &numbers).expect("a table");
             for point in [
                 [-1.0, 0.5, 1.25],
                 [0.17, 0.93, 0.4],
@@ -126,7 +126,8 @@ fn nodes_are_interpolated() {
                 let mut own = axis("x", -2.0, 3.0, count);
                 own.is_periodic = is_periodic;
                 let numbers: Vec<f64> = (0..count).map(|i| ((7 * i) % 11) as f64 - 4.0).collect();
-                let table = Table::new("f", vec![own.clone()], degree, &numbers).expect("a table");
+                let table =
+                    TableFunction::new("f", vec![own.clone()], degree, &numbers).expect("a table");
                 for (x, number) in nodes(&own).iter().zip(&numbers) {
                     for shift in [0.0, 5.0] {
                         if shift > 0.0 && !is_periodic {
@@ -153,7 +154,7 @@ fn periods_close_smoothly() {
         let mut own = axis("x", 0.0, 1.0, 24);
         own.is_periodic = true;
         let numbers = tabulated(&[own.clone()], |x| libm::sin(std::f64::consts::TAU * x[0]));
-        let table = Table::new("f", vec![own], degree, &numbers).expect("a table");
+        let table = TableFunction::new("f", vec![own], degree, &numbers).expect("a table");
         for order in 0..degree {
             let lookup = Lookup::of_orders(table, &[order]).expect("a derivative");
             let gap = lookup.at(&[1.0 - 1e-12]) - lookup.at(&[1.0 + 1e-12]);
@@ -168,7 +169,7 @@ fn periods_close_smoothly() {
     }
 }
 
-fn smooth(count: usize) -> Table {
+fn smooth(count: usize) -> TableFunction {
     let axes = [
         axis("x", 0.0, 2.0, 9),
         axis("y", -1.0, 1.0, 11),
@@ -186,7 +187,7 @@ fn smooth(count: usize) -> Table {
                 .get(2)
                 .map_or(0.0, |z| 0.3 * libm::cos(angle * z) * point[0])
     };
-    Table::new("smooth", axes.to_vec(), 5, &tabulated(axes, f)).expect("a table")
+    TableFunction::new("smooth", axes.to_vec(), 5, &tabulated(axes, f)).expect("a table")
 }
 
 /// Code has the values and derivatives of the sum over all coefficients, the same bits on each number of lanes.
@@ -303,7 +304,7 @@ fn what_makes_no_spline_is_refused() {
     let good = || vec![axis("x", 0.0, 1.0, 6)];
     let numbers = [0.0, 1.0, 4.0, 2.0, 0.5, 3.0];
     let refused = |axes: Vec<TableAxis>, degree: u8, numbers: &[f64], said: &str| {
-        let error = Table::new("f", axes, degree, numbers).expect_err(said);
+        let error = TableFunction::new("f", axes, degree, numbers).expect_err(said);
         assert!(error.to_string().contains(said), "{error}");
     };
     refused(Vec::new(), 5, &[], "1 to 3 axes");
@@ -337,10 +338,10 @@ fn what_makes_no_spline_is_refused() {
     let mut repeated = numbers;
     repeated[5] = repeated[0];
     refused(closed.clone(), 3, &repeated, "leave the last node out");
-    assert!(Table::new("f", closed, 3, &numbers).is_ok());
-    assert!(Table::new("f", good(), 5, &numbers).is_ok());
+    assert!(TableFunction::new("f", closed, 3, &numbers).is_ok());
+    assert!(TableFunction::new("f", good(), 5, &numbers).is_ok());
     // What the advice says serves.
-    assert!(Table::new("f", good(), 5, &numbers).is_ok());
+    assert!(TableFunction::new("f", good(), 5, &numbers).is_ok());
 }
 
 #[test]

@@ -6,13 +6,13 @@ use leafwise_core::NumberArray;
 
 use crate::input::{LARGEST_TABLE, read_bounded};
 
-/// What such a file begins with.
+/// First bytes of such a file.
 const MAGIC: &[u8] = b"\x93NUMPY";
 
 /// The array of a file: doubles, floats or whole numbers of 32 or 64 bits, of either order of bytes and axes.
 ///
 /// # Errors
-/// What it is not.
+/// The reason where it is none.
 pub fn read_npy(path: &Path) -> Result<NumberArray, String> {
     let bytes = read_bounded(path, LARGEST_TABLE);
     let bytes = bytes.map_err(|error| format!("cannot read {}: {error}", path.display()))?;

@@ -10,10 +10,11 @@ from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _leafwise
-from ._arrays import count, in_order, listed, number, reals
+from ._arrays import Array, count, in_order, listed, number, real_numbers, reals
 from ._arrays import table as of_names
 from ._commands import command
 from ._comparison import Comparison
@@ -43,6 +44,9 @@ class Scene:
     ``Scene({"system": ..., "method": ..., "run": ...})`` or ``Scene(system=..., method=..., run=...)``; arrays are
     lists, and a system may be a :class:`System` of functions. ``Scene.load`` reads a file, ``Scene.parse`` a text.
 
+    A table of ``system["tables"]`` takes its numbers as ``values``, an array with an axis for each of its ``axes``, in the place of a file:
+    ``"tables": {"psi": {"values": psi, "axes": {"R": [0.8, 1.2], "Z": [-0.2, 0.2]}}}``.
+
     What tables, keys and values are is looked at here. Formulas, names and parts are looked at when the scene is composed: by its first
     property, such as ``variables``, its first run, and everything else that needs the system.
 
@@ -59,7 +63,8 @@ class Scene:
         functions = system if isinstance(system, System) else None
         if functions:
             whole["system"] = {"library": "python/functions"}
-        self._hold(_leafwise.Scene(text_of(whole), "scene.toml", [], functions))
+        whole, arrays = _without_arrays(whole)
+        self._hold(_leafwise.Scene(text_of(whole), "scene.toml", [], functions, arrays))
 
     def _hold(self, scene: _leafwise.Scene) -> None:
         self._scene = scene
@@ -67,26 +72,47 @@ class Scene:
         self._described: tuple[list[str], list[str], list[tuple[str, float]], list[str]] | None = None
 
     @classmethod
-    def parse(cls, text: str, name: str = "scene.toml", set: Mapping[str, Any] | None = None) -> Scene:
-        """The scene of a text; ``set`` overrides values, as in ``{"method.epsilon": 0.05}``."""
+    def parse(
+        cls,
+        text: str,
+        name: str = "scene.toml",
+        set: Mapping[str, Any] | None = None,
+        tables: Mapping[str, ArrayLike] | None = None,
+    ) -> Scene:
+        """The scene of a text; ``set`` overrides values, as in ``{"method.epsilon": 0.05}``.
+
+        ``tables`` are the numbers of its ``[system.tables]`` in the place of files, an array with an axis for each of the table's.
+        """
         if not isinstance(text, str):
             raise TypeError(f"a scene's text is a string, not {type(text).__name__}: Scene(...) takes tables, Scene.load a file")
-        return cls._of(text, name, _overrides(of_names("set", set)))
+        return cls._of(text, name, _overrides(of_names("set", set)), None, _arrays(tables))
 
     @classmethod
-    def load(cls, file: str | PathLike[str], set: Mapping[str, Any] | None = None) -> Scene:
-        """The scene of a file."""
+    def load(
+        cls,
+        file: str | PathLike[str],
+        set: Mapping[str, Any] | None = None,
+        tables: Mapping[str, ArrayLike] | None = None,
+    ) -> Scene:
+        """The scene of a file; ``set`` and ``tables`` as in :meth:`parse`."""
         path = Path(file)
         try:
             text = path.read_text(encoding="utf-8")
         except UnicodeDecodeError:
             raise LeafwiseError(f"{path} is not UTF-8 text") from None
-        return cls._of(text, fspath(path), _overrides(of_names("set", set)))
+        return cls._of(text, fspath(path), _overrides(of_names("set", set)), None, _arrays(tables))
 
     @classmethod
-    def _of(cls, text: str, name: str, overrides: list[tuple[str, str]], system: System | None = None) -> Scene:
+    def _of(
+        cls,
+        text: str,
+        name: str,
+        overrides: list[tuple[str, str]],
+        system: System | None,
+        arrays: list[tuple[str, Array]],
+    ) -> Scene:
         scene = cls.__new__(cls)
-        scene._hold(_leafwise.Scene(text, name, overrides, system))
+        scene._hold(_leafwise.Scene(text, name, overrides, system, arrays))
         return scene
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -121,9 +147,11 @@ class Scene:
     def __hash__(self) -> int:
         return hash(self._identity())
 
-    def _identity(self) -> tuple[str, Path, int]:
-        """What it says, where the files are that it may name, and which functions it has."""
-        return self.text, Path(self.name).parent, id(self._scene.origin[3])
+    def _identity(self) -> tuple[str, Path, int, tuple[tuple[str, tuple[int, ...], bytes], ...]]:
+        """What it says, where the files are that it may name, which functions it has, and which arrays."""
+        origin = self._scene.origin
+        arrays = tuple((name, array.shape, array.tobytes()) for name, array in origin[4])
+        return self.text, Path(self.name).parent, id(origin[3]), arrays
 
     def _description(self) -> tuple[list[str], list[str], list[tuple[str, float]], list[str]]:
         if self._described is None:
@@ -531,6 +559,28 @@ def _values(parameters: Mapping[str, float] | None) -> list[tuple[str, float]]:
 def _section(name: str, value: Any) -> Any:
     """A table of a scene, where its text stands for it."""
     return table_of_text(name, value) if isinstance(value, str) and "=" in value and "__" not in name else value
+
+
+def _arrays(tables: Mapping[str, ArrayLike] | None) -> list[tuple[str, Array]]:
+    """The numbers of tables by their names."""
+    given = of_names("tables", tables)
+    return [(name, np.ascontiguousarray(real_numbers(f"tables[{name!r}]", values))) for name, values in given.items()]
+
+
+def _without_arrays(whole: dict[str, Any]) -> tuple[dict[str, Any], list[tuple[str, Array]]]:
+    """The scene with the numbers of its tables beside it."""
+    system = whole.get("system")
+    tables = system.get("tables") if isinstance(system, Mapping) else None
+    if not isinstance(system, Mapping) or not isinstance(tables, Mapping):
+        return whole, []
+    rest: dict[str, Any] = {}
+    values: dict[str, Any] = {}
+    for name, table in tables.items():
+        if isinstance(table, Mapping) and "values" in table:
+            values[name] = table["values"]
+            table = {key: value for key, value in table.items() if key != "values"}
+        rest[name] = table
+    return {**whole, "system": {**system, "tables": rest}}, _arrays(values)
 
 
 def _overrides(values: Mapping[str, Any]) -> list[tuple[str, str]]:

@@ -16,7 +16,7 @@ from . import _leafwise
 Array = NDArray[np.float64]
 
 #: Text, name, overrides and functions of a scene.
-Origin = tuple[str, str, list[tuple[str, str]], Any]
+Origin = tuple[str, str, list[tuple[str, str]], Any, list[tuple[str, Any]]]
 
 #: A shard's files by their names.
 Files = dict[str, bytes]

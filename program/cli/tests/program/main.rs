@@ -25,5 +25,6 @@ mod sites;
 mod states;
 mod support;
 mod sweeps;
+mod tables;
 mod time;
 mod warnings;

@@ -8,8 +8,10 @@ use leafwise_expression::table::HIGHEST_DEGREE;
 use super::{Advice, AdviceKind};
 use leafwise_scene::compose::ComposedRun;
 
+/// Warns of tables that cost the method its order.
+///
 /// A table of degree k that is differentiated o times has a (k − o)-th derivative that jumps at its knots. Across one, a step
-/// is of order k − o where it stands in H, of which the motion takes a derivative, and of order k − o + 1 elsewhere.
+/// is of order k − o where it stands in H, of which the motion takes a derivative. Elsewhere it is of order k − o + 1.
 pub(super) fn advice(run: &ComposedRun) -> Option<Advice> {
     let system = run.system.expressions()?;
     let order = run.method.declared_order();
@@ -27,21 +29,24 @@ pub(super) fn advice(run: &ComposedRun) -> Option<Advice> {
     take(system.hamiltonian(), 1);
     system.tensor().values().for_each(|entry| take(entry, 0));
     system.forces().formulas().for_each(|force| take(force, 0));
-    let left = |(degree, lost): &(usize, usize)| degree.saturating_sub(*lost);
-    let (name, own) = lost.iter().min_by_key(|(_, own)| left(own))?;
-    let left = left(own);
-    (left < order).then(|| Advice {
+    lost.retain(|_, (degree, lost)| *degree < order + *lost);
+    let names: Vec<String> = lost.keys().map(|name| format!("`{name}`")).collect();
+    let left = lost.values().map(|(degree, lost)| degree - lost).min()?;
+    let most_lost = lost.values().map(|(_, lost)| *lost).max()?;
+    Some(Advice {
         kind: AdviceKind::TableDegree,
         message: format!(
-            "the table `{name}` has polynomials of degree {}, whose derivatives jump at its nodes: of the method's order {order} \
-             they leave {left}",
-            own.0
-        ),
-        change: match order + own.1 {
-            degree if degree <= usize::from(HIGHEST_DEGREE) => {
-                format!("degree = {degree} in [system.tables.{name}], or a smaller time-step")
+            "{} of polynomials whose derivatives jump between cells: of the method's order {order} they leave {left}",
+            match &names[..] {
+                [name] => format!("the table {name} is"),
+                names => format!("the tables {} are", names.join(", ")),
             }
-            _ => format!("a method of order {}, or a smaller time-step", left - left % 2),
+        ),
+        change: match order + most_lost {
+            degree if degree <= usize::from(HIGHEST_DEGREE) => {
+                format!("degree = {degree} in [system.tables], or a smaller time-step")
+            }
+            _ => "a method of a lower order, or a smaller time-step".to_owned(),
         },
     })
 }

@@ -197,7 +197,7 @@ pub(super) fn refusal(
             Some("e^x is written exp(x), and e itself exp(1)".to_owned())
         }
         (Some(name), SyntaxErrorKind::UnknownFunction { .. }) => {
-            Some(format!("did you mean `{name}`? {}", vocabulary()))
+            Some(format!("did you mean `{name}`? {}", vocabulary(document)))
         }
         (Some(name), _) => Some(format!("did you mean `{name}`?")),
         (None, SyntaxErrorKind::UnknownName { name }) => Some(unknown_name_help(document, name)),
@@ -208,7 +208,7 @@ pub(super) fn refusal(
             "what differs from site to site is a parameter of sites: w[{name}] in the formula, and \"w[{name}]\" = \"…\" in \
              [system.parameters], a formula of {name}"
         )),
-        (None, SyntaxErrorKind::UnknownFunction { .. }) => Some(vocabulary()),
+        (None, SyntaxErrorKind::UnknownFunction { .. }) => Some(vocabulary(document)),
         (None, _) => None,
     };
     Box::new(document.diagnostic(&place, error.kind.to_string(), label, help))
@@ -336,9 +336,15 @@ fn about_a_long_lattice(
 }
 
 /// All that a parenthesis may follow.
-fn vocabulary() -> String {
+fn vocabulary(document: &SceneDocument) -> String {
     let names: Vec<&str> = function_names().collect();
-    format!("functions: {}", names.join(", "))
+    let tables = document.system.tables.iter();
+    let tables: Vec<&str> = tables.map(|(name, _)| name.value.as_str()).collect();
+    let tables = match tables.is_empty() {
+        true => "numbers at nodes are a function by [system.tables]".to_owned(),
+        false => format!("tables: {}", tables.join(", ")),
+    };
+    format!("functions: {}; {tables}", names.join(", "))
 }
 
 fn unknown_name_help(document: &SceneDocument, name: &str) -> String {

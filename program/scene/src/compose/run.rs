@@ -9,7 +9,7 @@ use leafwise_core::{
     BuildError, Method, Origin, PartKind, PoissonSystem, Registry, StepMap, Structure, Walk,
     WithoutPoles,
 };
-use leafwise_expression::{Expression, Table};
+use leafwise_expression::{Expression, TableFunction};
 use leafwise_walk::{Direction, SampleTimes, Section};
 
 use super::Refusal;
@@ -59,7 +59,7 @@ pub struct RunPlan {
     /// Files that values of sites and tables are read from.
     pub files: Vec<String>,
     /// The tables that formulas call.
-    pub tables: Vec<Table>,
+    pub tables: Vec<TableFunction>,
     /// The coordinates that are recorded.
     pub states: RecordedStates,
     /// Realization and dynamics as chosen.

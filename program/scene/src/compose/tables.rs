@@ -1,6 +1,6 @@
 //! The tables of a scene as functions.
 
-use leafwise_expression::Table;
+use leafwise_expression::TableFunction;
 
 use super::Refusal;
 use crate::document::SceneDocument;
@@ -9,11 +9,12 @@ use crate::document::SceneDocument;
 ///
 /// # Errors
 /// A file that cannot be read, and numbers that make no table, underlined in the scene.
-pub(super) fn tables(document: &SceneDocument) -> Result<Vec<Table>, Refusal> {
+pub(super) fn tables(document: &SceneDocument) -> Result<Vec<TableFunction>, Refusal> {
     let tables = document.system.tables.iter().map(|(name, table)| {
-        let spline = table.spline(&name.value, document.directory());
-        spline.map_err(|(place, reason)| {
-            let has_numbers = table.numbers.is_some() || table.file.is_some();
+        let function = table.function(&name.value, document.directory());
+        function.map_err(|(place, reason)| {
+            let has_numbers =
+                table.numbers.is_some() || table.values.is_some() || table.file.is_some();
             let help = match has_numbers {
                 true => {
                     "one number for each node, at equal distances along each axis: an array of NumPy's of the axes' nodes; \
@@ -21,7 +22,7 @@ pub(super) fn tables(document: &SceneDocument) -> Result<Vec<Table>, Refusal> {
                         .to_owned()
                 }
                 false => format!(
-                    "name its file, file = \"{0}.npy\", or give its array in Python: lw.Scene(text, tables={{\"{0}\": array}})",
+                    "give its numbers, values = [...], or its file, file = \"{0}.npy\", or the array in Python: lw.Scene.parse(text, tables={{\"{0}\": array}})",
                     name.value
                 ),
             };

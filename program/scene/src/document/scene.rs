@@ -129,14 +129,12 @@ impl SceneDocument {
             FieldSpec::File { file, .. } => Some(file.value.clone()),
             _ => None,
         });
-        let tables = self
-            .system
-            .tables
-            .iter()
-            .map(|(name, table)| match &table.file {
-                Some(file) if table.numbers.is_none() => file.value.clone(),
-                _ => format!("the array `{}`", name.value),
-            });
+        let tables = self.system.tables.iter().filter_map(|(name, table)| {
+            match (&table.numbers, &table.file) {
+                (Some(_), _) => Some(format!("the array `{}`", name.value)),
+                (None, file) => file.as_ref().map(|file| file.value.clone()),
+            }
+        });
         files.chain(tables).collect()
     }
 

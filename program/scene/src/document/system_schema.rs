@@ -43,7 +43,7 @@ static LIBRARY_BESIDE: [Beside; 1] = [Beside::Keys {
         "convention",
         "hamiltonian",
     ],
-    advice: "beside `library` only `parameters`, `families`, `casimirs`, `forces`, `damping` and `noise` may \
+    advice: "beside `library` only `parameters`, `tables`, `families`, `casimirs`, `forces`, `damping` and `noise` may \
               stand; remove it, or write the system out without `library`",
 }];
 
@@ -205,14 +205,27 @@ pub(super) static SYSTEM: [Key; 17] = [
     .not_beside(&NOISE_BESIDE),
 ];
 
-pub(super) static LOOKUP: [Key; 5] = [
+pub(super) static LOOKUP: [Key; 6] = [
     key(
         "file",
         Shape::Text,
         "A file beside the scene: an array of NumPy's (.npy) of the axes' nodes; for one axis also a column, for two a grid \
          of numbers in CSV or JSON, a row for each node of the first",
     )
-    .otherwise("an array given in Python"),
+    .otherwise("an array given in Python")
+    .not_beside(&[Beside::InPlaceOf {
+        keys: &["values"],
+        advice: "each gives all numbers; keep one of them",
+    }]),
+    key(
+        "values",
+        Shape::List(&Shape::Either(&[
+            Shape::Number,
+            Shape::List(&Shape::Either(&[Shape::Number, NUMBERS])),
+        ])),
+        "The numbers themselves: a list for one axis, a list of rows for two, a list of such lists for three",
+    )
+    .otherwise("those of the file"),
     key(
         "column",
         Shape::Text,

@@ -6,7 +6,7 @@ use std::sync::{Arc, OnceLock};
 use leafwise_core::NumberArray;
 use leafwise_core::Registry;
 use leafwise_expression::table::{
-    HIGHEST_DEGREE, MOST_AXES, Table as Spline, TableAxis, USUAL_DEGREE,
+    HIGHEST_DEGREE, MOST_AXES, TableAxis, TableFunction, USUAL_DEGREE,
 };
 
 use super::error::SceneProblemCause;
@@ -24,7 +24,9 @@ pub struct TableSpec {
     pub file: Option<Located<String>>,
     /// Its column, where it has one axis and a file of several.
     pub column: Option<Located<String>>,
-    /// The numbers, where they are given in the place of a file.
+    /// The numbers, where they stand in the scene.
+    pub values: Option<Arc<NumberArray>>,
+    /// The numbers, where they are given in the place of those of the scene or of a file.
     pub numbers: Option<Arc<NumberArray>>,
     /// Names of the axes with their ends.
     pub axes: Vec<(Located<String>, [Located<Number>; 2])>,
@@ -34,15 +36,15 @@ pub struct TableSpec {
     pub degree: u8,
     /// The place of all of it.
     pub place: Place,
-    spline: Made,
+    function: MadeFunction,
 }
 
 /// The spline, made once for all copies of a document.
 #[derive(Clone, Debug, Default)]
-struct Made(Arc<OnceLock<Result<Spline, (Place, String)>>>);
+struct MadeFunction(Arc<OnceLock<Result<TableFunction, (Place, String)>>>);
 
 /// The numbers decide: of equal tables the splines are.
-impl PartialEq for Made {
+impl PartialEq for MadeFunction {
     fn eq(&self, _: &Self) -> bool {
         true
     }
@@ -53,14 +55,14 @@ impl TableSpec {
     ///
     /// # Errors
     /// What is wrong with its file or its numbers, and the place to underline.
-    pub fn spline(&self, name: &str, directory: &Path) -> Result<Spline, (Place, String)> {
-        let made = self.spline.0.get_or_init(|| self.make(name, directory));
+    pub fn function(&self, name: &str, directory: &Path) -> Result<TableFunction, (Place, String)> {
+        let made = self.function.0.get_or_init(|| self.make(name, directory));
         made.clone()
     }
 
-    fn make(&self, name: &str, directory: &Path) -> Result<Spline, (Place, String)> {
-        let place = match (&self.numbers, &self.file) {
-            (None, Some(file)) => file.place(),
+    fn make(&self, name: &str, directory: &Path) -> Result<TableFunction, (Place, String)> {
+        let place = match &self.file {
+            Some(file) if self.numbers.is_none() => file.place(),
             _ => self.place.clone(),
         };
         let array = self
@@ -68,9 +70,12 @@ impl TableSpec {
             .map_err(|reason| (place.clone(), reason))?;
         if array.shape.len() != self.axes.len() {
             let reason = format!(
-                "the numbers of `{name}` have the shape {:?}, and the table has {} axes: one number of nodes for each is needed",
+                "the numbers of `{name}` have the shape {:?}, and the table has {}: one length for each axis is needed",
                 array.shape,
-                self.axes.len()
+                match self.axes.len() {
+                    1 => "1 axis".to_owned(),
+                    axes => format!("{axes} axes"),
+                }
             );
             return Err((place, reason));
         }
@@ -82,12 +87,12 @@ impl TableSpec {
             nodes: *nodes,
             is_periodic: self.periodic.iter().any(|own| own.value == axis.value),
         });
-        Spline::new(name, axes.collect(), self.degree, &array.numbers)
+        TableFunction::new(name, axes.collect(), self.degree, &array.numbers)
             .map_err(|error| (place, format!("the table `{name}`: {error}")))
     }
 
     fn array(&self, name: &str, directory: &Path) -> Result<Arc<NumberArray>, String> {
-        if let Some(numbers) = &self.numbers {
+        if let Some(numbers) = self.numbers.as_ref().or(self.values.as_ref()) {
             return Ok(Arc::clone(numbers));
         }
         let Some(file) = &self.file else {
@@ -145,6 +150,10 @@ fn read_table(item: &Item<'_>, problems: &mut Problems) -> Option<TableSpec> {
         None => Some(None),
     };
     let (file, column) = (text("file", problems), text("column", problems));
+    let values = match table.get("values") {
+        Some(item) => values(item, problems).map(|numbers| Some(Arc::new(numbers))),
+        None => Some(None),
+    };
     let axes = table
         .require(
             "axes",
@@ -201,12 +210,48 @@ fn read_table(item: &Item<'_>, problems: &mut Problems) -> Option<TableSpec> {
     Some(TableSpec {
         file,
         column,
+        values: values?,
         numbers: None,
         axes,
         periodic,
         degree: degree? as u8,
         place: item.place(),
-        spline: Made::default(),
+        function: MadeFunction::default(),
+    })
+}
+
+/// A list of numbers, of lists of numbers, or of lists of such lists.
+fn values(item: &Item<'_>, problems: &mut Problems) -> Option<NumberArray> {
+    let expected = "numbers: a list for one axis, a list of rows for two";
+    let entries = item.list(expected, problems)?;
+    if !entries.iter().any(Item::is_list) {
+        let numbers: Vec<_> = entries.iter().map(|entry| entry.number(problems)).collect();
+        let numbers: Option<Vec<Located<Number>>> = numbers.into_iter().collect();
+        let numbers: Vec<f64> = numbers?.iter().map(|number| number.value.value).collect();
+        return Some(NumberArray {
+            shape: vec![numbers.len()],
+            numbers,
+        });
+    }
+    let rows: Vec<_> = entries
+        .iter()
+        .map(|entry| values(entry, problems))
+        .collect();
+    let rows: Option<Vec<NumberArray>> = rows.into_iter().collect();
+    let rows = rows?;
+    let own = &rows[0].shape;
+    if let Some(other) = rows.iter().position(|row| row.shape != *own) {
+        let cause = SceneProblemCause::Shape {
+            what: entries[other].title.clone(),
+            found: format!("the shape {:?}", rows[other].shape),
+            expected: format!("{own:?}, that of the rows before it"),
+        };
+        problems.push(cause, entries[other].place());
+        return None;
+    }
+    Some(NumberArray {
+        shape: std::iter::once(rows.len()).chain(own.clone()).collect(),
+        numbers: rows.iter().flat_map(|row| row.numbers.clone()).collect(),
     })
 }
 

@@ -27,7 +27,7 @@ pub(super) const CASES: [Case; 2] = [
 ];
 
 /// Scenes that between them hold every key of [`scene_keys`].
-pub const SCENES_WITH_EVERY_KEY: [&str; 21] = [
+pub const SCENES_WITH_EVERY_KEY: [&str; 22] = [
     r#"
     [system]
     parameters = { a = 1.5 }
@@ -251,10 +251,27 @@ pub const SCENES_WITH_EVERY_KEY: [&str; 21] = [
     "#,
     r#"
     [system]
+    variables   = ["q", "p"]
+    bracket     = { "q,p" = -1 }
+    hamiltonian = "p^2/2 + V(q) + W(q, p)"
+    [system.tables]
+    V = { values = [1.5, 0.0, 0.5, 2.0], axes = { q = [-1.5, 2] }, periodic = ["q"], degree = 3 }
+    W = { values = [[1, 0.5], [0.0, 2.0]], axes = { q = [-1.5, 2], p = [-2, 2] }, degree = 1 }
+    [method]
+    realization = "auto"
+    dynamics    = "auto"
+    time-step   = 0.05
+    [run]
+    initial = [0.5, 0.25]
+    steps   = 10
+    "#,
+    r#"
+    [system]
     families    = { q = 2, p = 2 }
     parameters  = { "J[i]" = { file = "j.csv", column = "J" } }
+    tables      = { V = { file = "v.csv", column = "V", axes = { q = [-1, 1] } } }
     bracket     = { "q[i],p[i]" = -1 }
-    hamiltonian = "sum(i, p[i]^2/2 + J[i]*q[i]^2/2)"
+    hamiltonian = "sum(i, p[i]^2/2 + J[i]*V(q[i]))"
     [method]
     realization = "auto"
     dynamics    = "auto"

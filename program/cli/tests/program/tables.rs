@@ -1,0 +1,225 @@
+//! Tables of numbers as functions: their files, and what is said of wrong ones.
+
+use std::fs;
+
+use crate::support::Place;
+
+/// A pendulum whose potential is a table of 16 nodes a period.
+const PENDULUM: &str = r#"[system]
+variables   = ["q", "p"]
+bracket     = { "q,p" = 1 }
+convention  = "{x,H}"
+hamiltonian = "p^2/2 + V(q)"
+tables      = { V = { file = "v.csv", column = "V", axes = { q = ["-pi", "pi"] }, periodic = ["q"] } }
+[method]
+realization = "auto"
+dynamics    = { name = "hamilton-jacobi", order = 4 }
+time-step   = 0.1
+[run]
+initial = [1, 0.5]
+steps   = 20
+record  = { observables = ["energy", "D(V(q), q)", "V(q, 1)"] }
+"#;
+
+fn potential() -> Vec<f64> {
+    let angle = |i: i32| f64::from(i) * std::f64::consts::PI / 8.0;
+    (-8..8).map(|i| -libm::cos(angle(i))).collect()
+}
+
+fn csv(values: &[f64]) -> String {
+    let rows = values.iter().enumerate();
+    let rows = rows.map(|(at, value)| format!("{at},{value:?}\n"));
+    format!("i,V\n{}", rows.collect::<String>())
+}
+
+/// As `numpy.save` writes doubles.
+fn npy(shape: &str, values: &[f64]) -> Vec<u8> {
+    let header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}\n");
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend((header.len() as u16).to_le_bytes());
+    bytes.extend(header.as_bytes());
+    bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
+    bytes
+}
+
+/// From a column, an array and the scene itself a table has the same bits; `D` is the derivative by orders.
+#[test]
+fn numbers_from_each_place_are_one_table() {
+    let values = potential();
+    let sources = [
+        "file = \"v.csv\", column = \"V\"".to_owned(),
+        "file = \"v.npy\"".to_owned(),
+        format!("values = {values:?}"),
+    ];
+    let samples = sources.map(|source| {
+        let here = Place::with(&PENDULUM.replace("file = \"v.csv\", column = \"V\"", &source));
+        here.write("v.csv", &csv(&values));
+        fs::write(here.path("v.npy"), npy("(16,)", &values)).expect("a file");
+        let said = here.leafwise(&["run", "scene.toml"]);
+        assert_eq!(said.code, Some(0), "{source}: {}", said.err);
+        here.read("runs/scene/samples.csv")
+    });
+    assert_eq!(samples[0], samples[1]);
+    assert_eq!(samples[0], samples[2]);
+    let last = samples[0].lines().last().expect("rows");
+    let cells: Vec<&str> = last.split(',').collect();
+    assert_eq!(cells[4], cells[5], "{last}");
+    let number = |at: usize| cells[at].parse::<f64>().expect("a number");
+    // sin q, as near as 16 nodes of degree 5 are.
+    assert!((number(4) - libm::sin(number(1))).abs() < 1e-4, "{last}");
+}
+
+#[test]
+fn a_run_is_not_continued_with_other_numbers() {
+    let here = Place::with(PENDULUM);
+    here.write("v.csv", &csv(&potential()));
+    let run = |steps: &str| here.leafwise(&["run", "scene.toml", "--set", steps]);
+    assert_eq!(run("run.steps=20").code, Some(0));
+    assert_eq!(run("run.steps=30").code, Some(0));
+    let mut other = potential();
+    other[3] += 1e-6;
+    here.write("v.csv", &csv(&other));
+    let said = run("run.steps=40");
+    assert_eq!(said.code, Some(2), "{}", said.err);
+    said.says(&["other numbers in v.csv", "--force"]);
+}
+
+/// Each with its place in the scene.
+#[test]
+fn wrong_tables_are_refused_where_they_stand() {
+    let table = "{ file = \"v.csv\", column = \"V\", axes = { q = [\"-pi\", \"pi\"] }, periodic = [\"q\"] }";
+    let here = |scene: &str| {
+        let here = Place::with(scene);
+        here.write("v.csv", &csv(&potential()));
+        fs::write(here.path("plane.npy"), npy("(4, 4)", &potential())).expect("a file");
+        let mut broken = potential();
+        broken[5] = f64::NAN;
+        fs::write(here.path("nan.npy"), npy("(16,)", &broken)).expect("a file");
+        here
+    };
+    let axis = "axes = { q = [-3, 3] }";
+    for (tables, said) in [
+        (
+            "{ V = { axes = { q = [-3, 3] } } }".to_owned(),
+            "the table `V` has no numbers",
+        ),
+        (
+            format!("{{ V = {{ file = \"no.csv\", {axis} }} }}"),
+            "cannot read",
+        ),
+        (
+            format!("{{ V = {{ file = \"v.csv\", {axis} }} }}"),
+            "choose one by column",
+        ),
+        (
+            format!("{{ V = {{ file = \"plane.npy\", {axis} }} }}"),
+            "have the shape [4, 4], and the table has 1 axis",
+        ),
+        (
+            format!("{{ V = {{ file = \"nan.npy\", {axis} }} }}"),
+            "node [5], counted from 0, is NaN",
+        ),
+        (
+            "{ V = { file = \"v.csv\", axes = { q = [3, -3] } } }".to_owned(),
+            "the first below the last",
+        ),
+        (
+            "{ V = { file = \"v.csv\", axes = { q = [3] } } }".to_owned(),
+            "the first and the last node",
+        ),
+        ("{ V = { file = \"v.csv\" } }".to_owned(), "needs `axes`"),
+        (
+            format!("{{ V = {{ file = \"v.csv\", {axis}, degree = 12 }} }}"),
+            "at most 9",
+        ),
+        (
+            format!("{{ V = {{ file = \"v.csv\", {axis}, periodic = [\"r\"] }} }}"),
+            "unknown axis of this table `r`",
+        ),
+        (
+            format!("{{ V = {{ file = \"v.csv\", {axis}, spline = 3 }} }}"),
+            "unknown key `spline`",
+        ),
+        (
+            format!("{{ V = {{ values = [1, 2, 3], {axis} }} }}"),
+            "takes 6 at least: take more, or degree = 1",
+        ),
+        (
+            format!("{{ V = {{ values = [[1, 2], [3]], {axis} }} }}"),
+            "the rows before it",
+        ),
+        (
+            format!("{{ V = {{ values = [1, 2], file = \"v.csv\", {axis} }} }}"),
+            "keep one of them",
+        ),
+        (
+            format!("{{ V = {table}, q = {table} }}"),
+            "`q` is declared twice",
+        ),
+        (
+            format!("{{ V = {table}, gamma = {table} }}"),
+            "`gamma` is reserved",
+        ),
+    ] {
+        let scene = PENDULUM.replace(&format!("{{ V = {table} }}"), &tables);
+        assert_ne!(scene, PENDULUM);
+        let told = here(&scene).leafwise(&["check", "scene.toml"]);
+        assert_eq!(told.code, Some(3), "{tables}: {}", told.err);
+        told.says(&[said, "scene.toml:"]);
+    }
+    for (call, said) in [
+        (
+            "V(q, p, 1)",
+            "`V` is a table of 1 variable, and 3 arguments stand here: write `V(q)`",
+        ),
+        ("V(q, 0.5)", "the orders of a derivative, whole numbers"),
+        ("V*q", "`V` is a table: write its arguments behind it"),
+        ("W(q)", "unknown function `W`"),
+    ] {
+        let told = here(&PENDULUM.replace("p^2/2 + V(q)", call)).leafwise(&["check", "scene.toml"]);
+        assert_eq!(told.code, Some(3), "{call}: {}", told.err);
+        told.says(&[said, "scene.toml:5"]);
+    }
+}
+
+/// Outside, a run fails by name; a member that comes to the wall inside is lost, not failed.
+#[test]
+fn members_are_lost_at_a_wall_inside_the_table() {
+    let scene = PENDULUM
+        .replace(", periodic = [\"q\"]", "")
+        .replace("\"-pi\", \"pi\"", "-3, 1.5")
+        .replace("steps   = 20", "steps   = 200");
+    let ensemble = "[ensemble]\nmembers = 20\ninitial = { ball = 0.3 }\nfinal-states = \"csv\"\n";
+    let outcomes = |text: &str| {
+        let here = Place::with(&format!("{text}{ensemble}"));
+        here.write("v.csv", &csv(&potential()));
+        let said = here.leafwise(&["ensemble", "scene.toml"]);
+        let states = here.read("runs/scene-ensemble/final_states.csv");
+        let count = |word: &str| states.lines().filter(|line| line.contains(word)).count();
+        (said, [count("failed"), count("stopped")])
+    };
+    let (said, [failed, stopped]) = outcomes(&scene);
+    assert!(failed > 0 && stopped == 0, "{}", said.err);
+    let walled = scene.replace("steps   = 200", "steps   = 200\nstop = \"q > 1.49\"");
+    let (said, [still, lost]) = outcomes(&walled);
+    // Some turn round between the wall and the end of the table.
+    assert!(still == 0 && lost >= failed, "{}", said.err);
+}
+
+/// A cubic table under a method of order 6 is warned of; the change that is named cures it.
+#[test]
+fn a_degree_that_costs_the_order_is_warned_of() {
+    let with = |degree: &str| {
+        let scene = PENDULUM.replace("periodic =", &format!("{degree}periodic ="));
+        let here = Place::with(&scene.replace("order = 4", "order = 6"));
+        here.write("v.csv", &csv(&potential()));
+        here.leafwise(&["run", "scene.toml"]).err
+    };
+    let told = with("degree = 3, ");
+    assert!(
+        told.contains("of the method's order 6 they leave 3"),
+        "{told}"
+    );
+    assert!(told.contains("degree = 6 in [system.tables]"), "{told}");
+    assert!(!with("degree = 6, ").contains("they leave"));
+}
