@@ -224,9 +224,8 @@ impl Expression {
         !self.seams().is_empty()
     }
 
-    /// What decides of the piece in which a state is, with a number of that piece: c of a choice and the argument of a
-    /// magnitude with their sign, the argument of a largest integer below with that integer, a remainder with its
-    /// quotient's.
+    /// The formulas that decide of the piece in which a state is, each with a number of that piece. The number is the sign
+    /// of c for a choice by c > 0, and of u for |u|. It is the integer itself for ⌊u⌋, and ⌊a/b⌋ for a remainder.
     pub fn seams(&self) -> Vec<[Expression; 2]> {
         let apply = |function, u: &Expression| Expression::Apply(function, Box::new(u.clone()));
         let mut seams: Vec<[Expression; 2]> = Vec::new();

@@ -11,8 +11,6 @@ mod import;
 mod lift;
 mod node;
 mod normal_form;
-#[cfg(test)]
-mod seams;
 mod summands;
 
 pub use lift::lift;

@@ -6,6 +6,7 @@ mod families;
 mod grammar;
 mod properties;
 mod refusals;
+mod seams;
 
 use super::{Formula, Scope, SyntaxError};
 use crate::expression::Expression;
