@@ -58,7 +58,7 @@ fn allowed(name: &str, order: u64, x: f64) -> (f64, f64) {
         // Of the size of the amplitude.
         "j0" | "j1" => (2.0, if order == 0.0 { 0.3 } else { 1.0 }),
         // A recurrence, each of whose steps subtracts.
-        _ if x < -64.0 => (24.0 * (1.0 + order), 0.0),
+        _ if x < -16.0 => (16.0 * libm::exp2(0.5 * order), 0.0),
         _ => (24.0, 0.0),
     }
 }
@@ -294,11 +294,15 @@ fn adaptive_steppers_begin_at_a_seam() {
                  [run]\ninitial = [1, 0]\nsteps = 20\n"
             );
             let end = end(&composed(&text));
-            // A substep across a jump is 2⁻⁴⁴ of a step, those before it err by their tolerance of 1e-12 at most.
+            // A substep across a jump is 2⁻⁴⁴ of a step. One with a first stage of the other side errs by 74 times what
+            // dormand-prince45 sees, b₁ over b₁ − b̂₁, of 1e-12 in the mean of four coordinates; p moves q for 1.5.
             let off = (end[0] - expected[0])
                 .abs()
                 .max((end[1] - expected[1]).abs());
-            assert!(off <= 20.0 * 1e-12, "{method}, {potential}: {end:?}");
+            assert!(
+                off <= 2.5 * 2.0 * 74.0 * 1e-12,
+                "{method}, {potential}: {end:?}"
+            );
         }
     }
 }
