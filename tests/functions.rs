@@ -47,7 +47,7 @@ fn number(value: &Value) -> f64 {
 
 /// Most units of 2⁻⁵² by which a derivative may be off, of the value, or of this size where the value is less. The errors
 /// of elliptic integrals next to m = 1 are those of the integrals of the second kind there.
-fn allowed(name: &str, order: u64) -> (f64, f64) {
+fn allowed(name: &str, order: u64, x: f64) -> (f64, f64) {
     let order = order as f64;
     match name {
         "erf" | "log10" | "log2" => (1.0, 0.0),
@@ -57,6 +57,8 @@ fn allowed(name: &str, order: u64) -> (f64, f64) {
         "lgamma" => (16.0, 1.0),
         // Of the size of the amplitude.
         "j0" | "j1" => (2.0, if order == 0.0 { 0.3 } else { 1.0 }),
+        // A recurrence, each of whose steps subtracts.
+        _ if x < -16.0 => (16.0 * libm::exp2(0.5 * order), 0.0),
         _ => (24.0, 0.0),
     }
 }
@@ -82,7 +84,7 @@ fn special_functions_have_the_values_of_mpmath() {
             let (x, exact) = (number(&row[0]), number(&row[1]));
             let [found, ..] = by_code(&of, [x, 0.0]);
             assert_eq!(found.to_bits(), of.evaluate(&[x, 0.0], &[]).to_bits());
-            let (most, least) = allowed(name, order);
+            let (most, least) = allowed(name, order, x);
             let units = match found == exact {
                 true => 0.0,
                 false => (found - exact).abs() / (f64::EPSILON * exact.abs().max(least)),
@@ -292,11 +294,15 @@ fn adaptive_steppers_begin_at_a_seam() {
                  [run]\ninitial = [1, 0]\nsteps = 20\n"
             );
             let end = end(&composed(&text));
-            // A substep across a jump is 2⁻⁴⁴ of a step, those before it err by their tolerance of 1e-12 at most.
+            // A substep across a jump is 2⁻⁴⁴ of a step. One with a first stage of the other side errs by 74 times what
+            // dormand-prince45 sees, b₁ over b₁ − b̂₁, of 1e-12 in the mean of four coordinates; p moves q for 1.5.
             let off = (end[0] - expected[0])
                 .abs()
                 .max((end[1] - expected[1]).abs());
-            assert!(off <= 20.0 * 1e-12, "{method}, {potential}: {end:?}");
+            assert!(
+                off <= 2.5 * 2.0 * 74.0 * 1e-12,
+                "{method}, {potential}: {end:?}"
+            );
         }
     }
 }

@@ -235,7 +235,8 @@ impl Arithmetic for BoundedNumbers {
         };
         if a.error > 0.0 && function.is_step() {
             let [low, high] = [a.value - a.error, a.value + a.error].map(|at| function.apply(at));
-            error += (high - low).abs();
+            // Without a bound where it may be either of two.
+            error = if high == low { error } else { f64::INFINITY };
         } else if a.error > 0.0 {
             let mut slope = 0.0_f64;
             for at in [a.value - a.error, a.value, a.value + a.error] {

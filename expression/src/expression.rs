@@ -245,31 +245,46 @@ impl Expression {
     /// Whether it is smooth in pieces: whether it holds a choice, a remainder, a magnitude, a sign or a largest integer
     /// below, of what is not constant.
     pub fn has_seams(&self) -> bool {
-        !self.seams().is_empty()
+        let mut found = false;
+        self.visit(&mut |part| found = found || part.is_seam());
+        found
     }
 
-    /// What decides of the piece in which a state is, with a number of that piece: c of a choice and the argument of a
-    /// magnitude with their sign, the argument of a largest integer below with that integer, a remainder with its
-    /// quotient's.
+    /// Whether this part itself goes from piece to piece.
+    fn is_seam(&self) -> bool {
+        match self {
+            Expression::Where(parts) => parts[0].has_variables(),
+            Expression::Binary(function, pair) => {
+                function.has_seams() && pair.iter().any(Expression::has_variables)
+            }
+            Expression::Apply(function, u) => {
+                (function.is_step() || *function == Function::Abs) && u.has_variables()
+            }
+            _ => false,
+        }
+    }
+
+    /// The formulas that decide of the piece in which a state is, each with a number of that piece. The number is the sign
+    /// of c for a choice by c > 0, and of u for |u|. It is the integer itself for ⌊u⌋, and ⌊a/b⌋ for a remainder.
     pub fn seams(&self) -> Vec<[Expression; 2]> {
         let apply = |function, u: &Expression| Expression::Apply(function, Box::new(u.clone()));
         let mut seams: Vec<[Expression; 2]> = Vec::new();
         self.visit(&mut |part| {
-            let seam = match part {
-                Expression::Where(parts) => [parts[0].clone(), apply(Function::Sign, &parts[0])],
-                Expression::Binary(function, pair) if function.has_seams() => {
-                    let [a, b] = &**pair;
-                    [part.clone(), apply(Function::Floor, &(a / b))]
-                }
-                Expression::Apply(Function::Floor, u) => [(**u).clone(), apply(Function::Floor, u)],
-                Expression::Apply(Function::Abs | Function::Sign, u) => {
-                    [(**u).clone(), apply(Function::Sign, u)]
-                }
-                _ => return,
-            };
-            if seam[0].has_variables() && !seams.contains(&seam) {
-                seams.push(seam);
+            if !part.is_seam() {
+                return;
             }
+            seams.extend(match part {
+                Expression::Where(parts) => {
+                    Some([parts[0].clone(), apply(Function::Sign, &parts[0])])
+                }
+                Expression::Binary(_, pair) => {
+                    let [a, b] = &**pair;
+                    Some([part.clone(), apply(Function::Floor, &(a / b))])
+                }
+                Expression::Apply(Function::Floor, u) => Some([(**u).clone(), part.clone()]),
+                Expression::Apply(_, u) => Some([(**u).clone(), apply(Function::Sign, u)]),
+                _ => None,
+            });
         });
         seams
     }

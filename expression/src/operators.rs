@@ -5,6 +5,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::expression::{Expression, Function};
 use crate::rational::Rational;
+use crate::special::Special;
 
 /// A variable or a parameter of a system, by its index: what formulas in Rust are written with.
 ///
@@ -200,7 +201,7 @@ impl iter::Sum for Expression {
 }
 
 macro_rules! functions {
-    ($($name:ident $function:ident $text:literal),*) => {
+    ($($name:ident ($function:expr) $text:literal),*) => {
         impl Quantity {
             /// The power with this exponent, a number or a formula of parameters.
             pub fn pow(self, exponent: impl Into<Expression>) -> Expression {
@@ -224,7 +225,7 @@ macro_rules! functions {
             $(
                 #[doc = concat!("The ", $text, ".")]
                 pub fn $name(&self) -> Expression {
-                    Expression::Apply(Function::$function, Box::new(self.clone()))
+                    Expression::Apply($function, Box::new(self.clone()))
                 }
             )*
         }
@@ -232,29 +233,34 @@ macro_rules! functions {
 }
 
 functions! {
-    exp Exp "exponential function",
-    ln Ln "natural logarithm",
-    sqrt Sqrt "square root",
-    sin Sin "sine",
-    cos Cos "cosine",
-    tan Tan "tangent",
-    asin Asin "inverse sine",
-    acos Acos "inverse cosine",
-    atan Atan "inverse tangent",
-    sinh Sinh "hyperbolic sine",
-    cosh Cosh "hyperbolic cosine",
-    tanh Tanh "hyperbolic tangent",
-    asinh Asinh "inverse hyperbolic sine",
-    acosh Acosh "inverse hyperbolic cosine",
-    atanh Atanh "inverse hyperbolic tangent",
-    abs Abs "magnitude",
-    sign Sign "sign, −1, 0 or 1",
-    floor Floor "largest integer that is not above it",
-    erf Erf "error function",
-    erfc Erfc "complement of the error function",
-    gamma Gamma "gamma function",
-    log10 Log10 "logarithm of base 10",
-    log2 Log2 "logarithm of base 2"
+    exp (Function::Exp) "exponential function",
+    ln (Function::Ln) "natural logarithm",
+    sqrt (Function::Sqrt) "square root",
+    sin (Function::Sin) "sine",
+    cos (Function::Cos) "cosine",
+    tan (Function::Tan) "tangent",
+    asin (Function::Asin) "inverse sine",
+    acos (Function::Acos) "inverse cosine",
+    atan (Function::Atan) "inverse tangent",
+    sinh (Function::Sinh) "hyperbolic sine",
+    cosh (Function::Cosh) "hyperbolic cosine",
+    tanh (Function::Tanh) "hyperbolic tangent",
+    asinh (Function::Asinh) "inverse hyperbolic sine",
+    acosh (Function::Acosh) "inverse hyperbolic cosine",
+    atanh (Function::Atanh) "inverse hyperbolic tangent",
+    abs (Function::Abs) "magnitude",
+    sign (Function::Sign) "sign, −1, 0 or 1",
+    floor (Function::Floor) "largest integer that is not above it",
+    erf (Function::Erf) "error function",
+    erfc (Function::Erfc) "complement of the error function",
+    gamma (Function::Gamma) "gamma function",
+    log10 (Function::Log10) "logarithm of base 10",
+    log2 (Function::Log2) "logarithm of base 2",
+    lgamma (Function::Special(Special::LnGamma, 0)) "logarithm of the magnitude of the gamma function",
+    j0 (Function::Special(Special::J0, 0)) "Bessel function J₀",
+    j1 (Function::Special(Special::J1, 0)) "Bessel function J₁",
+    ellipk (Function::Special(Special::EllipticK, 0)) "complete elliptic integral K of the parameter m",
+    ellipe (Function::Special(Special::EllipticE, 0)) "complete elliptic integral E of the parameter m"
 }
 
 #[cfg(test)]
@@ -327,7 +333,13 @@ mod tests {
             x.gamma(),
             x.log10(),
             x.log2(),
+            x.lgamma(),
+            x.j0(),
+            x.j1(),
+            x.ellipk(),
+            x.ellipe(),
         ];
+        assert_eq!(made.len(), Function::NAMES.len());
         for (made, name) in made.into_iter().zip(Function::NAMES) {
             assert_eq!(made, parsed(&format!("{name}(x)")));
         }

@@ -150,7 +150,7 @@ fn jumps_of_the_energy_are_told_as_such() {
     };
     for (hamiltonian, jump) in [
         ("p^2/2 + heaviside(q)", "by 1.0:"),
-        ("p^2/2 + 3*heaviside(t - 1)*q", "by"),
+        ("p^2/2 + 3*heaviside(t - 0.5)*q", "by 1.5:"),
         ("p^2/2 + floor(2*q)", "by 1.0:"),
     ] {
         let found = message(hamiltonian, 0.05).expect(hamiltonian);

@@ -63,9 +63,8 @@ pub struct CoordinateFlow {
     pub reads: BTreeSet<usize>,
 }
 
-/// The motion of x_i under the field X, `None` where it is none of [`Motion`], or one within a piece of X that it leaves:
-/// on the other side of a seam it would be another. What the numbers at `probe` rule out is not looked for in exact
-/// algebra.
+/// The motion of x_i under the field X. It is `None` where it is none of [`Motion`], or where it leaves its piece of X.
+/// Exact algebra does not look for motions that the numbers at `probe` rule out.
 ///
 /// # Errors
 /// [`AlgebraError`] where a derivative does not exist.
@@ -107,7 +106,7 @@ fn within_piece(
     Ok(crossed.is_none().then_some(flow))
 }
 
-/// What decides of the piece in which a state is and moves under the field, of those that are in these terms.
+/// The first seam of these terms that moves under the field, by the formula that decides of the piece.
 pub(crate) fn crossed_seam(
     ring: &mut Ring,
     field: &Field,

@@ -8,8 +8,8 @@ use super::ring::Ring;
 use crate::expression::Function;
 
 impl Ring {
-    /// What decides of which piece of f a state is: c of what is kept where c > 0, the arguments of magnitudes, signs,
-    /// largest integers below and remainders, in f and in what these are made of.
+    /// The elements that decide of which piece of f a state is, those inside of arguments too. They are c of a choice by
+    /// c > 0, and the arguments of magnitudes, signs, largest integers below and remainders.
     pub fn seams(&self, f: &Polynomial) -> Vec<Polynomial> {
         let mut seams: Vec<Polynomial> = Vec::new();
         let mut open = f.symbols();

@@ -12,8 +12,6 @@ mod lift;
 mod lookups;
 mod node;
 mod normal_form;
-#[cfg(test)]
-mod seams;
 mod summands;
 
 pub use lift::lift;

@@ -2,13 +2,16 @@
 //!
 //! Values come from the arithmetic-geometric mean (NIST Handbook of Mathematical Functions, 19.8). The n-th derivative is
 //! c F(a + n, b + n; 1 + n; m). Here F is hypergeometric, a = b = ½ of K and a = −½ of E, and c is
-//! π/2 Π_{j<n} (a + j)(b + j)/(1 + j). For m in [−4, ½], and below −4 for high n, the series of F serves, below 0
+//! π/2 Π_{j<n} (a + j)(b + j)/(1 + j). For m in [−16, ½], and below for high n, the series of F serves, below 0
 //! after Pfaff's transformation (15.8.1). Elsewhere the differential equation (15.10.1) gives a recurrence.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Arithmetic-geometric means converge quadratically: after so many steps for every pair of doubles.
 const STEPS: u32 = 20;
+
+/// Down to −m of this size the series serves, of 650 terms at most; below it a recurrence loses a few units an order.
+const NEAR: f64 = 16.0;
 
 /// Steps of the recurrence, for each unit of −m, in which its error grows tenfold or less.
 const RECURRENCES: f64 = 2.0;
@@ -70,7 +73,7 @@ fn derivative(n: u32, m: f64, a: f64) -> f64 {
         return f64::NAN;
     }
     // The recurrence grows by 1 − 1/m each time beside the derivatives.
-    let is_near = m >= -4.0 || -m * RECURRENCES < f64::from(n);
+    let is_near = m >= -NEAR || -m * RECURRENCES < f64::from(n);
     if m <= 0.5 && is_near {
         let mut factor = Scaled::new(FRAC_PI_2);
         for j in 0..n {

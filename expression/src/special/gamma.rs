@@ -1,8 +1,8 @@
 //! ln|Γ| and its derivatives, the polygamma functions.
 //!
-//! Above y = 17 + n the asymptotic series of ψ⁽ⁿ⁾ serves, below it ψ⁽ⁿ⁾(x) = ψ⁽ⁿ⁾(x + 1) − (−1)ⁿ n!/xⁿ⁺¹. For x < 0 the
-//! reflection ψ⁽ⁿ⁾(x) = (−1)ⁿ ψ⁽ⁿ⁾(1 − x) − π dⁿ/dxⁿ cot πx serves, where nothing of the size of the poles cancels (NIST
-//! Handbook of Mathematical Functions, 5.11.2, 5.5.2, 5.15.5, 5.15.6 and 5.15.8).
+//! Above y = 17 + n the asymptotic series of ψ⁽ⁿ⁾ serves, below it ψ⁽ⁿ⁾(x) = ψ⁽ⁿ⁾(x + 1) − (−1)ⁿ n!/xⁿ⁺¹. For x < 0 it is
+//! the reflection ψ⁽ⁿ⁾(x) = (−1)ⁿ ψ⁽ⁿ⁾(1 − x) − π dⁿ/dxⁿ cot πx: nothing of the size of the poles cancels. The source is the
+//! NIST Handbook of Mathematical Functions, 5.11.2, 5.5.2, 5.15.5, 5.15.6 and 5.15.8.
 
 use std::f64::consts::PI;
 

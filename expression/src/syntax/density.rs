@@ -120,13 +120,16 @@ impl<'a> SiteSum<'a> {
         let (names, scope) = (self.names(text), resolver.scope);
         let axes = scope.lengths().len();
         if names.len() != axes {
-            let name = names.last().copied().unwrap_or_default().to_owned();
-            let kind = SyntaxErrorKind::AxisUnknown { name };
+            let indices = names.len();
             let kind = match axes {
                 0 | 1 => SyntaxErrorKind::SumInATemplate,
-                _ => kind,
+                _ => SyntaxErrorKind::SumOverAxes { axes, indices },
             };
-            return Err(SyntaxError::new(self.body.span, kind).into());
+            let [first, .., last] = &self.indices[..] else {
+                let only = self.indices.first().copied().unwrap_or(self.body.span);
+                return Err(SyntaxError::new(only, kind).into());
+            };
+            return Err(SyntaxError::new(first.to(*last), kind).into());
         }
         // The level of an outermost sum.
         let level = 1;

@@ -180,13 +180,41 @@ pub enum SyntaxErrorKind {
         /// The index.
         name: String,
     },
-    /// An index of a sum that counts along no axis, or along axes of different lengths.
-    #[error(
-        "the index `{name}` counts along no axis, or along axes of different lengths: use it in brackets, each index along one axis"
-    )]
+    /// An index of a sum that counts along no axis.
+    #[error("the index `{name}` counts along no axis: use it in brackets, or leave it out")]
     AxisUnknown {
         /// The index.
         name: String,
+    },
+    /// An index that counts along axes of different lengths.
+    #[error(
+        "the index `{name}` counts along an axis of {} sites and along one of {}: give each axis an index of its own",
+        lengths[0], lengths[1]
+    )]
+    AxesOfLengths {
+        /// The index.
+        name: String,
+        /// Two of the lengths.
+        lengths: [usize; 2],
+    },
+    /// Two ordered indices of a sum that count along different axes.
+    #[error(
+        "the indices `{lower}` < `{name}` count along different axes: both count along one, as in x[{lower}]*x[{name}]"
+    )]
+    AxesApart {
+        /// The lower index.
+        lower: String,
+        /// The other one.
+        name: String,
+    },
+    /// A sum over the sites of a lattice with too few or too many indices.
+    #[error("the lattice has {axes} axes, and the sum {indices} {}: write one an axis, {}",
+        if *indices == 1 { "index" } else { "indices" }, sum_example(*axes))]
+    SumOverAxes {
+        /// How many axes the lattice has.
+        axes: usize,
+        /// How many indices the sum has.
+        indices: usize,
     },
     /// `N` as a number on a lattice of several axes.
     #[error(
@@ -213,7 +241,7 @@ pub enum SyntaxErrorKind {
     /// A number where a vector is meant.
     #[error("`{text}` is no vector")]
     NoVector {
-        /// What stands there.
+        /// The part that stands there.
         text: String,
         /// The names of vectors.
         vectors: Vec<String>,
@@ -366,6 +394,13 @@ fn axes_word(axes: usize) -> &'static str {
         1 => "axis",
         _ => "axes",
     }
+}
+
+/// A sum over sites as it is written: `sum(i, j, …)`.
+fn sum_example(axes: usize) -> String {
+    let indices = ["i", "j", "k"];
+    let indices = &indices[..axes.min(indices.len())];
+    format!("`sum({}, …)`", indices.join(", "))
 }
 
 /// A member of a family as it is written: `x[i,j]`.

@@ -9,9 +9,9 @@ use super::tree::{Kind, Node};
 use crate::expression::{Expression, Function};
 
 impl Formula {
-    /// A number that is positive where a [condition](Formula::parse_condition) holds and negative where it does not,
-    /// continuous where what is compared is; and whether the condition holds where the number is 0. Of `a < b` it is
-    /// b − a, of `and` the smaller and of `or` the larger one, of `a == b` −|a − b|.
+    /// A number that is positive where a [condition](Formula::parse_condition) holds, and negative where it does not. The
+    /// flag says whether it holds where the number is 0. Of `a < b` it is b − a, of `a == b` −|a − b|. Of `and` it is the
+    /// smaller one, of `or` the larger.
     ///
     /// # Errors
     /// Those of [`Formula::resolve`].

@@ -64,6 +64,8 @@ pub(super) struct Resolver<'a> {
     text: &'a str,
     pub(super) scope: &'a Scope,
     terms: usize,
+    /// Whether an index stands for its number, as in values of parameters.
+    pub(super) has_numbers: bool,
     /// The terms of summands that reach outside.
     pub(super) dropped: Vec<Span>,
 }
@@ -74,6 +76,7 @@ impl<'a> Resolver<'a> {
             text,
             scope,
             terms: 0,
+            has_numbers: false,
             dropped: Vec::new(),
         }
     }
@@ -204,7 +207,11 @@ impl<'a> Resolver<'a> {
         bound: Option<&Bound<'_>>,
     ) -> Result<Expression, Stop> {
         let name = reference.name.of(self.text);
-        if reference.sites.is_empty() && find(bound, name).is_some() {
+        if let Some(index) = find(bound, name).filter(|_| reference.sites.is_empty()) {
+            if self.has_numbers {
+                let number = Rational::from_integer(index.value as i64);
+                return Ok(Expression::Constant(number));
+            }
             let kind = SyntaxErrorKind::IndexAsNumber {
                 name: name.to_owned(),
             };

@@ -258,7 +258,8 @@ impl Scope {
     ///
     /// # Errors
     /// [`SyntaxErrorKind::LengthUnknown`] without a family. On a lattice of several axes
-    /// [`SyntaxErrorKind::AxisUnknown`] for an index of no axis or of axes with different lengths.
+    /// [`SyntaxErrorKind::AxisUnknown`] for an index of no axis, [`SyntaxErrorKind::AxesOfLengths`] for one of axes with
+    /// different lengths.
     pub(super) fn values_of(
         &self,
         text: &str,
@@ -281,18 +282,27 @@ impl Scope {
         if let Some(above) = above {
             body.axes_of(text, above.of(text), &mut others);
         }
-        let is_apart = above.is_some() && others.iter().any(|axis| !axes.contains(axis));
-        let of_axis = |axis: &usize| lengths.get(*axis).copied();
-        let first = axes.first().and_then(of_axis).filter(|_| !is_apart);
-        match first.filter(|_| axes.iter().all(|axis| of_axis(axis) == first)) {
-            Some(length) => Ok(length),
-            None => {
-                let name = index.of(text).to_owned();
-                Err(SyntaxError::new(
-                    index,
-                    SyntaxErrorKind::AxisUnknown { name },
-                ))
-            }
+        let name = || index.of(text).to_owned();
+        let refuse = |kind| Err(SyntaxError::new(index, kind));
+        if let Some(above) = above
+            && others.iter().any(|axis| !axes.contains(axis))
+        {
+            let lower = above.of(text).to_owned();
+            return refuse(SyntaxErrorKind::AxesApart {
+                lower,
+                name: name(),
+            });
+        }
+        let mut own = axes.iter().filter_map(|axis| lengths.get(*axis).copied());
+        let Some(first) = own.next() else {
+            return refuse(SyntaxErrorKind::AxisUnknown { name: name() });
+        };
+        match own.find(|length| *length != first) {
+            None => Ok(first),
+            Some(other) => refuse(SyntaxErrorKind::AxesOfLengths {
+                name: name(),
+                lengths: [first, other],
+            }),
         }
     }
 
@@ -522,14 +532,13 @@ impl Scope {
             Anchor::Name(span) => {
                 let index = find(bound, span.of(text)).ok_or_else(|| unknown(text, span, bound))?;
                 // An index of a longer axis would wrap, or end, elsewhere.
-                if matches!(self.lengths(), [_, _, ..])
-                    && self.lengths().get(axis) != Some(&index.length)
-                {
-                    let name = span.of(text).to_owned();
-                    return Err(SyntaxError::new(
-                        span,
-                        SyntaxErrorKind::AxisUnknown { name },
-                    ));
+                let own = self.lengths().get(axis).copied().unwrap_or(0);
+                if matches!(self.lengths(), [_, _, ..]) && own != index.length {
+                    let kind = SyntaxErrorKind::AxesOfLengths {
+                        name: span.of(text).to_owned(),
+                        lengths: [index.length, own],
+                    };
+                    return Err(SyntaxError::new(span, kind));
                 }
                 (index.value, Some(index.level))
             }

@@ -85,7 +85,9 @@ impl Evaluator<'_> {
             }
             // What is differentiated is a formula of parameters: the index is a number in it.
             Kind::Derivative(_) => {
-                let resolved = Resolver::new(self.text, self.scope).expression(node, bound);
+                let mut resolver = Resolver::new(self.text, self.scope);
+                resolver.has_numbers = true;
+                let resolved = resolver.expression(node, bound);
                 let formula = resolved.map_err(|stop| match stop {
                     Stop::Error(error) => error,
                     Stop::Outside { .. } => Box::new(SyntaxError::new(

@@ -85,17 +85,23 @@ impl Dual {
 
     /// g(f) from g, g′ and g″ at f, each right within `ulps` units.
     fn through(&self, g: [f64; 3], ulps: f64) -> Self {
+        self.through_above(g, ulps, 0.0)
+    }
+
+    /// The same where these are units of `least` at least, as next to zeros of g and g′.
+    fn through_above(&self, g: [f64; 3], ulps: f64, least: f64) -> Self {
         let (_, ea) = self.parts[0];
         let [value, slope, second] = g;
         let off = ulps * ROUND_OFF;
-        let mut parts: Parts = smallvec![(value, slope.abs() * ea + off * value.abs())];
+        let error = slope.abs() * ea + off * value.abs().max(least);
+        let mut parts: Parts = smallvec![(value, error)];
         for (da, eda) in &self.parts[1..] {
             if (*da, *eda) == (0.0, 0.0) {
                 // What does not depend on a variable has no slope, not even where g has none.
                 parts.push((0.0, 0.0));
                 continue;
             }
-            let of_slope = second.abs() * ea + off * slope.abs();
+            let of_slope = second.abs() * ea + off * slope.abs().max(least);
             let product = slope * da;
             let error = slope.abs() * eda + of_slope * da.abs() + ROUND_OFF * product.abs();
             parts.push((product, error));
@@ -127,15 +133,14 @@ impl Dual {
         let x = self.value();
         let value = function.apply(x);
         let (slope, second) = derivatives(function, x, value);
-        let ulps = match function {
-            // Next to a zero they are right within a unit of 1.
-            Function::Gamma | Function::Special(..) => {
-                let least = value.abs().min(slope.abs());
-                64.0 / least.clamp(1e-9, 1.0)
-            }
-            _ => 4.0,
+        let (ulps, least) = match function {
+            // Γ′ is Γψ, and ψ right within units of 1 next to its zero.
+            Function::Gamma => (64.0, value.abs()),
+            // Of the size of their amplitude.
+            Function::Special(..) => (64.0, 1.0),
+            _ => (4.0, 0.0),
         };
-        self.through([value, slope, second], ulps)
+        self.through_above([value, slope, second], ulps, least)
     }
 }
 

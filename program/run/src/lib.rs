@@ -55,6 +55,7 @@ mod round_off;
 mod sampled;
 mod samples;
 mod sealed;
+mod seam;
 mod shadow;
 mod shadow_step;
 mod snapshots;

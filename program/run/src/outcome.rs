@@ -6,8 +6,9 @@ use leafwise_scene::compose::{ComposedRun, PartChoice};
 use leafwise_walk::{Ended, Fault};
 use serde::Serialize;
 
-use crate::advice::{Advice, crossed};
+use crate::advice::Advice;
 use crate::columns::invariant_name;
+use crate::seam::crossed;
 use crate::shadow::ShadowVerdict;
 use crate::state_error::{NoStateError, StateError};
 use leafwise_scene::json::{Double, double, doubles, optional};

@@ -130,6 +130,11 @@ fn values_of_parameters_take_the_same_functions() {
             "{text}"
         );
     }
+    // An index is a number there.
+    let lattice = scalars().with_family("u", 3, 5);
+    let number =
+        parse("D(a^2*i, a) + sum(j, D(b*j, b))*i").value(&lattice, &[7.0, 11.0], Some((&["i"], 3)));
+    assert_eq!(number.expect("a number"), 14.0 * 3.0 + 10.0 * 3.0);
     assert!(
         parse("D(a*x, a)")
             .value(&scalars(), &[7.0, 11.0], None)

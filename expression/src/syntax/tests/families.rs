@@ -390,14 +390,25 @@ fn densities_of_planes_add_up() {
         }
     }
     let (scope, _) = plane(&[Boundary::Open; 2]);
-    for text in [
-        "sum(i, w[i,0])",
-        "sum(i, j, w[i,i])",
-        "sum(i, j, k, w[i,j])",
+    for (text, message) in [
+        (
+            "sum(i, w[i,0])",
+            "the lattice has 2 axes, and the sum 1 index:",
+        ),
+        (
+            "sum(i, j, w[i,i])",
+            "the index `i` counts along an axis of 3 sites and along one of 4",
+        ),
+        (
+            "sum(i, j, k, w[i,j])",
+            "the lattice has 2 axes, and the sum 3 indices: write one an axis, `sum(i, j, …)`",
+        ),
     ] {
-        let formula = parse(text);
-        let refused = formula.offsets_of_sums().is_err() || formula.density(&scope, 0).is_err();
-        assert!(refused, "{text}");
+        let refused = parse(text).density(&scope, 0).expect_err(text);
+        assert!(
+            refused.to_string().starts_with(message),
+            "{text}: {refused}"
+        );
     }
 }
 
@@ -416,12 +427,18 @@ fn planes_refuse_what_does_not_fit_their_axes() {
         ),
         ("w[1,4]", "`w` has the sites 0 to 3 along axis 1, not 4"),
         ("sum(i, 1)", "the index `i` counts along no axis"),
-        ("sum(i, w[i,i])", "the index `i` counts along no axis"),
+        (
+            "sum(i, w[i,i])",
+            "the index `i` counts along an axis of 3 sites and along one of 4",
+        ),
         ("w[0,0]/N", "`N` as a number"),
-        ("sum(i<j, w[i,j])", "the index `j` counts along no axis"),
+        (
+            "sum(i<j, w[i,j])",
+            "the indices `i` < `j` count along different axes",
+        ),
         (
             "sum(i, j, w[i,j]*w[j,0])",
-            "the index `j` counts along no axis",
+            "the index `j` counts along an axis of 4 sites and along one of 3",
         ),
     ] {
         let error = refusal(text, &scope);

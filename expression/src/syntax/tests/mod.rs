@@ -6,6 +6,7 @@ mod families;
 mod grammar;
 mod properties;
 mod refusals;
+mod seams;
 mod vectors;
 
 use super::{Formula, Scope, SyntaxError};

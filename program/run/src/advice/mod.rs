@@ -59,7 +59,6 @@ use leafwise_scene::compose::ComposedRun;
 use leafwise_scene::document::SceneDocument;
 pub use lifts::{CheaperMethod, cheaper_over_lifts};
 use probe::Probe;
-pub(crate) use seams::crossed;
 
 /// One thing to change.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]

@@ -147,12 +147,13 @@ fn for_each_coordinate(
                     .resolve(scope, index)
                     .map_err(|error| refusal(document, formula, &error))?;
                 let Some(place) = place else { continue };
-                let value = value.unwrap_or_else(|| 0.into());
-                // The code of one site is that of all.
-                if std::mem::take(&mut is_first) {
-                    check_code(document, formula, &value)?;
+                // The code of one site is that of all; beyond an open end there is none.
+                if let Some(value) = &value
+                    && std::mem::take(&mut is_first)
+                {
+                    check_code(document, formula, value)?;
                 }
-                take(key, place, value)?;
+                take(key, place, value.unwrap_or_else(|| 0.into()))?;
             }
         }
     }

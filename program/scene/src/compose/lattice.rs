@@ -338,7 +338,7 @@ fn force_reach(
         }
     }
     if let Some(torque) = &forces.torque {
-        let help = "write the one-form itself by coordinates: forces = { \"q[i]\" = \"0.1*p[i]\" }";
+        let help = "write it by coordinates: forces = { \"q[i]\" = \"0.1*p[i]\" }";
         let message = "a torque acts on one body with attitude, and this is a lattice";
         return refuse(torque.place(), message, help);
     }

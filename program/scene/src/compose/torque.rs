@@ -20,7 +20,7 @@ const QUATERNION: [&str; 4] = ["q0", "q1", "q2", "q3"];
 const ROUND_OFF: f64 = 1e-12;
 
 /// Help for a system without attitude.
-const NO_ATTITUDE: &str = "`leafwise list systems` names those that have it; other systems take the one-form itself as `forces`";
+const NO_ATTITUDE: &str = "`leafwise list systems` names those that have it; other systems take the form itself as `forces`";
 
 /// Adds the one-form of a torque to that of the other forces.
 ///

@@ -77,6 +77,8 @@ pub enum SceneProblemCause {
         text: String,
         /// Why not.
         reason: String,
+        /// Whether a name of the state stands in it.
+        is_of_state: bool,
     },
     /// A time at the end that is too many steps away.
     #[error("`until` = {until} is more than 9e15 steps of {step}")]
@@ -297,6 +299,15 @@ impl SceneProblemCause {
             Self::NotOne { key, .. } => Some(format!(
                 "a value for each site of a family stands under its name with an index: \"{key}[i]\" = [1, 2, 3]"
             )),
+            Self::NoConstant {
+                text,
+                is_of_state: false,
+                ..
+            } => Some(if text.contains('N') {
+                "write the length of a family as a number here".to_owned()
+            } else {
+                "numbers, other parameters by their names, and functions of them may stand here".to_owned()
+            }),
             Self::NoConstant { key, text, .. } => Some(format!(
                 "a formula of the state is a definition: define = {{ {key} = \"{text}\" }} in [system], without the \
                  parameter; one of the index is \"{key}[i]\""

@@ -44,6 +44,19 @@ fn lengths(item: &Item<'_>, problems: &mut Problems) -> Option<Located<Vec<usize
         .iter()
         .try_fold(1_usize, |all, own| all.checked_mul(*own));
     let is_held = sites.is_some_and(|sites| sites as u64 <= MOST_SITES);
+    if lengths.is_empty() {
+        problems.push(
+            SceneProblemCause::Shape {
+                what: item.title.clone(),
+                found: "no lengths".to_owned(),
+                expected: format!(
+                    "the number of sites, as 64, or 2 to {AXES} lengths, as [64, 64]"
+                ),
+            },
+            item.place(),
+        );
+        return None;
+    }
     if !(1..=AXES).contains(&lengths.len()) || !is_held {
         let found = format!(
             "{} axes, {} sites",

@@ -3,7 +3,7 @@
 use std::num::IntErrorKind;
 use std::ops::Range;
 
-use leafwise_expression::syntax::{Formula, Scope};
+use leafwise_expression::syntax::{Formula, Scope, SyntaxErrorKind};
 use toml::de::{DeTable, DeValue};
 
 use super::error::{SceneProblem, SceneProblemCause};
@@ -316,7 +316,13 @@ impl<'a> Item<'a> {
                 let cause = SceneProblemCause::NoConstant {
                     key: self.title.clone(),
                     text: text.to_string(),
-                    reason: error.kind.to_string(),
+                    reason: match &error.kind {
+                        SyntaxErrorKind::LengthUnknown { name } => {
+                            format!("`{name}` is not known to parameters")
+                        }
+                        kind => kind.to_string(),
+                    },
+                    is_of_state: false,
                 };
                 problems.push(cause, self.place());
                 return None;

@@ -217,6 +217,7 @@ fn define_parameters(
             key: name.value.clone(),
             text: formula.value.clone(),
             reason,
+            is_of_state: variables.contains(other),
         };
         problems.push(cause, formula.place());
     }

@@ -58,7 +58,7 @@ fn what_does_not_fit_the_axes_is_refused_where_it_stands() {
         ),
         (
             plane("[4, 5]", "\"open\"", "sum(i, j, x[j,i]*x[i,j])"),
-            "the index `i` counts along no axis",
+            "the index `i` counts along an axis of 5 sites and along one of 4",
         ),
         (
             plane("[4, 5]", "\"open\"", "x[4,0]"),
@@ -70,7 +70,7 @@ fn what_does_not_fit_the_axes_is_refused_where_it_stands() {
     }
     for (text, message) in [
         (plane("[4, 5, 6, 7]", "\"open\"", sum), "1 to 3 axes"),
-        (plane("[]", "\"open\"", sum), "1 to 3 axes"),
+        (plane("[]", "\"open\"", sum), "the number of sites, as 64"),
         (
             plane("[100000, 100000]", "\"open\"", sum),
             "at most 100000000 sites",
@@ -201,7 +201,7 @@ fn indices_in_another_order_are_no_templates() {
     for (text, message) in [
         (
             field("[6, 5]", "\"q[i,j],p[j,i]\"", ""),
-            "the index `j` counts along no axis",
+            "the index `j` counts along an axis of 5 sites and along one of 6",
         ),
         (
             field("[100, 100]", "\"q[i,j],p[j,i]\"", ""),
@@ -225,7 +225,7 @@ fn indices_in_another_order_are_no_templates() {
                 aligned,
                 "forces = { \"q[i,j]\" = \"0.3*p[j,i]\" }",
             ),
-            "the index `j` counts along no axis",
+            "the index `j` counts along an axis of 5 sites and along one of 6",
         ),
         (
             field(

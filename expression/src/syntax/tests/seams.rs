@@ -60,8 +60,8 @@ fn nodes(start: &str, level: &str, depth: usize) -> usize {
     let term = code(&mut graph, &formula);
     let gradient = graph.gradient(&term, 2).expect("derivatives");
     let forward = graph.derivative(&term, 0).expect("derivatives");
-    let [a, b] =
-        [&gradient[0], &forward].map(|slope| values(&graph, &[slope.clone()], [0.3, 0.7], 1.0)[0]);
+    let [a, b] = [&gradient[0], &forward]
+        .map(|slope| values(&graph, std::slice::from_ref(slope), [0.3, 0.7], 1.0)[0]);
     assert!(
         (a - b).abs() <= 1e-9 * a.abs().max(1.0),
         "{level}: {a} and {b}"
