@@ -34,7 +34,7 @@ SUBJECTS = {
     "Driven motion, forces in pieces": ["driven_oscillator", "driven_pendulum", "bouncing_ball"],
     "Vortices and fluids": ["point_vortices", "sphere_vortices", "camassa_holm", "nambu"],
     "Waves and light": ["three_wave", "maxwell_bloch"],
-    "Species": ["lotka_volterra", "lotka_volterra_periodic", "may_leonard"],
+    "Species": ["lotka_volterra", "lotka_volterra_periodic", "may_leonard", "epidemic"],
     "Spins": ["damped_spin", "langevin_spin", "spin_chain", "heisenberg_chain", "hot_spin_chain", "spin_waves_2d", "hot_ferromagnet"],
     "Lattices": ["toda", "volterra_lattice", "ablowitz_ladik"],
     "A tensor of functions": ["gradient"],

@@ -9,7 +9,7 @@ macro_rules! pages {
 }
 
 /// Names and texts of the pages, in the order of the guide's contents.
-pub const PAGES: [(&str, &str); 28] = pages![
+pub const PAGES: [(&str, &str); 30] = pages![
     "start",
     "from-scipy",
     "from-julia",
@@ -21,6 +21,8 @@ pub const PAGES: [(&str, &str); 28] = pages![
     "products",
     "tensors-by-forms",
     "lattices",
+    "tables",
+    "find",
     "time",
     "forces",
     "noise",

@@ -18,9 +18,9 @@ const LIBRARY: [&str; 5] = [
     "heavy-top",
 ];
 
-/// Canonical systems, a pendulum and Hénon and Heiles', a spin that drives an oscillator, a direct sum, and a body with
-/// damping and a force, for parts that take them.
-const WRITTEN: [(&str, &str); 4] = [
+/// Canonical systems, a pendulum and Hénon and Heiles', a spin that drives an oscillator, a direct sum, two spins with
+/// exchange, and a body with damping and a force, for parts that take them.
+const WRITTEN: [(&str, &str); 5] = [
     (
         "pendulum",
         "[system]\nvariables = [\"q\", \"p\"]\nbracket = { \"q,p\" = \"-1\" }\n\
@@ -41,6 +41,15 @@ const WRITTEN: [(&str, &str); 4] = [
          hamiltonian = \"x^2/2 + y^2/3 + z^2/4 + (p^2 + q^2)/2 + q*x/5\"\n\
          casimirs = { spin = \"x^2 + y^2 + z^2\" }\n\
          [method]\ntime-step = 0.1\n[run]\ninitial = [0.6, -0.3, 0.7, 0.4, 0.2]\nsteps = 1\n",
+    ),
+    (
+        "two spins",
+        "[system]\nvariables = [\"x1\", \"y1\", \"z1\", \"x2\", \"y2\", \"z2\"]\n\
+         bracket = { \"x1,y1\" = \"-z1\", \"y1,z1\" = \"-x1\", \"z1,x1\" = \"-y1\", \
+         \"x2,y2\" = \"-z2\", \"y2,z2\" = \"-x2\", \"z2,x2\" = \"-y2\" }\n\
+         hamiltonian = \"-x1*x2 - y1*y2/2 - z1*z2/3 - z1/4 + x2/5\"\n\
+         casimirs = { first = \"x1^2 + y1^2 + z1^2\", second = \"x2^2 + y2^2 + z2^2\" }\n\
+         [method]\ntime-step = 0.1\n[run]\ninitial = [0.6, -0.3, 0.7, 0.1, 0.8, -0.5]\nsteps = 1\n",
     ),
     (
         "damped body",
