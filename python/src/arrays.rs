@@ -30,6 +30,23 @@ impl Arrays {
         }
     }
 
+    /// Those whose numbers no override replaces: neither `system.tables`, nor the table, nor its `values` or `file`.
+    pub(crate) fn without(&self, overrides: &[(String, String)]) -> Self {
+        let is_replaced = |name: &str| {
+            let table = format!("system.tables.{name}");
+            let mut paths = overrides.iter().map(|(path, _)| path.as_str());
+            paths.any(|path| {
+                let is_above = ["system", "system.tables", &table].contains(&path);
+                is_above
+                    || ["values", "file"]
+                        .iter()
+                        .any(|key| path == format!("{table}.{key}"))
+            })
+        };
+        let kept = self.0.iter().filter(|(name, _)| !is_replaced(name));
+        Self(kept.cloned().collect())
+    }
+
     /// The names of the tables.
     pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
         self.0.iter().map(|(name, _)| name.as_str())

@@ -181,7 +181,8 @@ impl Scene {
         if !are_values(&overrides) || self.system.is_some() {
             let system = self.system.as_ref().map(|system| system.clone_ref(py));
             let text = (self.document.text.clone(), self.document.name.as_str());
-            return Self::read(py, text, overrides, system, self.arrays.clone());
+            let arrays = self.arrays.without(&overrides);
+            return Self::read(py, text, overrides, system, arrays);
         }
         let read = py.detach(|| self.with(&overrides))?;
         Ok(Self {
@@ -403,7 +404,9 @@ impl Scene {
     ) -> PyResult<(f64, f64, f64, bool)> {
         py.detach(|| {
             let (read, run) = self.composed(&overrides, &parameters)?;
-            let found = StateError::measured(&run, run.plan.steps);
+            let found = StateError::measured(&run, run.plan.steps, &|| {
+                Python::attach(|py| py.check_signals().is_err())
+            });
             if let Some(raised) = read.functions.as_ref().and_then(Functions::raised) {
                 return Err(raised);
             }

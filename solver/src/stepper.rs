@@ -59,8 +59,8 @@ pub trait Stepper: Send {
     }
     /// Forgets earlier steps: the next solve starts cold.
     fn restart(&mut self);
-    /// Takes another setting for the steps that follow; nothing is allocated. Returns whether that is offered; where it is
-    /// not, nothing has changed.
+    /// Takes another setting for the steps that follow. Returns whether that is offered; where it is not, another stepper is
+    /// to be made.
     fn set(&mut self, setting: Setting<'_>) -> bool {
         let _ = setting;
         false

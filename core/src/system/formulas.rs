@@ -298,10 +298,15 @@ impl SystemFormulas {
         &self.hamiltonian
     }
 
-    /// Whether H or the tensor is smooth in pieces.
+    /// H, the entries of the tensor, and the formulas of the forces.
+    pub fn parts(&self) -> impl Iterator<Item = &Expression> {
+        let entries = self.tensor.values().chain([&self.hamiltonian]);
+        entries.chain(self.forces().formulas())
+    }
+
+    /// Whether H, the tensor or the forces are smooth in pieces.
     pub fn has_seams(&self) -> bool {
-        let mut parts = self.tensor.values().chain([&self.hamiltonian]);
-        parts.any(Expression::has_seams)
+        self.parts().any(Expression::has_seams)
     }
 
     /// The Casimirs.

@@ -223,7 +223,7 @@ pub struct RunArguments {
     /// Print what was built: shape, series, operation counts
     #[arg(long)]
     pub explain: bool,
-    /// Estimate the error of the states by a pass with half the step; takes three times the run
+    /// Estimate the error of the states, after the run, by a pass with half the step; takes three times as long again
     #[arg(long)]
     pub error: bool,
     /// The run directory [default: runs/ and the scene's name]

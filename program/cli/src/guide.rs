@@ -186,9 +186,12 @@ fn plain(line: &str) -> String {
 pub fn page_of(problem: &SceneDiagnostic) -> &'static str {
     let start = problem.span.start.min(problem.source_text.len());
     let before = problem.source_text.get(..start).unwrap_or_default();
-    let header = before
-        .lines()
-        .rfind(|line| line.trim_start().starts_with('['));
+    // Rows of a list begin with a bracket too.
+    let is_header = |line: &&str| {
+        let line = line.trim();
+        line.starts_with('[') && line.ends_with(']') && !line.contains(',')
+    };
+    let header = before.lines().rfind(is_header);
     let table = header.unwrap_or_default().trim().trim_matches(['[', ']']);
     let key = keys_before(&problem.source_text, start).unwrap_or_default();
     let path = match problem.source_name.as_str() {
@@ -208,6 +211,8 @@ pub fn page_of(problem: &SceneDiagnostic) -> &'static str {
     ) {
         ("system", "hamiltonian" | "define" | "casimirs") => "formulas",
         ("system", "families" | "boundary") => "lattices",
+        ("system", "tables") => "tables",
+        ("system", "equations") => "find",
         ("system", "forces" | "damping" | "torque") => "forces",
         ("system", "noise") => "noise",
         ("system", _) => "define-a-system",

@@ -18,7 +18,7 @@ use crate::CHECKPOINT;
 /// Format of the checkpoint of a run: the name of its content, and its number.
 const FORMAT: Format = Format {
     name: b"leafwis",
-    number: b'C',
+    number: b'D',
 };
 
 /// A run between two steps. Another field, order or type is another format.

@@ -14,7 +14,6 @@ use super::outcome::{InvariantDrift, RunOutcome, RunReport};
 use super::progress::Progress;
 use super::round_off::round_off;
 use super::samples::{self, Samples};
-use super::state_error::StateError;
 use super::summary::{report_data, short};
 use super::{sampled, start, states};
 use crate::advice::{Advice, AdviceKind, about_the_scene, advise, casimir_drift};
@@ -241,11 +240,6 @@ impl<'a> Job<'a> for RunJob<'a> {
             session,
             &mut report,
         )?;
-        if self.options.estimates_error
-            && matches!(report.outcome, RunOutcome::Done | RunOutcome::Stopped(_))
-        {
-            report.state_error = Some(StateError::measured(self.composed, report.steps));
-        }
         Ok(report)
     }
 
@@ -361,7 +355,6 @@ pub(crate) fn describe(
         resumed_at: None,
         is_repeated: false,
         shadow: None,
-        state_error: None,
         advice: Vec::new(),
     }
 }

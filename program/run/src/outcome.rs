@@ -10,7 +10,6 @@ use crate::advice::Advice;
 use crate::columns::invariant_name;
 use crate::seam::crossed;
 use crate::shadow::ShadowVerdict;
-use crate::state_error::{NoStateError, StateError};
 use leafwise_scene::json::{Double, double, doubles, optional};
 
 /// A step that could not be taken, or a state outside the formulas' domain.
@@ -37,7 +36,9 @@ impl Failure {
         match fault {
             Fault::Step(error) => {
                 let failure = Self::of_step(error, &run.plan.parts, steps, time, state);
-                match crossed(run, &ended.state) {
+                let is_of_seams =
+                    error.is_of_a_solve() || matches!(error, StepError::Singularity { .. });
+                match crossed(run, &ended.state).filter(|_| is_of_seams) {
                     Some(seam) => failure.at_seam(&seam),
                     None => failure,
                 }
@@ -248,8 +249,6 @@ pub struct RunReport {
     pub is_repeated: bool,
     /// How the energy of the map's shadow was kept, where it is recorded.
     pub shadow: Option<ShadowVerdict>,
-    /// Estimated error of the states, or why there is none, where it was asked for.
-    pub state_error: Option<Result<StateError, NoStateError>>,
     /// Advice on what to change in the scene.
     pub advice: Vec<Advice>,
 }

@@ -7,7 +7,7 @@ use leafwise_scene::compose::ComposedRun;
 /// Parts of a step after which it is asked in which piece the state is.
 const PARTS: [f64; 6] = [0.125, 0.25, 0.5, 0.75, 1.0, 1.5];
 
-/// The formula, as written, that decides of the piece of H or of the tensor and changes in a step from a state along the
+/// The formula, as written, that decides of the piece of H, the tensor or the forces and changes in a step from a state along the
 /// field; `None` where none does.
 pub(crate) fn crossed(run: &ComposedRun, state: &[f64]) -> Option<String> {
     let system = run.in_time().ok()?;
@@ -21,8 +21,7 @@ pub(crate) fn crossed(run: &ComposedRun, state: &[f64]) -> Option<String> {
     let mut field = field.evaluator(&parameters, 1.0, 1.0);
     field.values(state, &mut slope).ok()?;
     let step = run.plan.epsilon * run.plan.h;
-    let parts = formulas.tensor().values().chain([formulas.hamiltonian()]);
-    let mut seams = parts.flat_map(Expression::seams);
+    let mut seams = formulas.parts().flat_map(Expression::seams);
     let [shown, _] = seams.find(|[_, piece]| {
         let own = piece.evaluate(state, &parameters);
         PARTS.iter().any(|part| {

@@ -14,6 +14,9 @@ use crate::short;
 /// The part of the way from the start at which two passes have parted.
 const PARTED: f64 = 0.1;
 
+/// Steps between two questions whether to go on.
+const BETWEEN_QUESTIONS: u64 = 256;
+
 /// Estimated error of the states of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct StateError {
@@ -44,6 +47,9 @@ pub enum NoStateError {
         "a tolerance sets this method's error: run it with a tenth of the tolerance, and compare"
     )]
     NoOrder,
+    /// Someone wants it to end.
+    #[error("it was interrupted")]
+    Interrupted,
     /// A step of a pass could not be taken.
     #[error("a pass with steps of {step} fails at t = {time}: {reason}")]
     Failed {
@@ -57,11 +63,16 @@ pub enum NoStateError {
 }
 
 impl StateError {
-    /// Estimates it over so many steps of a run from its initial state, at the cost of three times these.
+    /// Estimates it over so many steps of a run from its initial state, at the cost of three times these. It is asked at times
+    /// whether someone wants it to end.
     ///
     /// # Errors
-    /// [`NoStateError`]: noise, a pace, a method without an order, and a step that fails.
-    pub fn measured(run: &ComposedRun, steps: u64) -> Result<Self, NoStateError> {
+    /// [`NoStateError`]: noise, a pace, a method without an order, a step that fails, and an interruption.
+    pub fn measured(
+        run: &ComposedRun,
+        steps: u64,
+        is_interrupted: &dyn Fn() -> bool,
+    ) -> Result<Self, NoStateError> {
         let order = run.method.declared_order();
         match (run.method.noise(), run.pace(), order) {
             (Some(_), ..) => return Err(NoStateError::Noise),
@@ -81,6 +92,9 @@ impl StateError {
         };
         let (mut way, mut parted) = (0.0_f64, 0.0_f64);
         for step in 1..=steps {
+            if step.is_multiple_of(BETWEEN_QUESTIONS) && is_interrupted() {
+                return Err(NoStateError::Interrupted);
+            }
             for (walk, h, times) in [(&mut whole, h, 1), (&mut halves, 0.5 * h, 2)] {
                 walk.advance(times).map_err(|error| NoStateError::Failed {
                     step: short(epsilon * h),

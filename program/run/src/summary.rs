@@ -330,9 +330,6 @@ fn facts(run: &ComposedRun, session: &Session<'_>, report: &RunReport) -> Vec<(S
             },
         ),
     ];
-    if let Some(Ok(error)) = &report.state_error {
-        facts.push(("Error of the states".to_owned(), error.text()));
-    }
     if let (Some(section), Some(count)) = (&run.plan.events.section, report.crossings) {
         let count = counted(count as usize, "crossing");
         let text = format!(

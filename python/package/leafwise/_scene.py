@@ -499,9 +499,15 @@ class Scene:
         """The object of a command on this scene: ``scene.command("evaluate", "--at", ...)``. Commands know no functions of Python."""
         if self._scene.origin[3] is not None:
             raise LeafwiseError(f"`{name}` works on scenes of formulas and plugins, and this system is functions of Python")
+        tables = self._scene.origin[4]
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / (Path(self.name).name or "scene.toml")
             file.write_text(self.text, encoding="utf-8")
+            for table, values in tables:
+                # Its numbers in the place of the text's own.
+                numbers = Path(folder) / f"{table}.npy"
+                np.save(numbers, values)
+                arguments = (*arguments, "--set", f"system.tables.{table}.file={fspath(numbers)}")
             found = command(name, file, *arguments, accept=accept)
         if isinstance(found, dict) and found.get("scene") == fspath(file):
             found["scene"] = self.name

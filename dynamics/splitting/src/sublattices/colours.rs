@@ -35,6 +35,9 @@ pub(super) fn of_written(spins: &[Spin], reads: &[BTreeSet<usize>]) -> Vec<usize
     colours
 }
 
+/// Colourings of so many colours that are tried at most.
+const MOST_TRIES: usize = 1 << 20;
+
 /// Colours c = (o_g + Σ_k a_k i_k) mod m of the spins of kind g at the sites i of a lattice.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Colouring {
@@ -60,7 +63,7 @@ impl Colouring {
             let tries = u32::try_from(numbers)
                 .ok()
                 .and_then(|n| count.checked_pow(n))?;
-            (0..tries).find_map(|mut index| {
+            (0..tries.min(MOST_TRIES)).find_map(|mut index| {
                 let mut next = || {
                     let digit = index % count;
                     index /= count;

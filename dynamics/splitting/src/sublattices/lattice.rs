@@ -94,7 +94,7 @@ pub(super) fn build(
         shared: Arc::new(Shared {
             order: (0..colouring.count).collect(),
             described: describe(colouring.count),
-            structure: properties(system).structure,
+            structure: properties().structure,
             constants: Arc::new(constants.collect()),
             cells,
             slopes: Arc::new(slopes),

@@ -2,7 +2,7 @@
 //!
 //! Where no spin of a sublattice is in the field of another, all of them turn and fall into fields at rest. Their motion has a
 //! closed form, along the leaves. Strang's product over the sublattices is explicit, of order 2 and self-adjoint. Without
-//! damping it is a Poisson map.
+//! damping it keeps H, and is no Poisson map: spins at rest in a flow do not feel that others turn about them.
 //!
 //! Literature on even and odd sites, and on more sublattices:
 //!
@@ -24,16 +24,16 @@ mod lattice;
 mod spins;
 mod written;
 
+use leafwise_core::BuildError;
 use leafwise_core::part::{Elsewhere, PartInfo, PartKind};
 use leafwise_core::registry::StepperPart;
 use leafwise_core::solver::{MapProperties, Structure};
-use leafwise_core::{BuildError, SystemFormulas};
 
 static INFO: PartInfo = PartInfo {
     name: "sublattices",
     summary: "exact flows of damped spins in the field of the others, sublattice after sublattice",
-    declares: "order 2; self-adjoint; explicit; exactly Poisson without damping, leaf-preserving with it: every length of \
-               a spin to round-off",
+    declares: "order 2; self-adjoint; explicit; leaf-preserving, every length of a spin to round-off, and no Poisson map; \
+               without damping H is kept to round-off",
     domain: "spins, so(3)* for each, with H linear in every one: exchange, fields, not anisotropies; damping of one rate a \
              spin",
     literature: "Frank, Huang, Leimkuhler, Geometric integrators for classical spin systems, J. Comput. Phys. 133 (1997); \
@@ -59,14 +59,11 @@ fn unfit(reason: impl Into<String>) -> BuildError {
     }
 }
 
-/// Order, structure and symmetry of the product.
-fn properties(system: &SystemFormulas) -> MapProperties {
+/// Order, structure and symmetry of the product, with damping or without.
+fn properties() -> MapProperties {
     MapProperties {
         order: 2,
-        structure: match system.forces().damping {
-            None => Structure::Exact,
-            Some(_) => Structure::Leaves,
-        },
+        structure: Structure::Leaves,
         self_adjoint: Some(true),
     }
 }

@@ -106,7 +106,7 @@ impl StepMap for Written {
     }
 
     fn properties(&self) -> MapProperties {
-        properties(&self.shared.system)
+        properties()
     }
 
     fn describe(&self) -> String {

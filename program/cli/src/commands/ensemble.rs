@@ -241,11 +241,10 @@ fn execute_member(
         repeating("run", file.file_name(), output.allow_non_poisson, plugins),
     );
     integrate(
-        scene,
-        &composed,
+        (scene, &composed),
         &parts.registry,
         &options,
-        output,
+        (output, false),
         console,
         interrupt,
     )

@@ -2,13 +2,13 @@
 
 use std::ffi::OsStr;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use leafwise::core::{Registry, SolverStatistics};
 use leafwise::run::{
-    Advice, Failure as StepFailure, InvariantDrift, Kind, RunJob, RunOptions, RunOutcome,
-    RunReport, ShadowVerdict, SolverFields, StateError, default_directory, perform,
+    Advice, Failure as StepFailure, InvariantDrift, Kind, NoStateError, RunJob, RunOptions,
+    RunOutcome, RunReport, ShadowVerdict, SolverFields, StateError, default_directory, perform,
 };
 use leafwise::scene::SceneDocument;
 use leafwise::scene::compose::{ComposedRun, WIDEST_STATE, compose};
@@ -63,7 +63,6 @@ pub fn execute(
         // Longer than any number of seconds that a duration holds is never.
         checkpoint_every: Duration::try_from_secs_f64(arguments.checkpoint_every)
             .unwrap_or(Duration::MAX),
-        estimates_error: arguments.error,
         ..output.options(
             directory.unwrap_or_else(|| default_directory(&document, Kind::Run)),
             repeating("run", file, output.allow_non_poisson, plugins),
@@ -73,26 +72,24 @@ pub fn execute(
         console.prose("the initial state of [run] alone; `leafwise ensemble` runs [ensemble]");
     }
     integrate(
-        &document,
-        &composed,
+        (&document, &composed),
         &parts.registry,
         &options,
-        output,
+        (output, arguments.error),
         console,
         interrupt,
     )
 }
 
-/// Integrates a composed scene; returns the exit code.
+/// Integrates a composed scene, and estimates the error of its states where that is wanted; returns the exit code.
 ///
 /// # Errors
 /// [`Failure`] when the run cannot be started or written.
 pub(super) fn integrate(
-    document: &SceneDocument,
-    composed: &ComposedRun,
+    (document, composed): (&SceneDocument, &ComposedRun),
     registry: &Registry,
     options: &RunOptions,
-    output: OutputArguments,
+    (output, estimates_error): (OutputArguments, bool),
     console: &mut Console<'_>,
     interrupt: &Arc<AtomicBool>,
 ) -> Result<u8, Failure> {
@@ -113,8 +110,22 @@ pub(super) fn integrate(
             console.prose(&line);
         }
     }
+    let is_estimated =
+        estimates_error && matches!(report.outcome, RunOutcome::Done | RunOutcome::Stopped(_));
+    let error = is_estimated.then(|| {
+        // A condition ends a run within a step.
+        let part = u64::from(report.outcome.stopped_by().is_some());
+        let steps = report.steps.saturating_sub(part);
+        StateError::measured(composed, steps, &|| interrupt.load(Ordering::Relaxed))
+    });
+    if let Some(error) = error.as_ref().filter(|_| !output.quiet) {
+        console.prose(&match error {
+            Ok(error) => format!("  error    {}", error.text()),
+            Err(no) => format!("  error    not estimated: {no}"),
+        });
+    }
     if output.json {
-        console.json(&RunJson::new(&report, options));
+        console.json(&RunJson::new(&report, error, options));
     }
     Ok(match report.outcome {
         RunOutcome::Done | RunOutcome::Stopped(_) => exit::DONE,
@@ -219,10 +230,6 @@ fn summary(
     lines.extend(numbers(&rows));
     lines.push(String::new());
     let rate = report.steps as f64 / report.wall_seconds.max(1e-9);
-    lines.extend(report.state_error.as_ref().map(|error| match error {
-        Ok(error) => format!("  error    {}", error.text()),
-        Err(no) => format!("  error    not estimated: {no}"),
-    }));
     lines.push(format!("  solver   {}", report.statistics.summary()));
     if let Some([least, most]) = report.step_times {
         lines.push(format!("  steps    of t from {least:.3e} to {most:.3e}"));
@@ -354,6 +361,8 @@ struct RunJson<'a> {
     shadow: Option<ShadowVerdict>,
     #[serde(skip_serializing_if = "Option::is_none")]
     state_error: Option<StateError>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    no_state_error: Option<String>,
     warnings: &'a [Advice],
     run_directory: String,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -361,7 +370,11 @@ struct RunJson<'a> {
 }
 
 impl<'a> RunJson<'a> {
-    fn new(report: &'a RunReport, options: &RunOptions) -> Self {
+    fn new(
+        report: &'a RunReport,
+        error: Option<Result<StateError, NoStateError>>,
+        options: &RunOptions,
+    ) -> Self {
         Self {
             outcome: report.outcome.word(),
             stopped_by: report.outcome.stopped_by(),
@@ -375,7 +388,10 @@ impl<'a> RunJson<'a> {
             invariants: report.named_invariants(),
             solver: report.statistics,
             shadow: report.shadow,
-            state_error: report.state_error.clone().and_then(Result::ok),
+            no_state_error: (error.as_ref())
+                .and_then(|error| error.as_ref().err())
+                .map(ToString::to_string),
+            state_error: error.and_then(Result::ok),
             warnings: &report.advice,
             run_directory: options.directory.display().to_string(),
             error: report.outcome.failure(),

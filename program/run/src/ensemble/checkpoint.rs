@@ -13,7 +13,7 @@ use crate::{CHECKPOINT, Format, RunError, Vouched};
 /// Format of the checkpoint of an ensemble: the name of its content, and its number.
 const FORMAT: Format = Format {
     name: b"leafens",
-    number: b'8',
+    number: b'9',
 };
 
 /// An ensemble between two members. Another field, order or type is another format.

@@ -20,8 +20,6 @@ pub struct RunOptions {
     pub command: String,
     /// How often a checkpoint of a run is written: what a kill costs at most.
     pub checkpoint_every: Duration,
-    /// Estimates the error of a run's states, by a pass with half the step beside another.
-    pub estimates_error: bool,
 }
 
 impl RunOptions {
@@ -36,7 +34,6 @@ impl RunOptions {
             allow_non_poisson: false,
             command: String::new(),
             checkpoint_every: Self::CHECKPOINT_EVERY,
-            estimates_error: false,
         }
     }
 

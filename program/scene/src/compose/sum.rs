@@ -3,11 +3,11 @@
 use leafwise_core::lattice::LatticeGeometry;
 use std::collections::BTreeSet;
 
-use leafwise_expression::syntax::{Formula, Scope, VariablePattern};
+use leafwise_expression::syntax::{Scope, VariablePattern};
 
 use super::Refusal;
 use super::definitions::scope;
-use super::names::coordinate_names;
+use super::names::{coordinate_names, parse_text};
 use crate::document::{BracketSpec, ForcesSpec, Located, Place, SceneDocument, SummandSpec};
 
 /// A summand: the scene with its variables, families and bracket alone.
@@ -115,7 +115,8 @@ fn foreign_names<'a>(document: &'a SceneDocument, spec: &SummandSpec) -> BTreeSe
     }
     loop {
         let leads = |(name, formula): &&(Located<String>, Located<String>)| {
-            !foreign.contains(name.value.as_str()) && first_of(formula, &foreign).is_some()
+            !foreign.contains(name.value.as_str())
+                && first_of(document, formula, &foreign).is_some()
         };
         let Some((name, _)) = system.define.iter().find(leads) else {
             return foreign;
@@ -125,8 +126,12 @@ fn foreign_names<'a>(document: &'a SceneDocument, spec: &SummandSpec) -> BTreeSe
 }
 
 /// The first of these names that a formula names.
-fn first_of<'a>(formula: &Located<String>, names: &BTreeSet<&'a str>) -> Option<&'a str> {
-    let parsed = Formula::parse(&formula.value).ok()?;
+fn first_of<'a>(
+    document: &SceneDocument,
+    formula: &Located<String>,
+    names: &BTreeSet<&'a str>,
+) -> Option<&'a str> {
+    let parsed = parse_text(document, &formula.value).ok()?;
     let referred = parsed.references();
     names.iter().copied().find(|name| referred.contains(name))
 }
@@ -149,7 +154,7 @@ fn check_formulas(
             )),
         )))
     };
-    let formula = |formula: &Located<String>| match first_of(formula, foreign) {
+    let formula = |formula: &Located<String>| match first_of(document, formula, foreign) {
         None => Ok(()),
         Some(name) => couples(
             &document.place_in_formula(formula, 0..formula.value.len()),

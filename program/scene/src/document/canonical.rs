@@ -34,17 +34,19 @@ const INDICES: [&str; 3] = ["i", "j", "k"];
 /// The coordinates that a bracket is of, and the sign of {q, p} with which q' = ∂H/∂p.
 #[derive(Clone)]
 pub(super) struct Coordinates {
-    /// Names, and the numbers of their indices.
-    names: Vec<(String, usize)>,
+    /// Names, and the lengths of their axes.
+    names: Vec<(String, Vec<usize>)>,
     sign: &'static str,
 }
 
 impl Coordinates {
     /// Single variables and families of a system.
     pub fn of(variables: &[Located<String>], families: &Families, convention: Convention) -> Self {
-        let variables = variables.iter().map(|name| (name.value.clone(), 0));
+        let variables = variables
+            .iter()
+            .map(|name| (name.value.clone(), Vec::new()));
         let scalars = families.scalars.iter();
-        let scalars = scalars.map(|(name, lengths)| (name.value.clone(), lengths.value.len()));
+        let scalars = scalars.map(|(name, lengths)| (name.value.clone(), lengths.value.clone()));
         Self {
             names: variables.chain(scalars).collect(),
             sign: match convention {
@@ -56,7 +58,7 @@ impl Coordinates {
 
     /// Those of a summand, by the names of variables and families.
     pub fn only(&self, chosen: &[Located<String>]) -> Self {
-        let is_chosen = |(name, _): &&(String, usize)| {
+        let is_chosen = |(name, _): &&(String, Vec<usize>)| {
             let mut chosen = chosen.iter();
             chosen.any(|of| *name == of.value || is_component(name, &of.value))
         };
@@ -125,7 +127,7 @@ impl Coordinates {
                 && coordinates
                     .iter()
                     .zip(&momenta)
-                    .all(|(q, p)| q != p && self.names[*q].1 == self.names[*p].1);
+                    .all(|(q, p)| q != p && self.are_alike(*q, *p));
             if !are_alike {
                 let cause = SceneProblemCause::Shape {
                     what: "a pair of `canonical`".to_owned(),
@@ -168,10 +170,17 @@ impl Coordinates {
         Some(found)
     }
 
+    /// Whether two have the same axes and, of vectors, the same component.
+    fn are_alike(&self, coordinate: usize, momentum: usize) -> bool {
+        let [q, p] = [coordinate, momentum].map(|at| &self.names[at]);
+        let component = |name: &str| name.split_once('.').map(|(_, own)| own.to_owned());
+        q.1 == p.1 && component(&q.0) == component(&p.0)
+    }
+
     fn entry(&self, coordinate: usize, momentum: usize, place: &Place) -> Entry {
         let written = |at: usize| match &self.names[at] {
-            (name, 0) => name.clone(),
-            (name, indices) => format!("{name}[{}]", INDICES[..*indices].join(",")),
+            (name, axes) if axes.is_empty() => name.clone(),
+            (name, axes) => format!("{name}[{}]", INDICES[..axes.len()].join(",")),
         };
         let key = format!("{},{}", written(coordinate), written(momentum));
         let at = |text: String| Located::new(text, place.clone());

@@ -293,7 +293,7 @@ mod tests {
         assert!(row("`[method]`", "epsilon").ends_with("| `time-step` |"));
         assert!(row("`[run]`", "stop").ends_with("| `system.noise` |"));
         assert!(row("`[system]`", "forces").contains("`method.pace`"));
-        assert!(row("`[system]`", "hamiltonian").ends_with("| `library` |"));
+        assert!(row("`[system]`", "hamiltonian").ends_with("| `library`, `equations` |"));
         assert!(row("`run.record`", "interval").contains("a scene without `method.pace`"));
         assert!(row("`run.record`", "states").contains(&format!(" {WIDEST_STATE} coordinates")));
     }

@@ -219,7 +219,7 @@ pub(super) static RUN: [Key; 10] = [
     key(
         "stop",
         Shape::Text,
-        "An earlier end: a comparison, as \"q1^2 + q2^2 > 1\"",
+        "An earlier end: a condition, as \"q1^2 + q2^2 > 1\", with `and`, `or` and `not`",
     )
     .otherwise("none")
     .not_beside(&STOP_BESIDE),

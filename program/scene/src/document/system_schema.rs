@@ -53,6 +53,7 @@ static EQUATIONS_BESIDE: [Beside; 1] = [Beside::Keys {
         "library",
         "families",
         "define",
+        "tables",
         "constraints",
         "boundary",
         "convention",
@@ -126,7 +127,6 @@ pub(super) static SYSTEM: [Key; 17] = [
         "The equations of motion, a formula of x' for each variable x, with bracket = \"find\": bracket and Hamiltonian \
          are found",
     )
-    .otherwise("none")
     .not_beside(&EQUATIONS_BESIDE),
     key(
         "bracket",
@@ -310,10 +310,10 @@ pub(super) static VECTORS: [Key; 2] = [
     ),
 ];
 
-/// A kind of bracket by its name.
 /// Pairs by their names.
 const CANONICAL: Shape = Shape::Words(&["canonical"]);
 
+/// A kind of bracket by its name.
 const KIND: Shape = table(
     &BRACKET,
     &[

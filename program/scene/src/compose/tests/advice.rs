@@ -161,8 +161,15 @@ fn names_and_signs_of_other_notations_are_told() {
 #[test]
 fn keys_and_values_of_other_kinds_are_told() {
     check(
-        ("{ \"q,p\" = \"1\" }", "\"canonical\""),
-        &["`bracket` must be a table", "bracket = { \"q,p\" = \"1\" }"],
+        ("{ \"q,p\" = \"1\" }", "\"kanonical\""),
+        &["unknown kind of bracket", "did you mean `canonical`"],
+    );
+    check(
+        ("{ \"q,p\" = \"1\" }", "1"),
+        &[
+            "`bracket` must be a table",
+            "bracket = \"canonical\" pairs q with p",
+        ],
     );
     check(
         ("[1, 0]", "{ q = [1, 2], p = 0 }"),

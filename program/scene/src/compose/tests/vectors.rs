@@ -84,10 +84,18 @@ fn what_does_not_fit_vectors_is_refused_where_it_stands() {
         (piece.as_str(), message.as_str()),
         ("s.w", "unknown name `s.w`")
     );
-    for formula in ["s[0]", "s[0].x"] {
+    for (formula, expected) in [
+        (
+            "s[0]",
+            "its components are s.x, s.y, s.z: write one, such as s.x, or dot(a, b), a number of two vectors, or norm(a)",
+        ),
+        (
+            "s[0].x",
+            "`s` is a family of vectors with the components s.x, s.y, s.z: write s.x[i]",
+        ),
+    ] {
         let scene = unknown.replace("sum(i, s.w[i])", formula);
         let help = refusal(&scene, &format!("initial = {POINT:?}")).help;
-        let expected = "`s` is a family of vectors with the components s.x, s.y, s.z: write s.x[i]";
         assert_eq!(help.as_deref(), Some(expected), "{formula}");
     }
 }
