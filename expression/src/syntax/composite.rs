@@ -117,7 +117,7 @@ impl Composite {
 }
 
 /// a where c > 0, b elsewhere.
-fn choice(c: Expression, a: Expression, b: Expression) -> Expression {
+pub(super) fn choice(c: Expression, a: Expression, b: Expression) -> Expression {
     Expression::Where(Box::new([c, a, b]))
 }
 

@@ -49,6 +49,7 @@ mod vocabulary;
 pub use density::Density;
 pub use error::{SyntaxError, SyntaxErrorKind};
 pub use formula::Formula;
+pub use margin::EQUAL_MARGIN;
 pub use offsets::Offsets;
 pub use parser::{AXES, DEPTH_LIMIT};
 pub use pattern::VariablePattern;
