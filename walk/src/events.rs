@@ -6,21 +6,19 @@ use serde::{Deserialize, Serialize};
 use crate::fault::Fault;
 use crate::step::{Between, CLOSE, LastStep};
 
-/// A condition that ends a walk: left > right or left < right.
+/// A condition that ends a walk, as `q > 1 or t >= 10`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stop {
     /// The condition as it is written.
     pub text: String,
-    /// The side that is to be larger less the other one, a function of the state that is stepped.
+    /// A function of the state that is stepped: positive where the condition holds, negative where it does not.
     pub difference: Expression,
-    /// Whether it holds where both are equal.
-    pub is_closed: bool,
 }
 
 impl Stop {
     /// Whether the condition holds where the difference has this value.
     pub fn holds(&self, difference: f64) -> bool {
-        difference > 0.0 || (self.is_closed && difference == 0.0)
+        difference > 0.0
     }
 }
 

@@ -82,17 +82,28 @@ impl Composite {
         matches!(self, Self::Min | Self::Max)
     }
 
-    /// The formula of its arguments.
+    /// The formula of its arguments. Of many it is that of halves, so that its height is their number's logarithm.
     pub(super) fn formula(self, arguments: Vec<Expression>) -> Expression {
-        let mut arguments = arguments.into_iter().map(Expression::shared);
-        let first = arguments.next().unwrap_or(Expression::Sum(Vec::new()));
-        arguments.next().map_or_else(
-            || self.of_one(&first),
-            |second| {
-                let two = self.of_two(first.clone(), second);
-                arguments.fold(two, |value, next| self.of_two(value.shared(), next))
-            },
-        )
+        let mut values: Vec<Expression> = arguments.into_iter().map(Expression::shared).collect();
+        if let [one] = &values[..] {
+            return self.of_one(one);
+        }
+        while values.len() > 2 {
+            let mut next = Vec::with_capacity(values.len().div_ceil(2));
+            let mut pairs = values.into_iter();
+            while let Some(first) = pairs.next() {
+                next.push(match pairs.next() {
+                    Some(second) => self.of_two(first, second).shared(),
+                    None => first,
+                });
+            }
+            values = next;
+        }
+        let mut pair = values.into_iter();
+        match (pair.next(), pair.next()) {
+            (Some(first), Some(second)) => self.of_two(first, second),
+            _ => Expression::Sum(Vec::new()),
+        }
     }
 
     fn of_two(self, x: Expression, y: Expression) -> Expression {
@@ -117,7 +128,7 @@ impl Composite {
 }
 
 /// a where c > 0, b elsewhere.
-fn choice(c: Expression, a: Expression, b: Expression) -> Expression {
+pub(super) fn choice(c: Expression, a: Expression, b: Expression) -> Expression {
     Expression::Where(Box::new([c, a, b]))
 }
 

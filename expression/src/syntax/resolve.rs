@@ -1,6 +1,6 @@
 //! From a formula to an exact expression at one site.
 
-use super::composite::compared;
+use super::composite::{choice, compared};
 use super::error::{SyntaxError, SyntaxErrorKind};
 use super::formula::Formula;
 use super::scope::{At, Bound, Place, Scope, find};
@@ -13,6 +13,9 @@ use crate::rational::Rational;
 
 /// The greatest magnitude of a constant exponent of an expression.
 pub const POWER_LIMIT: i64 = 1000;
+
+/// The most conditions joined by one word whose choice is that of the first with the others within.
+const NESTED_PARTS: usize = 64;
 
 /// The greatest number of terms to which the sums of one formula may expand, together.
 pub const TERM_LIMIT: usize = 1 << 20;
@@ -171,6 +174,15 @@ impl<'a> Resolver<'a> {
                 let y = self.expression(&pair[1], bound)?;
                 Ok(compared(*relation, [x, y], a, b))
             }
+            // Of many parts the number of those that decide is compared with 0, so that no value lies as deep as they are many.
+            Kind::Or(parts) if parts.len() > NESTED_PARTS => {
+                let holding = self.deciding(parts, [1, 0], bound)?;
+                Ok(choice(holding, a, b))
+            }
+            Kind::And(parts) if parts.len() > NESTED_PARTS => {
+                let failing = self.deciding(parts, [0, 1], bound)?;
+                Ok(choice(failing, b, a))
+            }
             // Each part takes both values: they are shared.
             Kind::Or(parts) => parts
                 .iter()
@@ -183,6 +195,18 @@ impl<'a> Resolver<'a> {
             Kind::Not(part) => self.choice(part, b, a, bound),
             _ => self.expression(condition, bound),
         }
+    }
+
+    /// The sum over conditions of the first number where one holds, else of the second.
+    fn deciding(
+        &mut self,
+        parts: &[Node],
+        [holds, fails]: [i32; 2],
+        bound: Option<&Bound<'_>>,
+    ) -> Result<Expression, Stop> {
+        let count = |part| self.choice(part, holds.into(), fails.into(), bound);
+        let counts = parts.iter().map(count);
+        counts.collect::<Result<_, _>>().map(Expression::Sum)
     }
 
     fn length(&self, span: Span) -> Result<Expression, Stop> {

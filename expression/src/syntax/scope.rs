@@ -377,9 +377,9 @@ impl Scope {
         bind(names, &values, level, None, then)
     }
 
-    /// Entry of the scope under the name at `span` of `text`.
-    pub(super) fn entry(&self, text: &str, span: Span) -> Result<Entry, SyntaxError> {
-        let name = span.of(text);
+    /// Entry of the scope under the name of a reference.
+    pub(super) fn entry(&self, text: &str, reference: &Reference) -> Result<Entry, SyntaxError> {
+        let (name, span) = (reference.name.of(text), reference.shown);
         self.entries.get(name).copied().ok_or_else(|| {
             let known = self.names.iter().map(String::as_str).chain([PI, LENGTH]);
             let kind = SyntaxErrorKind::UnknownName {
@@ -456,10 +456,7 @@ impl Scope {
         bound: Option<&Bound<'_>>,
     ) -> Result<Place, SyntaxError> {
         let name = || reference.name.of(text).to_owned();
-        let (entry, is_single) = (
-            self.entry(text, reference.name)?,
-            reference.sites.is_empty(),
-        );
+        let (entry, is_single) = (self.entry(text, reference)?, reference.sites.is_empty());
         let (offset, shape) = match (entry, is_single) {
             (Entry::Variable(index), true) => return Ok(Place::Variable(index)),
             (Entry::Parameter(index), true) => return Ok(Place::Parameter(index)),

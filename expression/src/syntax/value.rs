@@ -210,7 +210,7 @@ impl Evaluator<'_> {
             return Ok(index.value as f64);
         }
         let span = reference.span();
-        let kind = match self.scope.entry(self.text, reference.name)? {
+        let kind = match self.scope.entry(self.text, reference)? {
             Entry::Parameter(_) | Entry::Definition(_) if !reference.sites.is_empty() => {
                 SyntaxErrorKind::NotAFamily {
                     name: name.to_owned(),

@@ -16,8 +16,11 @@ const NORM: &str = "norm";
 /// a × b.
 const CROSS: &str = "cross";
 
-/// The names of the functions of vectors.
-pub(super) const NAMES: [&str; 3] = [DOT, NORM, CROSS];
+/// Names of the functions of vectors, a·b, |a| and a × b.
+pub const VECTOR_FUNCTIONS: [&str; 3] = [DOT, NORM, CROSS];
+
+/// The most parts of a formula that calls of functions of vectors, products and quotients are written out in, together.
+pub const PART_LIMIT: usize = 1 << 18;
 
 /// A vector that formulas may name.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -60,7 +63,7 @@ impl Expander<'_> {
     fn has_vectors(&self, node: &Node) -> bool {
         let own = match &node.kind {
             Kind::Reference(reference) => self.vector_of(reference).is_some(),
-            Kind::Lookup(name, _) => NAMES.contains(&name.of(&self.text)),
+            Kind::Lookup(name, _) => VECTOR_FUNCTIONS.contains(&name.of(&self.text)),
             _ => false,
         };
         own || node
@@ -94,7 +97,7 @@ impl Expander<'_> {
             Kind::Reference(reference) if self.vector_of(reference).is_some() => {
                 Err(self.no_number(of))
             }
-            Kind::Lookup(name, arguments) if NAMES.contains(&name.of(&self.text)) => {
+            Kind::Lookup(name, arguments) if VECTOR_FUNCTIONS.contains(&name.of(&self.text)) => {
                 let called = name.of(&self.text).to_owned();
                 let count = if called == NORM { 1 } else { 2 };
                 if arguments.len() != count {

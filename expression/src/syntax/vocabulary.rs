@@ -1,7 +1,7 @@
 //! The names that formulas have by themselves.
 
 use super::composite::Composite;
-use super::vectors::NAMES;
+use super::vectors::VECTOR_FUNCTIONS;
 use crate::expression::Function;
 
 pub(super) const PI: &str = "pi";
@@ -17,5 +17,7 @@ pub(super) fn is_reserved(name: &str) -> bool {
 /// Every name that a parenthesis may follow.
 pub fn function_names() -> impl Iterator<Item = &'static str> {
     let functions = Function::NAMES.into_iter().chain(Composite::names());
-    functions.chain(NAMES).chain([IF, SUM, DERIVATIVE])
+    functions
+        .chain(VECTOR_FUNCTIONS)
+        .chain([IF, SUM, DERIVATIVE])
 }

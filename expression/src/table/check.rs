@@ -52,26 +52,5 @@ pub(super) fn check(axes: &[TableAxis], degree: u8, numbers: &[f64]) -> Result<(
         }
         return Err(TableError::NotFinite { node, value });
     }
-    check_periods(axes, &shape, numbers)
-}
-
-/// Numbers at the end of a period are those at its beginning, and stand there alone.
-fn check_periods(axes: &[TableAxis], shape: &[usize], numbers: &[f64]) -> Result<(), TableError> {
-    let largest = numbers.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-    for (at, axis) in axes.iter().enumerate().filter(|(_, axis)| axis.is_periodic) {
-        let inner: usize = shape[at + 1..].iter().product();
-        let layer = |i: usize| {
-            let is_in = move |place: &usize| place / inner % shape[at] == i;
-            (0..numbers.len()).filter(is_in).map(|place| numbers[place])
-        };
-        let is_same = |i: usize| {
-            let mut pairs = layer(0).zip(layer(i));
-            pairs.all(|(a, b)| (a - b).abs() <= 1e-12 * largest)
-        };
-        if is_same(shape[at] - 1) && !is_same(1) {
-            let name = axis.name.clone();
-            return Err(TableError::Repeated { name });
-        }
-    }
     Ok(())
 }

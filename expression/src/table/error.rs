@@ -63,15 +63,6 @@ pub enum TableError {
         /// The value.
         value: f64,
     },
-    /// A period whose first nodes stand at its end again.
-    #[error(
-        "the values at the last node along the periodic axis {name} are those at the first: leave the last node out, its place is \
-         the end of the period"
-    )]
-    Repeated {
-        /// The axis.
-        name: String,
-    },
     /// More coefficients than are kept in memory.
     #[error("a table of {count} coefficients is larger than 2^26: take fewer nodes")]
     TooLarge {

@@ -272,3 +272,31 @@ fn what_is_wrong_with_a_choice_or_a_derivative_is_said() {
         10.0
     );
 }
+
+/// Thousands of arguments and conditions lie a logarithm deep: nothing that walks the formula runs out of stack.
+#[test]
+fn many_arguments_and_conditions_are_not_as_deep_as_they_are_many() {
+    let count = 20_000_i32;
+    let arguments: Vec<String> = (0..count).map(|i| format!("x - {i}")).collect();
+    let joined = |word: &str| {
+        let parts: Vec<String> = (0..count).map(|i| format!("x > {i} + y")).collect();
+        format!("if({}, 1, 0)", parts.join(word))
+    };
+    for (text, expected) in [
+        (
+            format!("min({})", arguments.join(", ")),
+            3.0 - f64::from(count),
+        ),
+        (format!("max({})", arguments.join(", ")), 2.0),
+        (joined(" or "), 1.0),
+        (joined(" and "), 0.0),
+    ] {
+        let formula = resolve(&text);
+        assert!(formula.height() < 100, "{}", formula.height());
+        assert_eq!(formula.evaluate(&POINT, &[]), expected);
+    }
+    let all: Vec<String> = (0..100).map(|i| format!("x > y - {i}")).collect();
+    assert_eq!(value(&format!("if({}, z, x)", all.join(" and "))), 5.0);
+    assert_eq!(value(&format!("if({}, z, x)", all.join(" or "))), 5.0);
+    assert_eq!(value(&format!("if(not ({}), z, x)", all.join(" or "))), 2.0);
+}

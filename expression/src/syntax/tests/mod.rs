@@ -4,6 +4,7 @@ mod definitions;
 mod edges;
 mod families;
 mod grammar;
+mod margins;
 mod properties;
 mod refusals;
 mod seams;

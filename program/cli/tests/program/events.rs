@@ -223,7 +223,7 @@ fn what_is_no_condition_is_refused_where_it_stands() {
         ),
         (
             "q == 1",
-            "`q == 1` holds at single points, which steps pass over",
+            "`q == 1` asks for single points, which steps pass over",
         ),
         ("q < -1 or not", "the formula ends where"),
         ("(q < -1", "the formula ends where"),

@@ -1,7 +1,7 @@
 //! Events that a run watches between its steps: the stop that ends it, and the section that it is recorded on.
 
 use leafwise_expression::Expression;
-use leafwise_expression::syntax::{Formula, Scope, SyntaxErrorKind};
+use leafwise_expression::syntax::{EQUAL_MARGIN, Formula, Scope, SyntaxErrorKind};
 use leafwise_walk::{Direction, Section, Stop};
 
 use super::Refusal;
@@ -28,14 +28,10 @@ pub struct Events {
 pub(super) fn events(document: &SceneDocument, scope: &Scope) -> Result<Events, Refusal> {
     let run = &document.run;
     let stop = match &run.stop {
-        Some(text) => {
-            let (difference, is_closed) = margin(document, scope, text)?;
-            Some(Stop {
-                text: text.value.trim().to_owned(),
-                difference,
-                is_closed,
-            })
-        }
+        Some(text) => Some(Stop {
+            text: text.value.trim().to_owned(),
+            difference: margin(document, scope, text)?,
+        }),
         None => None,
     };
     let section = match &run.section {
@@ -159,12 +155,12 @@ pub(super) fn check_axes(
     Ok(())
 }
 
-/// A condition as `if` takes it, as a number that is positive where it holds, and whether it holds where that is 0.
+/// A condition as `if` takes it, as a number that is positive where it holds and negative elsewhere.
 fn margin(
     document: &SceneDocument,
     scope: &Scope,
     text: &Located<String>,
-) -> Result<(Expression, bool), Refusal> {
+) -> Result<Expression, Refusal> {
     const EXAMPLE: &str =
         "write when the run is to end, as \"q1^2 + q2^2 > 1\", or with `and`, `or` and `not`";
     let whole = text.value.trim();
@@ -188,16 +184,16 @@ fn margin(
         return Err(refuse(
             document,
             text,
-            format!("`{whole}` holds at single points, which steps pass over"),
+            format!("`{whole}` asks for single points, which steps pass over"),
             "no end",
             "compare by <, <=, > or >=; `section` finds where both sides are equal",
         ));
     }
-    let (margin, is_closed) = condition
+    let margin = condition
         .margin(scope)
         .map_err(|error| refusal(document, text, &error))?;
     check_code(document, text, &margin)?;
-    Ok((margin, is_closed))
+    Ok(margin)
 }
 
 /// Left − right of a surface.
@@ -275,6 +271,7 @@ fn moves(
     let why = if difference.variables().is_empty() {
         "no coordinate and no time stands in it"
     } else {
+        let is_equal = |difference: f64| difference.abs() <= EQUAL_MARGIN;
         // Near and far, on both sides.
         let scales = [1.0, -1.0, 1e3, -1e3, 1e6];
         let is_zero = |scale: &f64| {
@@ -282,9 +279,9 @@ fn moves(
             let state: Vec<f64> = moved
                 .map(|(x, at)| x + scale * libm::sin(f64::from(at)))
                 .collect();
-            difference.evaluate(&state, parameters) == 0.0
+            is_equal(difference.evaluate(&state, parameters))
         };
-        if difference.evaluate(initial, parameters) != 0.0 || !scales.iter().all(is_zero) {
+        if !is_equal(difference.evaluate(initial, parameters)) || !scales.iter().all(is_zero) {
             return Ok(());
         }
         "both sides are the same wherever the motion is"

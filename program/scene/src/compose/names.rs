@@ -3,7 +3,7 @@
 use leafwise_core::BuildError;
 use leafwise_core::lattice::LatticeGeometry;
 use leafwise_expression::syntax::{
-    Boundary, Formula, Scope, SyntaxError, SyntaxErrorKind, function_names,
+    Boundary, Formula, Scope, SyntaxError, SyntaxErrorKind, VECTOR_FUNCTIONS, function_names,
 };
 use leafwise_expression::{AlgebraError, Expression, Graph, Rational};
 
@@ -73,8 +73,25 @@ pub(super) fn check_names(document: &SceneDocument) -> Result<(), Refusal> {
         .chain(system.families.iter().map(|(name, _)| name))
         .chain(system.parameters.iter().map(|(name, _)| name))
         .chain(system.define.iter().map(|(name, _)| name));
-    for name in declared {
+    for name in declared.clone() {
         Scope::check_name(&name.value).map_err(|error| refusal(document, name, &error))?;
+    }
+    // Where there are vectors, formulas call functions of them.
+    let vectors = system.vectors.iter().chain(&system.variable_vectors);
+    let mut vectors = vectors.map(|vector| &vector.name).peekable();
+    if vectors.peek().is_some() {
+        for name in declared.chain(vectors) {
+            if VECTOR_FUNCTIONS.contains(&name.value.as_str()) {
+                let error = SyntaxError {
+                    span: 0..name.value.len(),
+                    kind: SyntaxErrorKind::ReservedName {
+                        name: name.value.clone(),
+                    },
+                    suggestion: None,
+                };
+                return Err(refusal(document, name, &error));
+            }
+        }
     }
     for (name, _) in &system.tables {
         Scope::check_table_name(&name.value).map_err(|error| refusal(document, name, &error))?;

@@ -65,14 +65,17 @@ fn leads_to_time<'a>(
         })
 }
 
-/// Whether a variable, family, parameter or definition is called t.
+/// Whether a variable, vector, family, parameter or definition is called t.
 pub(super) fn declares_time(document: &SceneDocument) -> bool {
     let system = &document.system;
     let variables = system.variables.iter();
     let families = system.families.iter().map(|(name, _)| name);
     let parameters = system.parameters.iter().map(|(name, _)| name);
     let defined = system.define.iter().map(|(name, _)| name);
-    let mut declared = variables.chain(families).chain(parameters).chain(defined);
+    let vectors = system.vectors.iter().chain(&system.variable_vectors);
+    let vectors = vectors.map(|vector| &vector.name);
+    let declared = variables.chain(families).chain(parameters);
+    let mut declared = declared.chain(defined).chain(vectors);
     declared.any(|name| name.value == TIME)
 }
 

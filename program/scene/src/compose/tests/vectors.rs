@@ -145,3 +145,34 @@ fn the_reader_names_what_is_wrong_with_a_family() {
         assert!(found.contains(&expected), "{family}: {found:?}");
     }
 }
+
+/// Beside vectors `norm` is the length of one and cannot be the name of anything else; without any it may.
+#[test]
+fn functions_of_vectors_are_no_names_beside_vectors() {
+    for name in ["norm", "dot", "cross"] {
+        let scene = format!(
+            "{SPINS}parameters = {{ {name} = 2 }}\nhamiltonian = \"sum(i, {name}*s.x[i])\"\nbracket = {{ lie-algebra = \"so3\" }}"
+        );
+        let (piece, message) = refused(&scene);
+        assert_eq!(piece, name);
+        assert!(message.contains("reserved"), "{message}");
+        let alone = format!(
+            "variables = [\"q\", \"p\"]\nparameters = {{ {name} = 2 }}\nhamiltonian = \"p^2 + {name}*q\"\n\
+             bracket = {{ \"q,p\" = \"1\" }}"
+        );
+        assert_eq!(entries(&alone, &[0.0, 1.0]).len(), 1);
+    }
+}
+
+/// A vector called t hides the time, as a variable does.
+#[test]
+fn a_vector_may_be_called_t() {
+    let of = |name: &str| {
+        let scene = format!(
+            "variables = {{ {name} = [\"x\", \"y\", \"z\"] }}\nhamiltonian = \"dot({name}, {name})/2 + {name}.x\"\n\
+             bracket = {{ lie-algebra = \"so3\" }}"
+        );
+        entries(&scene, &[0.5, 0.25, -0.75])
+    };
+    assert_eq!(of("t"), of("s"));
+}
