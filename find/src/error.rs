@@ -24,6 +24,14 @@ pub enum FindError {
         /// The reason.
         error: AlgebraError,
     },
+    /// Functions in pieces, of which only the pieces are integrated: what is found might jump between them.
+    #[error(
+        "the equation {variable}' = … is in pieces, by `if`, `abs`, `min`, `max`, `mod` or `floor`: look for the bracket of each piece"
+    )]
+    Pieces {
+        /// The variable whose derivative it is.
+        variable: String,
+    },
     /// A computation past a limit of the exact algebra.
     #[error("the search ends: {0}")]
     Algebra(#[from] AlgebraError),

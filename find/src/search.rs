@@ -37,6 +37,11 @@ pub struct Options {
 /// # Errors
 /// [`FindError`] for an equation that the exact algebra cannot read, and past limits.
 pub fn find(equations: &Equations, options: Options) -> Result<Report, FindError> {
+    let mut named = equations.variables().iter().zip(equations.field());
+    if let Some((variable, _)) = named.find(|(_, formula)| formula.has_seams()) {
+        let variable = variable.clone();
+        return Err(FindError::Pieces { variable });
+    }
     let mut report = Report {
         bracket: None,
         refused: Vec::new(),

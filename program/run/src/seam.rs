@@ -7,8 +7,8 @@ use leafwise_scene::compose::ComposedRun;
 /// Parts of a step after which it is asked in which piece the state is.
 const PARTS: [f64; 6] = [0.125, 0.25, 0.5, 0.75, 1.0, 1.5];
 
-/// The formula, as written, that decides of the piece of H, the tensor or the forces and changes in a step from a state along the
-/// field; `None` where none does.
+/// The formula, as written, that decides of the piece of H, the tensor or the forces. It changes its sign in a step from a state
+/// along the field; `None` where none does.
 pub(crate) fn crossed(run: &ComposedRun, state: &[f64]) -> Option<String> {
     let system = run.in_time().ok()?;
     let formulas = system.expressions()?;

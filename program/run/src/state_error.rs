@@ -3,8 +3,8 @@
 //! A method of order m errs by C tᵐ, so that |x_t − x_{t/2}| is 1 − 2⁻ᵐ of the error of the first pass. The energy does not
 //! show it: an orbit may keep its energy and lag behind in phase.
 
-use leafwise_core::Walk;
 use leafwise_core::solver::judge::larger;
+use leafwise_core::{SystemFormulas, Walk};
 use leafwise_scene::compose::ComposedRun;
 use serde::Serialize;
 use thiserror::Error;
@@ -42,6 +42,11 @@ pub enum NoStateError {
         "with a pace steps of another length end at other times: compare with `leafwise compare`"
     )]
     Pace,
+    /// The formulas are smooth in pieces.
+    #[error(
+        "steps across the seams of functions in pieces err alike in both passes: run it with other steps, and compare"
+    )]
+    Seams,
     /// The method has no order.
     #[error(
         "a tolerance sets this method's error: run it with a tenth of the tolerance, and compare"
@@ -74,11 +79,21 @@ impl StateError {
         is_interrupted: &dyn Fn() -> bool,
     ) -> Result<Self, NoStateError> {
         let order = run.method.declared_order();
+        let names = run.plan.parts.iter().flat_map(|part| &part.parameters);
+        let has_tolerance = names.map(|(name, _)| *name).any(|name| name == "tolerance");
         match (run.method.noise(), run.pace(), order) {
             (Some(_), ..) => return Err(NoStateError::Noise),
             (_, Some(_), _) => return Err(NoStateError::Pace),
             (.., 0) => return Err(NoStateError::NoOrder),
+            _ if has_tolerance => return Err(NoStateError::NoOrder),
             _ => {}
+        }
+        if run
+            .system
+            .expressions()
+            .is_some_and(SystemFormulas::has_seams)
+        {
+            return Err(NoStateError::Seams);
         }
         let parameters = run.system.parameter_values();
         let (epsilon, h, initial) = (run.plan.epsilon, run.plan.h, &run.plan.initial);

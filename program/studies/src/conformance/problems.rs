@@ -18,8 +18,8 @@ const LIBRARY: [&str; 5] = [
     "heavy-top",
 ];
 
-/// Canonical systems, a pendulum and Hénon and Heiles', a spin that drives an oscillator, a direct sum, two spins with
-/// exchange, and a body with damping and a force, for parts that take them.
+/// Canonical systems, a pendulum and Hénon and Heiles', and a spin that drives an oscillator, a direct sum. Two spins with
+/// exchange, and a body with damping and a force are for parts that take them.
 const WRITTEN: [(&str, &str); 5] = [
     (
         "pendulum",

@@ -27,7 +27,31 @@ pub(super) const CASES: [Case; 2] = [
 ];
 
 /// Scenes that between them hold every key of [`scene_keys`].
-pub const SCENES_WITH_EVERY_KEY: [&str; 22] = [
+pub const SCENES_WITH_EVERY_KEY: [&str; 24] = [
+    r#"
+    [system]
+    variables   = ["x", "v"]
+    bracket     = { canonical = [["x", "v"]] }
+    hamiltonian = "v^2/2 + x^2/2"
+    [method]
+    realization = "auto"
+    dynamics    = "auto"
+    time-step   = 0.1
+    [run]
+    initial = [1, 0.5]
+    steps   = 10
+    "#,
+    r#"
+    [system]
+    library = "attitude"
+    torque  = { body = [0.1, 0, 0], space = [0, 0, 0.2] }
+    [method]
+    realization = "auto"
+    time-step   = 0.1
+    [run]
+    initial = [1.0, 1.5, -0.7, 1.0, 0.0, 0.0, 0.0]
+    steps   = 10
+    "#,
     r#"
     [system]
     parameters = { a = 1.5 }
