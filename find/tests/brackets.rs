@@ -641,10 +641,7 @@ fn equations_that_cannot_be_searched_are_refused_with_the_reason() {
 /// that of a linear part.
 #[test]
 fn an_equilibrium_on_a_seam_is_no_certificate() {
-    for (text, is_excluded) in [
-        ("-x + 2*abs(x)", false),
-        ("-3*x + 2*abs(x + 1) - 2", true),
-    ] {
+    for (text, is_excluded) in [("-x + 2*abs(x)", false), ("-3*x + 2*abs(x + 1) - 2", true)] {
         let report = search(&equations(&[("x", text)], &[]));
         let never = &report.never;
         assert_eq!(never.is_some(), is_excluded, "{text}: {never:?}");
