@@ -23,10 +23,19 @@ pub(crate) fn never(
     for f in &f {
         slopes.push(field.ring.gradient(f)?);
     }
+    let mut seams = Vec::new();
+    for f in &f {
+        seams.extend(field.ring.seams(f));
+    }
     for point in points {
         let at = |f: &Polynomial| value(&field.ring, f, &point);
         let values: Option<Vec<Rational>> = f.iter().map(at).collect();
         if values.is_none_or(|values| values.iter().any(|v| !v.is_zero())) {
+            continue;
+        }
+        // There f has no slopes.
+        let is_off = |seam: &Polynomial| at(seam).is_some_and(|v| !v.is_zero());
+        if !seams.iter().all(is_off) {
             continue;
         }
         let rows = slopes.iter().map(|row| row.iter().map(at).collect());

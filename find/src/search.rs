@@ -50,14 +50,9 @@ pub fn find(equations: &Equations, options: Options) -> Result<Report, FindError
         never: None,
     };
     if !equations.parameters().is_empty() {
-        let mut field = RingField::of(equations)?;
-        for kind in [Kind::Constant, Kind::LogCanonical] {
-            if let Attempt::Found(candidate) = constant(&mut field, kind)?
-                && let Some(bracket) = proved(equations, &mut field, &candidate, true, options)?
-            {
-                report.bracket = Some(bracket);
-                return Ok(report);
-            }
+        report.bracket = within_limits(for_all_parameters(equations, options))?.flatten();
+        if report.bracket.is_some() {
+            return Ok(report);
         }
     }
     let numbers = equations.with_numbers();
@@ -102,6 +97,30 @@ pub fn find(equations: &Equations, options: Options) -> Result<Report, FindError
     }
     report.never = never(&mut field, equations.variables())?;
     Ok(report)
+}
+
+/// A constant or log-canonical bracket with the parameters as names.
+fn for_all_parameters(
+    equations: &Equations,
+    options: Options,
+) -> Result<Option<FoundBracket>, FindError> {
+    let mut field = RingField::of(equations)?;
+    for kind in [Kind::Constant, Kind::LogCanonical] {
+        if let Attempt::Found(candidate) = constant(&mut field, kind)?
+            && let Some(bracket) = proved(equations, &mut field, &candidate, true, options)?
+        {
+            return Ok(Some(bracket));
+        }
+    }
+    Ok(None)
+}
+
+/// A result that the search can do without: `None` where the exact algebra cannot form it.
+fn within_limits<T>(result: Result<T, FindError>) -> Result<Option<T>, FindError> {
+    match result {
+        Err(FindError::Algebra(_) | FindError::Equation { .. }) => Ok(None),
+        result => result.map(Some),
+    }
 }
 
 /// Integrals of this degree. Where none is asked for, of the largest degree up to it that is within the limits.
@@ -184,7 +203,7 @@ fn proved(
     }
     let mut casimirs = candidate.casimirs;
     if casimirs.is_empty() {
-        casimirs = casimirs_within(&alone, options)?;
+        casimirs = within_limits(casimirs_within(&alone, options))?.unwrap_or_default();
     }
     let named = casimirs.iter().enumerate().map(|(at, expression)| Casimir {
         name: casimir_name(at, casimirs.len(), equations),

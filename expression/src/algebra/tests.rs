@@ -451,6 +451,8 @@ fn random_formula() -> impl Strategy<Value = Expression> {
             3 => (boxed.clone(), boxed.clone()).prop_map(|(a, b)| Expression::Quotient(a, b)),
             3 => (boxed.clone(), exponent).prop_map(|(a, e)| Expression::Power(a, Box::new(e))),
             2 => (0..Function::ALL.len(), boxed).prop_map(|(f, a)| Expression::Apply(Function::ALL[f], a)),
+            1 => (0..Binary::ALL.len(), inner.clone(), inner.clone())
+                .prop_map(|(f, a, b)| Expression::Binary(Binary::ALL[f].1, Box::new([a, b]))),
             1 => (inner.clone(), inner.clone(), inner).prop_map(|(c, a, b)| Expression::Where(Box::new([c, a, b]))),
         ]
     })

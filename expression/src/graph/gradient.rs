@@ -129,7 +129,9 @@ impl Graph {
             Operation::Lookup(lookup, point) => {
                 let mut slopes = Vec::with_capacity(point.len());
                 for (axis, at) in point.iter().enumerate() {
-                    slopes.push((*at, self.slope_along(lookup, axis, &point)?));
+                    if self.tier(*at) >= lowest {
+                        slopes.push((*at, self.slope_along(lookup, axis, &point)?));
+                    }
                 }
                 slopes
             }

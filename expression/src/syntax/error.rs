@@ -297,6 +297,14 @@ pub enum SyntaxErrorKind {
         /// The greatest number of terms.
         limit: usize,
     },
+    /// Vectors that are written out in more than [`PART_LIMIT`](super::PART_LIMIT) parts.
+    #[error(
+        "the components of this have more than {limit} parts: name the numbers in it, norms and products, by `define`"
+    )]
+    TooManyParts {
+        /// The greatest number of parts.
+        limit: usize,
+    },
     /// A lattice's function that is not one term a site.
     #[error("this is no combination of sums over sites, such as `sum(i, x[i]^2)/2`")]
     NotASumOverSites,

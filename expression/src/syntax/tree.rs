@@ -92,6 +92,12 @@ impl Node {
         matches!(self.kind, Kind::SumOver { .. }) || self.kind.children().iter().any(Self::has_sum)
     }
 
+    /// How many nodes it has, with itself.
+    pub(super) fn parts(&self) -> usize {
+        let below = self.kind.children().iter().map(|child| child.parts());
+        1 + below.sum::<usize>()
+    }
+
     /// The axes along which members of families are counted by `index`, in the order of the text.
     pub(super) fn axes_of(&self, text: &str, index: &str, axes: &mut Vec<usize>) {
         if let Kind::Reference(reference) = &self.kind {

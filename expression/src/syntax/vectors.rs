@@ -36,12 +36,13 @@ impl Formula {
     ///
     /// # Errors
     /// [`SyntaxError`] where a vector stands for a number, or a number for a vector, where two have other numbers of components, and of
-    /// [`DEPTH_LIMIT`](super::DEPTH_LIMIT).
+    /// [`DEPTH_LIMIT`](super::DEPTH_LIMIT) and [`PART_LIMIT`].
     pub fn in_components(self, vectors: &[Vector]) -> Result<Self, SyntaxError> {
         let mut expander = Expander {
             text: self.source().to_owned(),
             vectors,
             places: Vec::new(),
+            parts: 0,
         };
         if !expander.has_vectors(self.root()) {
             return Ok(self);
@@ -57,6 +58,8 @@ struct Expander<'a> {
     vectors: &'a [Vector],
     /// The components whose names stand there: the vector, the component, and the place.
     places: Vec<(usize, usize, Span)>,
+    /// Parts that were made where others are repeated.
+    parts: usize,
 }
 
 impl Expander<'_> {
@@ -114,8 +117,10 @@ impl Expander<'_> {
                 if called == DOT {
                     let second = self.components(&arguments[1])?;
                     check_alike(of.span, &first, &second)?;
+                    self.count(of.span, first.iter().chain(&second))?;
                     return dot(of.span, first, second);
                 }
+                self.count(of.span, first.iter().chain(&first))?;
                 let square = dot(of.span, first.clone(), first)?;
                 node(of.span, Kind::Call(Function::Sqrt, square))
             }
@@ -159,6 +164,7 @@ impl Expander<'_> {
                 };
                 let (a, b) = (self.components(a)?, self.components(b)?);
                 check_alike(of.span, &a, &b)?;
+                self.count(of.span, a.iter().chain(&b).chain(&a).chain(&b))?;
                 cross(of.span, &a, &b)?
             }
             Kind::Negate(operand) => {
@@ -192,6 +198,7 @@ impl Expander<'_> {
                     return Ok(None);
                 };
                 let below = self.number(&pair[1])?;
+                self.count(of.span, parts.iter().map(|_| &*below))?;
                 each(parts, |part| {
                     node(of.span, Kind::Quotient(Box::new([part, (*below).clone()])))
                 })?
@@ -236,6 +243,9 @@ impl Expander<'_> {
         let Some((at, parts)) = found else {
             return Ok(None);
         };
+        for number in &numbers {
+            self.count(span, parts.iter().map(|_| &**number))?;
+        }
         let scaled = each(parts, |part| {
             let mut product: Vec<Node> = numbers.iter().map(|number| (**number).clone()).collect();
             product.insert(at, part);
@@ -276,6 +286,22 @@ impl Expander<'_> {
         let span = Span { start, end };
         self.places.push((vector, component, span));
         span
+    }
+
+    /// Counts the parts of nodes before they are written at their places.
+    fn count<'n>(
+        &mut self,
+        span: Span,
+        nodes: impl Iterator<Item = &'n Node>,
+    ) -> Result<(), Box<SyntaxError>> {
+        self.parts = nodes.fold(self.parts, |parts, node| parts + node.parts());
+        match self.parts <= PART_LIMIT {
+            true => Ok(()),
+            false => {
+                let kind = SyntaxErrorKind::TooManyParts { limit: PART_LIMIT };
+                Err(Box::new(SyntaxError::new(span, kind)))
+            }
+        }
     }
 
     fn no_number(&self, of: &Node) -> Box<SyntaxError> {

@@ -129,3 +129,39 @@ fn errors_of_components_stand_at_their_vector() {
         .expect_err("no site");
     assert_eq!(&text[error.span.clone()], "s");
 }
+
+/// Each level repeats the one below: 2^150 parts are refused before they are made, a few levels are not.
+#[test]
+fn vectors_that_repeat_each_other_have_a_limit() {
+    let nested = |open: &str, close: &str, levels: usize| {
+        let text = format!("norm({}a{})", open.repeat(levels), close.repeat(levels));
+        Formula::parse(&text).and_then(|formula| formula.in_components(&vectors()))
+    };
+    for (open, close, most) in [
+        ("cross(b, ", ")", 10),
+        ("norm(", ")*a", 4),
+        ("a/norm(", ")", 4),
+    ] {
+        let few = nested(open, close, most);
+        assert!(few.is_ok(), "{open}: {few:?}");
+        let error = nested(open, close, 40).expect_err(open);
+        assert!(
+            matches!(error.kind, SyntaxErrorKind::TooManyParts { .. }),
+            "{error}"
+        );
+    }
+}
+
+/// The place of an unknown component is that of its vector, inside of the text.
+#[test]
+fn a_component_without_a_name_in_the_scope_is_told_where_its_vector_stands() {
+    let text = "1 + norm(a)";
+    let formula = Formula::parse(text).and_then(|formula| formula.in_components(&vectors()));
+    let formula = formula.expect("a formula");
+    let resolved = formula.resolve(&Scope::new(), None);
+    let valued = formula.value(&Scope::new(), &[], None);
+    for error in [resolved.map(drop), valued.map(drop)] {
+        let error = error.expect_err("no a.x");
+        assert_eq!(text.get(error.span.clone()), Some("a"), "{error}");
+    }
+}
