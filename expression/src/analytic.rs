@@ -21,11 +21,11 @@ pub struct AnalyticFunction {
 #[derive(Clone, Copy)]
 enum Values {
     /// f⁽ᵏ⁾(s) for each k.
-    OfOrders(fn(u32, f64) -> f64),
+    Orders(fn(u32, f64) -> f64),
     /// A pair and which of the two functions it is, with its derivative.
-    OfPair(&'static FunctionPair, Member, fn() -> Slope),
+    Pair(&'static FunctionPair, Member, fn() -> Slope),
     /// The parts of a table, by their codes in the place of orders.
-    OfTable(TableFunction),
+    Table(TableFunction),
 }
 
 /// f′ = constant + factor·g: the derivative of a function that is expressed by another one, or by itself.
@@ -45,7 +45,7 @@ impl AnalyticFunction {
     pub const fn new(name: &'static str, derivative: fn(u32, f64) -> f64) -> Self {
         Self {
             name,
-            values: Values::OfOrders(derivative),
+            values: Values::Orders(derivative),
         }
     }
 
@@ -57,7 +57,7 @@ impl AnalyticFunction {
     ) -> Self {
         Self {
             name: pair.names[member as usize],
-            values: Values::OfPair(pair, member, slope),
+            values: Values::Pair(pair, member, slope),
         }
     }
 
@@ -65,23 +65,23 @@ impl AnalyticFunction {
     pub(crate) fn of_table(table: TableFunction) -> Self {
         Self {
             name: table.unique_name(),
-            values: Values::OfTable(table),
+            values: Values::Table(table),
         }
     }
 
     /// The pair that it is a member of.
     pub fn pair(&self) -> Option<(&'static FunctionPair, Member)> {
         match self.values {
-            Values::OfOrders(_) | Values::OfTable(_) => None,
-            Values::OfPair(pair, member, _) => Some((pair, member)),
+            Values::Orders(_) | Values::Table(_) => None,
+            Values::Pair(pair, member, _) => Some((pair, member)),
         }
     }
 
     /// Its derivative, where that is expressed by a function again.
     pub(crate) fn slope(&self) -> Option<Slope> {
         match self.values {
-            Values::OfOrders(_) | Values::OfTable(_) => None,
-            Values::OfPair(_, _, slope) => Some(slope()),
+            Values::Orders(_) | Values::Table(_) => None,
+            Values::Pair(_, _, slope) => Some(slope()),
         }
     }
 
@@ -98,16 +98,16 @@ impl AnalyticFunction {
     /// f⁽ᵏ⁾(s).
     pub fn derivative(&self, order: u32, s: f64) -> f64 {
         match self.values {
-            Values::OfOrders(derivative) => derivative(order, s),
-            Values::OfTable(table) => table.part(order, s),
-            Values::OfPair(pair, member, _) if order == 0 => {
+            Values::Orders(derivative) => derivative(order, s),
+            Values::Table(table) => table.part(order, s),
+            Values::Pair(pair, member, _) if order == 0 => {
                 let (f, g) = (pair.values)(s);
                 match member {
                     Member::First => f,
                     Member::Second => g,
                 }
             }
-            Values::OfPair(..) => {
+            Values::Pair(..) => {
                 let mut values = [s];
                 self.derivative_lanes(order, &mut values);
                 values[0]
@@ -118,14 +118,14 @@ impl AnalyticFunction {
     /// Replaces each s by f⁽ᵏ⁾(s), to the bits of [`AnalyticFunction::derivative`].
     pub fn derivative_lanes(&self, order: u32, values: &mut [f64]) {
         match self.values {
-            Values::OfOrders(derivative) => {
+            Values::Orders(derivative) => {
                 values.iter_mut().for_each(|s| *s = derivative(order, *s));
             }
-            Values::OfTable(table) => table.part_lanes(order, values),
-            Values::OfPair(pair, member, _) if order == 0 => {
+            Values::Table(table) => table.part_lanes(order, values),
+            Values::Pair(pair, member, _) if order == 0 => {
                 (pair.lanes_alone[member as usize])(values);
             }
-            Values::OfPair(_, _, slope) => {
+            Values::Pair(_, _, slope) => {
                 let slope = slope();
                 slope.of.derivative_lanes(order - 1, values);
                 let constant = if order == 1 { slope.constant } else { 0 };

@@ -647,3 +647,25 @@ fn an_equilibrium_on_a_seam_is_no_certificate() {
         assert_eq!(never.is_some(), is_excluded, "{text}: {never:?}");
     }
 }
+
+/// Pieces are integrated each for itself, and H would jump between them.
+#[test]
+fn equations_in_pieces_are_not_searched() {
+    for force in [
+        "-if(q < 1, q, 1)",
+        "-abs(q)",
+        "-min(q, 1)",
+        "-floor(q)",
+        "-q + mod(q, 1)",
+    ] {
+        let found = find(
+            &equations(&[("q", "p"), ("p", force)], &[]),
+            Options::default(),
+        );
+        let error = found.expect_err(force);
+        assert!(
+            matches!(&error, FindError::Pieces { variable } if variable == "p"),
+            "{error}"
+        );
+    }
+}

@@ -12,6 +12,16 @@ use crate::table::{Lookup, MOST_AXES, Part, TableFunction};
 /// Axis of an argument: its ends, nodes, period, and the places between coefficients.
 type AxisKey = ([u64; 2], usize, bool, usize);
 
+/// A table, the slots of a place, the orders, and the axis and coefficient that a sum begins with.
+type SumKey = (
+    TableFunction,
+    u32,
+    [u32; MOST_AXES],
+    [u8; MOST_AXES],
+    usize,
+    usize,
+);
+
 /// The slots of what tables are evaluated of.
 #[derive(Default)]
 pub(super) struct LookupSlots {
@@ -24,17 +34,7 @@ pub(super) struct LookupSlots {
     /// Their derivatives of an order.
     weights: FxHashMap<(u32, u8, u8), Vec<u32>>,
     /// Sums over the axes from one on, by their orders and the first coefficient.
-    sums: FxHashMap<
-        (
-            TableFunction,
-            u32,
-            [u32; MOST_AXES],
-            [u8; MOST_AXES],
-            usize,
-            usize,
-        ),
-        u32,
-    >,
+    sums: FxHashMap<SumKey, u32>,
 }
 
 /// A lookup at a point: the slots of its cell's place and of its places in the cell.

@@ -55,5 +55,5 @@ pub use parser::{AXES, DEPTH_LIMIT};
 pub use pattern::VariablePattern;
 pub use resolve::{POWER_LIMIT, TERM_LIMIT};
 pub use scope::{At, Boundary, Scope};
-pub use vectors::{PART_LIMIT, VECTOR_FUNCTIONS, Vector};
-pub use vocabulary::function_names;
+pub use vectors::{PART_LIMIT, Vector};
+pub use vocabulary::{VECTOR_FUNCTIONS, function_names};

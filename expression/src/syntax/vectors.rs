@@ -7,17 +7,8 @@ use super::error::{SyntaxError, SyntaxErrorKind};
 use super::formula::Formula;
 use super::parser::{Parsed, list, node};
 use super::tree::{Kind, Node, Reference, Span};
+use super::vocabulary::{CROSS, DOT, NORM, VECTOR_FUNCTIONS};
 use crate::expression::Function;
-
-/// a·b.
-const DOT: &str = "dot";
-/// |a|.
-const NORM: &str = "norm";
-/// a × b.
-const CROSS: &str = "cross";
-
-/// Names of the functions of vectors, a·b, |a| and a × b.
-pub const VECTOR_FUNCTIONS: [&str; 3] = [DOT, NORM, CROSS];
 
 /// The most parts of a formula that calls of functions of vectors, products and quotients are written out in, together.
 pub const PART_LIMIT: usize = 1 << 18;

@@ -157,7 +157,7 @@ impl TableFunction {
         let below = libm::floor(scaled);
         if is_periodic {
             // Beyond 2⁵² no place in a cell is left.
-            if !(scaled.abs() < 4_503_599_627_370_496.0) {
+            if scaled.is_nan() || scaled.abs() >= 4_503_599_627_370_496.0 {
                 return None;
             }
             let count = count as f64;

@@ -35,8 +35,8 @@ pub(super) fn add_torque(
     dimension: usize,
 ) -> Result<(), Refusal> {
     let at = |name: &&str| moving.iter().position(|known| known == name);
-    let quaternion: Vec<usize> = QUATERNION.iter().filter_map(|name| at(&name)).collect();
-    let momentum: Vec<usize> = MOMENTUM.iter().filter_map(|name| at(&name)).collect();
+    let quaternion: Vec<usize> = QUATERNION.iter().filter_map(&at).collect();
+    let momentum: Vec<usize> = MOMENTUM.iter().filter_map(at).collect();
     let (&[q0, q1, q2, q3], 3) = (&quaternion[..], momentum.len()) else {
         let message = "a torque acts on the attitude of a body, the quaternion q0, q1, q2, q3 beside its momentum m1, m2, m3";
         let help = Some(NO_ATTITUDE.to_owned());

@@ -1,9 +1,5 @@
 //! `bracket = "canonical"`: pairs of a coordinate and its momentum, found by their names or written out.
-
-use super::system_section::Convention;
-
 use super::error::SceneProblemCause;
-use super::families::Families;
 use super::located::{Located, Place};
 use super::reader::{Item, Problems};
 
@@ -40,19 +36,20 @@ pub(super) struct Coordinates {
 }
 
 impl Coordinates {
-    /// Single variables and families of a system.
-    pub fn of(variables: &[Located<String>], families: &Families, convention: Convention) -> Self {
+    /// Single variables, families with the lengths of their axes, and the sign.
+    pub fn of(
+        variables: &[Located<String>],
+        families: &[(Located<String>, Located<Vec<usize>>)],
+        sign: &'static str,
+    ) -> Self {
         let variables = variables
             .iter()
             .map(|name| (name.value.clone(), Vec::new()));
-        let scalars = families.scalars.iter();
-        let scalars = scalars.map(|(name, lengths)| (name.value.clone(), lengths.value.clone()));
+        let families = families.iter();
+        let families = families.map(|(name, lengths)| (name.value.clone(), lengths.value.clone()));
         Self {
-            names: variables.chain(scalars).collect(),
-            sign: match convention {
-                Convention::HamiltonFirst => "-1",
-                Convention::HamiltonSecond => "1",
-            },
+            names: variables.chain(families).collect(),
+            sign,
         }
     }
 

@@ -339,8 +339,11 @@ fn read_inline(
     let names = variables.as_ref().map(|variables| &variables.names[..]);
     let coordinates = Coordinates::of(
         names.unwrap_or_default(),
-        families.as_ref().unwrap_or(&Families::default()),
-        convention.unwrap_or_default(),
+        families.as_ref().map_or(&[], |families| &families.scalars),
+        match convention.unwrap_or_default() {
+            Convention::HamiltonFirst => "-1",
+            Convention::HamiltonSecond => "1",
+        },
     );
     let bracket = table
         .require("bracket", "bracket = { \"x1,x2\" = \"-x3\" }", problems)
