@@ -314,7 +314,8 @@ fn the_error_of_the_states_is_estimated() {
         number(&json["final_state"][0]),
         number(&json["final_state"][1]),
     );
-    let exact = (40.0_f64.cos(), -40.0_f64.sin());
+    // cos 40 and −sin 40.
+    let exact = (-0.666_938_061_652_261_8, -0.745_113_160_479_348_8);
     let error = (q - exact.0).abs().max((p - exact.1).abs());
     let estimate = &json["state_error"];
     assert!(
