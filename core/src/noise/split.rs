@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use crate::solver::{MapAbilities, MapProperties, ProductStepper, StepMap, Stepper};
 
-/// The product of flows of a [split](Noise::Split) step, as a map of systems that have its
-/// [parameters](Noise::parameters).
+/// The product of flows of a [split](super::Noise::Split) step, as a map of systems that have its
+/// [parameters](super::Noise::parameters).
 #[derive(Clone)]
 pub struct SplitNoise {
     /// Those of H alone.
