@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from ._arrays import count, number, table
 from ._commands import command
 from ._scene import Scene
 
@@ -78,12 +79,17 @@ def find(
 
     Raises:
         LeafwiseError: an equation that cannot be read, or a degree with too many coefficients.
+        TypeError, ValueError: an argument is none.
     """
-    arguments = [part for name, formula in equations.items() for part in ("-e", f"{name}={formula}")]
-    for name, value in (parameters or {}).items():
-        arguments += ["-p", f"{name}={json.dumps(value)}"]
+    arguments: list[str] = []
+    for name, formula in table("equations", equations).items():
+        if not isinstance(formula, str):
+            raise TypeError(f"equations[{name!r}] is of {type(formula).__name__}: give the formula of {name}' as text")
+        arguments += ["-e", f"{name}={formula}"]
+    for name, value in table("parameters", parameters).items():
+        arguments += ["-p", f"{name}={json.dumps(number(f'parameters[{name!r}]', value))}"]
     if degree is not None:
-        arguments += ["--degree", str(int(degree))]
+        arguments += ["--degree", str(count("degree", degree, 1))]
     report: dict[str, Any] = command("find", *arguments, accept=_ANSWERS)
     del report["outcome"]
     return Found(**report)

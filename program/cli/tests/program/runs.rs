@@ -355,7 +355,8 @@ fn the_error_of_the_states_is_estimated() {
         none.says(&["not estimated: a tolerance sets this method's error"]);
     }
     let pieces = "system.hamiltonian=p^2/2 + max(0, abs(q) - 1)";
-    let none = here.leafwise(&["run", "scene.toml", "--error", "--force", "--set", pieces]);
+    let pieces = ["--set", pieces, "--set", "method.stepper=splitting"];
+    let none = here.leafwise(&[&["run", "scene.toml", "--error", "--force"], &pieces[..]].concat());
     assert_eq!(none.code, Some(0), "{}", none.err);
     none.says(&["not estimated: steps across the seams"]);
 }
