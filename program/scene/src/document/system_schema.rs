@@ -272,8 +272,8 @@ pub(super) static NOISE: [Key; 2] = [
 const VECTOR: Shape = Shape::List(&Shape::Formula);
 
 pub(super) static TORQUE: [Key; 2] = [
-    key("body", VECTOR, "Its components in the body"),
-    key("space", VECTOR, "Its components in space, which are added"),
+    key("body", VECTOR, "Its components in the body").otherwise("none"),
+    key("space", VECTOR, "Its components in space, which are added").otherwise("none"),
 ];
 
 pub(super) static DAMPING: [Key; 2] = [
