@@ -1,15 +1,15 @@
 //! The damped precession of one spin in a field that does not move, in closed form.
 //!
-//! With g = ∂H/∂s at rest, {s1,s2} = −κ s3 and the damping λ a of a spin s,
+//! With g = ∂H/∂s at rest, {s1,s2} = −κ s3 and the damping λ a of a spin s the motion is
 //!
-//!     ds/dt = κ g × s + λ a κ² (g × s) × s.
+//! - ds/dt = κ g × s + λ a κ² (g × s) × s.
 //!
 //! S = |s| is constant. The spin turns about g by the angle κ t |g|. The part z = s·g/|g| obeys
 //! dz/dt = −λ a κ² |g| (S² − z²), whose solution is a hyperbolic tangent. With q = κ t g, b = λ a κ, n = |q| and N = |b| S n
 //! this is
 //!
-//!     s(t) = (R s + q ((q·s) (cosh N − 1)/n² − b S² sinh N/N)) / (1 + E),
-//!     E    = cosh N − 1 − b (q·s) sinh N/N,
+//! - s(t) = (R s + q ((q·s) (cosh N − 1)/n² − b S² sinh N/N)) / (1 + E),
+//! - E = cosh N − 1 − b (q·s) sinh N/N,
 //!
 //! where R turns by q. Everything is even in n and N: nothing is divided by a field.
 
