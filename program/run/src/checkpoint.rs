@@ -1,5 +1,6 @@
 //! Everything later steps depend on, in one file that is replaced atomically.
 
+#[cfg(test)]
 use std::path::Path;
 
 use leafwise_core::SolverStatistics;
@@ -14,11 +15,14 @@ use super::sealed::Format;
 use super::snapshots::Snapshots;
 use super::watch::Watch;
 use crate::CHECKPOINT;
+use crate::job::Folder;
+#[cfg(test)]
+use crate::job::SceneDigest;
 
 /// Format of the checkpoint of a run: the name of its content, and its number.
 const FORMAT: Format = Format {
     name: b"leafwis",
-    number: b'D',
+    number: b'E',
 };
 
 /// A run between two steps. Another field, order or type is another format.
@@ -62,21 +66,28 @@ pub(super) struct Checkpoint {
 
 impl Checkpoint {
     /// Writes the checkpoint of a directory.
-    pub fn write(&self, directory: &Path) -> Result<(), RunError> {
-        FORMAT.write(&directory.join(CHECKPOINT), self)
+    pub fn write(&self, folder: &Folder) -> Result<(), RunError> {
+        FORMAT.write(folder, self)
     }
 
     /// Reads the checkpoint of a directory.
-    pub fn read(directory: &Path) -> Result<Self, RunError> {
-        let path = directory.join(CHECKPOINT);
-        let checkpoint: Self = FORMAT.read(&path)?;
+    pub fn read(folder: &Folder) -> Result<Self, RunError> {
+        let checkpoint: Self = FORMAT.read(folder)?;
         if checkpoint.agrees() {
             return Ok(checkpoint);
         }
         Err(RunError::Damaged {
-            file: path,
+            file: folder.join(CHECKPOINT),
             reason: "its lists do not belong together".to_owned(),
         })
+    }
+
+    /// Reads a checkpoint of whatever scene.
+    #[cfg(test)]
+    pub fn of_any_scene(directory: &Path) -> Self {
+        let bytes = std::fs::read(directory.join(CHECKPOINT)).expect("a checkpoint");
+        let (_, checkpoint): (SceneDigest, Self) = FORMAT.open(&bytes).expect("a whole one");
+        checkpoint
     }
 
     /// Whether lists that belong together are as long as each other.
@@ -177,8 +188,10 @@ mod tests {
     #[test]
     fn a_checkpoint_reads_back_to_the_same_bits() {
         let root = tempfile::tempdir().expect("a directory");
-        example().write(root.path()).expect("written");
-        let back = Checkpoint::read(root.path()).expect("a checkpoint");
+        example()
+            .write(&Folder::of_no_scene(root.path()))
+            .expect("written");
+        let back = Checkpoint::read(&Folder::of_no_scene(root.path())).expect("a checkpoint");
         let bytes = |checkpoint| FORMAT.seal(checkpoint).expect("bytes");
         assert_eq!(bytes(&back), bytes(&example()));
         assert_eq!(back.walk, example().walk);
@@ -199,8 +212,11 @@ mod tests {
             let root = tempfile::tempdir().expect("a directory");
             let mut checkpoint = example();
             spoil(&mut checkpoint);
-            checkpoint.write(root.path()).expect("written");
-            let refused = Checkpoint::read(root.path()).expect_err("lists that disagree");
+            checkpoint
+                .write(&Folder::of_no_scene(root.path()))
+                .expect("written");
+            let refused = Checkpoint::read(&Folder::of_no_scene(root.path()))
+                .expect_err("lists that disagree");
             assert!(matches!(refused, RunError::Damaged { .. }), "{refused}");
         }
     }
@@ -213,9 +229,11 @@ mod tests {
             number: b'6',
             ..FORMAT
         };
-        let path = root.path().join(CHECKPOINT);
-        older.write(&path, &example()).expect("written");
-        let refused = Checkpoint::read(root.path()).expect_err("another format");
+        older
+            .write(&Folder::of_no_scene(root.path()), &example())
+            .expect("written");
+        let refused =
+            Checkpoint::read(&Folder::of_no_scene(root.path())).expect_err("another format");
         assert!(
             matches!(refused, RunError::Format { found: '6', .. }),
             "{refused}"

@@ -19,7 +19,7 @@ use super::{sampled, start, states};
 use crate::advice::{Advice, AdviceKind, about_the_scene, advise, casimir_drift};
 use crate::csv::Headings;
 use crate::job::{
-    Beginning, Content, Job, JobSession, JobSubject, Kind, Output, RunOptions, files,
+    Beginning, Content, Folder, Job, JobSession, JobSubject, Kind, Output, RunOptions, files,
 };
 use leafwise_report::{ReportData, render_report};
 use leafwise_scene::compose::{ComposedRun, SceneChecks};
@@ -214,14 +214,14 @@ impl<'a> Job<'a> for RunJob<'a> {
         samples::has_begun_at_most(directory, &header(self.composed))
     }
 
-    fn begin(&'a self, directory: &Path) -> Result<Session<'a>, RunError> {
+    fn begin(&'a self, folder: &Folder) -> Result<Session<'a>, RunError> {
         let every = self.options.checkpoint_every;
-        Session::begin(self.composed, &self.course, directory, every)
+        Session::begin(self.composed, &self.course, folder, every)
     }
 
-    fn resume(&'a self, directory: &Path) -> Result<Session<'a>, RunError> {
-        let (checkpoint, every) = (Checkpoint::read(directory)?, self.options.checkpoint_every);
-        Session::resume(self.composed, &self.course, directory, &checkpoint, every)
+    fn resume(&'a self, folder: &Folder) -> Result<Session<'a>, RunError> {
+        let (checkpoint, every) = (Checkpoint::read(folder)?, self.options.checkpoint_every);
+        Session::resume(self.composed, &self.course, folder, &checkpoint, every)
     }
 
     fn report(

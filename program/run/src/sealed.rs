@@ -5,7 +5,6 @@
 
 use std::fs;
 use std::io;
-use std::path::Path;
 
 use postcard::experimental::serialized_size;
 use serde::Serialize;
@@ -13,6 +12,7 @@ use serde::de::DeserializeOwned;
 use sha2::{Digest, Sha256};
 
 use super::error::RunError;
+use super::job::{CHECKPOINT, Folder, SceneDigest};
 use super::replaced::replace;
 
 /// Why a file is refused whose digest fits.
@@ -40,27 +40,40 @@ pub(crate) enum Unsealed {
 }
 
 impl Format {
-    /// Replaces a file in one operation.
-    pub fn write(&self, path: &Path, content: &impl Serialize) -> Result<(), RunError> {
-        let bytes = self.seal(content);
-        let bytes = bytes.map_err(RunError::io(path))?;
-        replace(path, &bytes)
+    /// Replaces the checkpoint of a folder in one operation; the digest of its scene stands before the content.
+    pub fn write(&self, folder: &Folder, content: &impl Serialize) -> Result<(), RunError> {
+        let path = folder.join(CHECKPOINT);
+        let bytes = self.seal(&(folder.scene(), content));
+        let bytes = bytes.map_err(RunError::io(&path))?;
+        replace(&path, &bytes)
     }
 
-    /// Reads what [`write`](Self::write) wrote.
-    pub fn read<T: DeserializeOwned>(&self, path: &Path) -> Result<T, RunError> {
-        let bytes = fs::read(path).map_err(RunError::resuming(path))?;
-        self.open(&bytes).map_err(|unsealed| match unsealed {
-            Unsealed::Damaged(reason) => RunError::Damaged {
-                file: path.to_owned(),
-                reason: reason.to_owned(),
-            },
+    /// Reads what [`write`](Self::write) wrote for the same scene.
+    ///
+    /// # Errors
+    /// [`RunError::Damaged`], also for the checkpoint of another scene, and [`RunError::Format`].
+    pub fn read<T: DeserializeOwned>(&self, folder: &Folder) -> Result<T, RunError> {
+        let file = folder.join(CHECKPOINT);
+        let bytes = fs::read(&file).map_err(RunError::resuming(&file))?;
+        let damaged = |reason: &str| RunError::Damaged {
+            file: file.clone(),
+            reason: reason.to_owned(),
+        };
+        let opened = self.open::<(SceneDigest, T)>(&bytes);
+        let (scene, content) = opened.map_err(|unsealed| match unsealed {
+            Unsealed::Damaged(reason) => damaged(reason),
             Unsealed::Format(found) => RunError::Format {
-                file: path.to_owned(),
+                file: file.clone(),
                 found,
                 read: char::from(self.number),
             },
-        })
+        })?;
+        match scene == *folder.scene() {
+            true => Ok(content),
+            false => Err(damaged(
+                "it is of another scene, or of steps of another length",
+            )),
+        }
     }
 
     /// The bytes of a file. Their memory is asked for once: a vector that grows holds up to three times as much while it

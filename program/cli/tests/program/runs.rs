@@ -360,3 +360,43 @@ fn the_error_of_the_states_is_estimated() {
     assert_eq!(none.code, Some(0), "{}", none.err);
     none.says(&["not estimated: steps across the seams"]);
 }
+
+/// Not from a checkpoint that was copied from another run, nor under a scene that was edited in the run's folder, nor where
+/// another time at the end asks for steps of another length.
+#[test]
+fn a_run_is_not_continued_as_another() {
+    let here = Place::with(&BODY.replace("every = 3", "every = 1000"));
+    let run = |out: &str, set: &[&str]| {
+        let set = set.iter().flat_map(|value| ["--set", value]);
+        let arguments: Vec<&str> = ["run", "scene.toml", "--out", out]
+            .into_iter()
+            .chain(set)
+            .collect();
+        here.leafwise(&arguments)
+    };
+    let half = "method.time-step=0.05";
+    for (out, set) in [("whole", &[][..]), ("half", &[half])] {
+        let said = run(out, set);
+        assert_eq!(said.code, Some(0), "{}", said.err);
+    }
+    let [whole, other] = ["whole", "half"].map(|of| here.path(&format!("{of}/checkpoint.bin")));
+    std::fs::copy(&whole, &other).expect("copied");
+    let refused = run("half", &[half, "run.steps=80"]);
+    assert_eq!(refused.code, Some(2), "{}", refused.err);
+    refused.says(&["it is of another scene", "--force"]);
+    let edited = here
+        .read("whole/scene.toml")
+        .replace("I2 = 0.75", "I2 = 0.8");
+    here.write("whole/scene.toml", &edited);
+    let refused = run("whole", &["system.parameters.I2=0.8", "run.steps=80"]);
+    assert_eq!(refused.code, Some(2), "{}", refused.err);
+    refused.says(&["it is of another scene"]);
+    // Steps of 0.1 come to 2 and to 4, and those that come to 2.05 are shorter.
+    here.write("scene.toml", &BODY.replace("steps   = 40", "until = 2"));
+    let until = |time: &str| run("until", &[&format!("run.until={time}")]);
+    assert_eq!(until("2").code, Some(0));
+    assert_eq!(until("4").code, Some(0));
+    let refused = until("5.05");
+    assert_eq!(refused.code, Some(2), "{}", refused.err);
+    refused.says(&["steps of another length"]);
+}

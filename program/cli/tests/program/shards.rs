@@ -126,6 +126,35 @@ fn a_checkpoint_older_than_its_manifest_is_gone_on_from() {
     told.says(&["nothing was computed"]);
 }
 
+/// The members of another seed are not joined to these.
+#[test]
+fn a_checkpoint_of_another_scene_is_not_joined() {
+    let here = in_shards();
+    for number in 1..=3 {
+        let set = ["--set", "ensemble.seed=9"];
+        let place = format!("{number}/3");
+        let arguments = [
+            "ensemble",
+            "scene.toml",
+            "--out",
+            "others",
+            "--shard",
+            &place,
+            "--quiet",
+        ];
+        let made = here.leafwise(&[&arguments, &set[..]].concat());
+        assert_eq!(made.code, Some(0), "{}", made.err);
+    }
+    let [own, other] = ["shards", "others"].map(|of| here.path(&format!("{of}/shard-2-of-3")));
+    std::fs::copy(other.join("checkpoint.bin"), own.join("checkpoint.bin")).expect("copied");
+    let refused = here.leafwise(&["merge", "shards", "--out", "merged"]);
+    assert_eq!(refused.code, Some(2), "{}", refused.err);
+    refused.says(&[
+        "shard-2-of-3/checkpoint.bin is damaged",
+        "it is of another scene",
+    ]);
+}
+
 #[test]
 fn rows_behind_the_end_are_no_end() {
     let here = place();

@@ -1,6 +1,5 @@
 //! How a session begins: at the initial state, or where an earlier one left off.
 
-use std::path::Path;
 use std::time::Duration;
 
 use leafwise_core::SolverStatistics;
@@ -13,6 +12,7 @@ use crate::CHECKPOINT;
 use crate::checkpoint::Checkpoint;
 use crate::columns::header;
 use crate::error::RunError;
+use crate::job::Folder;
 use crate::samples::{self, Samples};
 use crate::states::StateTable;
 
@@ -21,15 +21,15 @@ impl<'a> Session<'a> {
     pub fn begin(
         run: &'a ComposedRun,
         course: &'a Course,
-        directory: &Path,
+        folder: &Folder,
         checkpoint_every: Duration,
     ) -> Result<Self, RunError> {
-        let path = |name: &str| directory.join(name);
+        let path = |name: &str| folder.join(name);
         let header = header(run);
         let samples = Samples::create(&path(samples::UNPUBLISHED), &header)?;
-        let mut session = Self::new(run, course, Some(directory), checkpoint_every, samples)?;
+        let mut session = Self::new(run, course, Some(folder), checkpoint_every, samples)?;
         if let Some(width) = wide(run) {
-            session.records.states = Some(StateTable::create(directory, width)?);
+            session.records.states = Some(StateTable::create(folder, width)?);
         }
         if run.plan.events.section.is_some() {
             let path = path(samples::SECTION);
@@ -57,22 +57,22 @@ impl<'a> Session<'a> {
     pub(crate) fn resume(
         run: &'a ComposedRun,
         course: &'a Course,
-        directory: &Path,
+        folder: &Folder,
         checkpoint: &Checkpoint,
         checkpoint_every: Duration,
     ) -> Result<Self, RunError> {
         let damaged = |reason: String| RunError::Damaged {
-            file: directory.join(CHECKPOINT),
+            file: folder.join(CHECKPOINT),
             reason,
         };
         let (vouched, count) = (&checkpoint.vouched, checkpoint.samples);
-        let path = |name: &str| directory.join(name);
+        let path = |name: &str| folder.join(name);
         let header = header(run);
         let samples = Samples::resume(&path(samples::FILE), &header, vouched, count)?;
-        let mut session = Self::new(run, course, Some(directory), checkpoint_every, samples)?;
+        let mut session = Self::new(run, course, Some(folder), checkpoint_every, samples)?;
         let records = &mut session.records;
         if let Some(width) = wide(run) {
-            let states = StateTable::resume(directory, width, &checkpoint.states)?;
+            let states = StateTable::resume(folder, width, &checkpoint.states)?;
             records.states = Some(states);
         }
         let section = run.plan.events.section.as_ref();
@@ -102,7 +102,7 @@ impl<'a> Session<'a> {
         let (made, asked) = (checkpoint.walk.steps, run.plan.steps);
         if made > asked {
             return Err(RunError::Shortened {
-                directory: directory.to_owned(),
+                directory: folder.to_path_buf(),
                 made,
                 asked,
             });
@@ -123,7 +123,7 @@ impl<'a> Session<'a> {
     fn new(
         run: &'a ComposedRun,
         course: &'a Course,
-        directory: Option<&Path>,
+        folder: Option<&Folder>,
         checkpoint_every: Duration,
         samples: Samples,
     ) -> Result<Self, RunError> {
@@ -133,7 +133,7 @@ impl<'a> Session<'a> {
         let records = Records::new(run, course, watched.invariants(), samples)?;
         Ok(Self {
             run,
-            directory: directory.map(Path::to_owned),
+            folder: folder.cloned(),
             checkpoint_every,
             resumed_at: None,
             watched,

@@ -3,7 +3,7 @@
 mod begin;
 mod records;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use leafwise_core::SolverStatistics;
@@ -17,7 +17,7 @@ use crate::columns::invariant_name;
 use crate::crossing::Crossing;
 use crate::error::RunError;
 use crate::invariants::Windows;
-use crate::job::{Held, JobSession};
+use crate::job::{Folder, Held, JobSession};
 use crate::outcome::{Failure, RunOutcome};
 use crate::progress::{Progress, Status};
 use crate::room::NoRoom;
@@ -35,7 +35,7 @@ const COORDINATES_A_LOOK: usize = 4096;
 pub struct Session<'a> {
     run: &'a ComposedRun,
     /// Where checkpoints are written, and how often.
-    directory: Option<PathBuf>,
+    folder: Option<Folder>,
     checkpoint_every: Duration,
     /// The step that an earlier session had come to.
     pub resumed_at: Option<u64>,
@@ -129,7 +129,7 @@ impl Session<'_> {
     }
 
     fn checkpoint(&mut self) -> Result<(), RunError> {
-        let Some(directory) = &self.directory else {
+        let Some(folder) = &self.folder else {
             return Ok(());
         };
         let statistics = self.statistics();
@@ -159,7 +159,7 @@ impl Session<'_> {
                 .map_or_else(Side::default, |(side, _)| *side),
             start: memory.start,
         };
-        checkpoint.write(directory)
+        checkpoint.write(folder)
     }
 
     /// The solver's work, earlier sessions included.
@@ -231,7 +231,7 @@ impl Session<'_> {
 
     /// Where the run is written, if it is.
     pub fn directory(&self) -> Option<&Path> {
-        self.directory.as_deref()
+        self.folder.as_deref()
     }
 
     /// For each recorded formula, its name and the samples at which it has no finite value.
@@ -257,13 +257,13 @@ impl JobSession for Session<'_> {
     /// gone further in time.
     fn repeat(&mut self, held: &Held) -> Result<Option<RunOutcome>, RunError> {
         let (is_stopped, is_at_end) = (self.is_stopped(), self.watched.is_at_end());
-        if let (Some(asked), Some(directory)) = (self.run.plan.until, &self.directory)
+        if let (Some(asked), Some(directory)) = (self.run.plan.until, &self.folder)
             && !held.has_same_steps
             && is_at_end
             && !is_stopped
         {
             return Err(RunError::Beyond {
-                directory: directory.clone(),
+                directory: directory.to_path_buf(),
                 reached: self.time(),
                 asked,
             });

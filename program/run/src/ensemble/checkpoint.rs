@@ -1,19 +1,19 @@
 //! Checkpoint of an ensemble: all that a resumed one needs, in one file that is replaced atomically.
 
 use std::ops::Range;
-use std::path::Path;
 use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
 use super::plan::ComposedEnsemble;
 use super::tree::Tree;
+use crate::job::Folder;
 use crate::{CHECKPOINT, Format, RunError, Vouched};
 
 /// Format of the checkpoint of an ensemble: the name of its content, and its number.
 const FORMAT: Format = Format {
     name: b"leafens",
-    number: b'9',
+    number: b'A',
 };
 
 /// An ensemble between two members. Another field, order or type is another format.
@@ -36,8 +36,8 @@ pub(super) struct Checkpoint {
 
 impl Checkpoint {
     /// Writes the checkpoint of a directory.
-    pub fn write(&self, directory: &Path) -> Result<(), RunError> {
-        FORMAT.write(&directory.join(CHECKPOINT), self)
+    pub fn write(&self, folder: &Folder) -> Result<(), RunError> {
+        FORMAT.write(folder, self)
     }
 
     /// Reads the checkpoint of a directory, of these members of an ensemble.
@@ -45,12 +45,11 @@ impl Checkpoint {
     /// # Errors
     /// [`RunError::Damaged`] for one of others.
     pub fn read_of(
-        directory: &Path,
+        folder: &Folder,
         ensemble: &ComposedEnsemble,
         members: &Range<u64>,
     ) -> Result<Self, RunError> {
-        let file = directory.join(CHECKPOINT);
-        let checkpoint: Self = FORMAT.read(&file)?;
+        let checkpoint: Self = FORMAT.read(folder)?;
         let population = &ensemble.population;
         let held = checkpoint.tree.members();
         let is_of_these = held.start == members.start && held.end <= members.end;
@@ -64,7 +63,7 @@ impl Checkpoint {
             return Ok(checkpoint);
         };
         Err(RunError::Damaged {
-            file,
+            file: folder.join(CHECKPOINT),
             reason: reason.to_owned(),
         })
     }
@@ -121,10 +120,9 @@ mod tests {
             tree,
         };
         let root = tempfile::tempdir().expect("a directory");
-        checkpoint.write(root.path()).expect("written");
-        let back: Checkpoint = FORMAT
-            .read(&root.path().join(CHECKPOINT))
-            .expect("a checkpoint");
+        let folder = Folder::of_no_scene(root.path());
+        checkpoint.write(&folder).expect("written");
+        let back: Checkpoint = FORMAT.read(&folder).expect("a checkpoint");
         assert_eq!(back, checkpoint);
     }
 }

@@ -2,7 +2,6 @@
 
 use std::num::NonZeroUsize;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
@@ -15,7 +14,7 @@ use super::section::SectionStore;
 use super::store::FinalStore;
 use super::tree::Tree;
 use crate::job::shards::Found;
-use crate::job::{Due, Held, JobSession};
+use crate::job::{Due, Folder, Held, JobSession};
 use crate::ordered::{Turn, in_order};
 use crate::{Progress, RunError, RunOutcome, Status};
 
@@ -47,7 +46,7 @@ pub struct Session<'a> {
     store: FinalStore,
     section: SectionStore,
     /// Where it is written.
-    directory: PathBuf,
+    folder: Folder,
     wall: Duration,
     /// Threads that the members were stepped on.
     threads: usize,
@@ -61,7 +60,7 @@ impl<'a> Session<'a> {
     /// No member yet, of these.
     pub fn begin(
         ensemble: &'a ComposedEnsemble,
-        directory: &Path,
+        folder: &Folder,
         members: Range<u64>,
         workforce: Workforce,
     ) -> Result<Self, RunError> {
@@ -69,9 +68,9 @@ impl<'a> Session<'a> {
             ensemble,
             workforce,
             tree: Tree::new(ensemble.shape(), members.start),
-            store: FinalStore::create(ensemble, directory, members.end - members.start)?,
-            section: SectionStore::create(ensemble, directory)?,
-            directory: directory.to_owned(),
+            store: FinalStore::create(ensemble, folder, members.end - members.start)?,
+            section: SectionStore::create(ensemble, folder)?,
+            folder: folder.clone(),
             wall: Duration::ZERO,
             threads: 0,
             end: members.end,
@@ -82,18 +81,18 @@ impl<'a> Session<'a> {
     /// These members as the checkpoint of a directory has them; no file is changed before [`go_on`](JobSession::go_on).
     pub fn resume(
         ensemble: &'a ComposedEnsemble,
-        directory: &Path,
+        folder: &Folder,
         members: &Range<u64>,
         workforce: Workforce,
     ) -> Result<Self, RunError> {
-        let checkpoint = Checkpoint::read_of(directory, ensemble, members)?;
+        let checkpoint = Checkpoint::read_of(folder, ensemble, members)?;
         let (section, crossings) = (&checkpoint.section, checkpoint.crossings);
         Ok(Self {
             ensemble,
             workforce,
-            store: FinalStore::resume(ensemble, directory, &checkpoint.vouched)?,
-            section: SectionStore::resume(ensemble, directory, section, crossings)?,
-            directory: directory.to_owned(),
+            store: FinalStore::resume(ensemble, folder, &checkpoint.vouched)?,
+            section: SectionStore::resume(ensemble, folder, section, crossings)?,
+            folder: folder.clone(),
             wall: checkpoint.wall(),
             threads: 0,
             end: members.end,
@@ -105,7 +104,7 @@ impl<'a> Session<'a> {
     /// Takes in the members of a shard, which follow.
     pub(crate) fn append(&mut self, shard: &Found) -> Result<(), RunError> {
         let (members, path) = (shard.items(), &shard.directory);
-        let checkpoint = Checkpoint::read_of(path, self.ensemble, &members)?;
+        let checkpoint = Checkpoint::read_of(&self.folder.beside(path), self.ensemble, &members)?;
         if checkpoint.tree.members() != members {
             return Err(shard.holds_fewer());
         }
@@ -129,7 +128,7 @@ impl<'a> Session<'a> {
             is_repeated,
             threads: self.threads,
             advice: Vec::new(),
-            directory: self.directory.clone(),
+            directory: self.folder.to_path_buf(),
         }
     }
 
@@ -156,7 +155,7 @@ impl<'a> Session<'a> {
             crossings: self.section.count,
             tree: self.tree.clone(),
         };
-        checkpoint.write(&self.directory)
+        checkpoint.write(&self.folder)
     }
 }
 
@@ -172,7 +171,7 @@ impl JobSession for Session<'_> {
 
     fn go_on(&mut self, _: &Held) -> Result<(), RunError> {
         self.store.go_on()?;
-        self.section.go_on(&self.directory)
+        self.section.go_on(&self.folder)
     }
 
     /// Steps all members that are left, or as many as go before an interruption, with checkpoints.
@@ -185,7 +184,7 @@ impl JobSession for Session<'_> {
         let workforce = self.workforce;
         let blocks = blocks(from, members, workforce, dimension);
         let signals = Signals::default();
-        let (ensemble, directory) = (self.ensemble, self.directory.clone());
+        let (ensemble, directory) = (self.ensemble, self.folder.to_path_buf());
         let (started, before) = (Instant::now(), self.wall);
         let mut due = Due::new();
         let turn = |turn: Turn<Record>| {

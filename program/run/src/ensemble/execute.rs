@@ -12,7 +12,7 @@ use super::report::EnsembleReport;
 use super::store::{self, has_begun_at_most};
 use super::{page, tables};
 use crate::job::shards::{Portion, Whole};
-use crate::job::{Beginning, Content, Job, JobSubject, Output, files};
+use crate::job::{Beginning, Content, Folder, Job, JobSubject, Output, files};
 use crate::samples::SECTION;
 use crate::start::checked;
 use crate::{RunError, RunOptions, RunOutcome};
@@ -105,9 +105,9 @@ impl<'a> Job<'a> for EnsembleJob<'a> {
         has_begun_at_most(self.ensemble, directory)
     }
 
-    fn begin(&'a self, directory: &Path) -> Result<Session<'a>, RunError> {
+    fn begin(&'a self, folder: &Folder) -> Result<Session<'a>, RunError> {
         let members = self.portion.items(self.ensemble.population.members());
-        let mut session = Session::begin(self.ensemble, directory, members, self.workforce)?;
+        let mut session = Session::begin(self.ensemble, folder, members, self.workforce)?;
         for shard in self.portion.shards() {
             session.append(shard).map_err(RunError::of_shard)?;
         }
@@ -115,9 +115,9 @@ impl<'a> Job<'a> for EnsembleJob<'a> {
         Ok(session)
     }
 
-    fn resume(&'a self, directory: &Path) -> Result<Session<'a>, RunError> {
+    fn resume(&'a self, folder: &Folder) -> Result<Session<'a>, RunError> {
         let members = self.portion.items(self.ensemble.population.members());
-        Session::resume(self.ensemble, directory, &members, self.workforce)
+        Session::resume(self.ensemble, folder, &members, self.workforce)
     }
 
     fn report(

@@ -51,6 +51,12 @@ impl Change {
     }
 }
 
+/// The keys of a scene and their values in their order, with every number spelt in one way; none of a text that is not TOML.
+pub(super) fn meaning(text: &str) -> Vec<(String, String)> {
+    let entries = entries(text).unwrap_or_default().into_iter();
+    entries.map(|entry| (entry.key, entry.meant)).collect()
+}
+
 /// The keys whose values differ; empty when two texts are the same
 /// scene but for comments and spaces, `None` when one is not TOML.
 ///

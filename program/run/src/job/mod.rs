@@ -4,6 +4,7 @@
 //! - `subject`: whose scene is taken up, in which directory;
 //! - `directory`: start afresh, resume, or refuse; `difference`: keys that changed between two scenes;
 //! - `manifest`, `beginning`: record of a job, as it is read and as it is written; `time`: its date;
+//! - `folder`: where its checkpoints are, and of which scene;
 //! - `output`: files that are written at the end; `files`: what waits aside;
 //! - `due`: when a checkpoint is written;
 //! - [`shards`]: parts of ensembles and sweeps for many processes.
@@ -13,6 +14,7 @@ mod difference;
 mod directory;
 mod due;
 mod files;
+mod folder;
 mod manifest;
 mod output;
 pub mod shards;
@@ -24,6 +26,8 @@ pub(crate) use beginning::{files, plugins};
 pub use directory::{Files, Held, default_directory};
 pub(crate) use due::Due;
 pub(crate) use files::{PART, remove_parts};
+pub use folder::Folder;
+pub(crate) use folder::SceneDigest;
 pub(crate) use manifest::{CHECKPOINT, REPORT, hexadecimal};
 pub use manifest::{FilesRecord, Kind, Manifest, PROGRAM_VERSION, PluginRecord, ShardRecord};
 pub use output::{Content, Output};
@@ -70,10 +74,10 @@ pub trait Job<'a>: Sized {
     fn has_begun_at_most(&self, directory: &Path) -> bool;
 
     /// The first session: its records are begun, and a checkpoint written.
-    fn begin(&'a self, directory: &Path) -> Result<Self::Session, RunError>;
+    fn begin(&'a self, folder: &Folder) -> Result<Self::Session, RunError>;
 
     /// The session of a checkpoint; no file is changed before [`go_on`](JobSession::go_on).
-    fn resume(&'a self, directory: &Path) -> Result<Self::Session, RunError>;
+    fn resume(&'a self, folder: &Folder) -> Result<Self::Session, RunError>;
 
     /// Describes how a session has ended.
     fn report(
@@ -124,11 +128,12 @@ pub(crate) fn perform<'a, J: Job<'a>>(
         None => J::outputs(),
         Some(_) => Vec::new(),
     };
+    let folder = Folder::of(path, &subject);
     let mut resumed = None;
     if let Some(held) = held.filter(|held| held.is_done || !is_joined)
         && (path.join(CHECKPOINT).exists() || !job.has_begun_at_most(path))
     {
-        let mut session = job.resume(path)?;
+        let mut session = job.resume(&folder)?;
         if let Some(outcome) = session.repeat(held)? {
             let report = job.report(&mut session, outcome, true)?;
             for output in &outputs {
@@ -150,7 +155,7 @@ pub(crate) fn perform<'a, J: Job<'a>>(
     replace(&path.join(SCENE), subject.document.text.as_bytes())?;
     let mut session = match resumed {
         Some((session, _)) => session,
-        None => job.begin(path).inspect_err(|_| {
+        None => job.begin(&folder).inspect_err(|_| {
             if is_joined {
                 // Nothing that a session could go on from.
                 let records = J::RECORDS.iter().map(|name| path.join(name));

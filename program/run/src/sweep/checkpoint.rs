@@ -1,17 +1,17 @@
 //! Checkpoint of a sweep: all that a resumed one needs, in one file that is replaced atomically.
 
 use std::ops::Range;
-use std::path::Path;
 use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
+use crate::job::Folder;
 use crate::{CHECKPOINT, Format, RunError, Vouched};
 
 /// Format of the checkpoint of a sweep: the name of its content, and its number.
 const FORMAT: Format = Format {
     name: b"leafswp",
-    number: b'1',
+    number: b'2',
 };
 
 /// A sweep between two settings. Another field, order or type is another format.
@@ -32,8 +32,8 @@ pub(super) struct Checkpoint {
 
 impl Checkpoint {
     /// Writes the checkpoint of a directory.
-    pub fn write(&self, directory: &Path) -> Result<(), RunError> {
-        FORMAT.write(&directory.join(CHECKPOINT), self)
+    pub fn write(&self, folder: &Folder) -> Result<(), RunError> {
+        FORMAT.write(folder, self)
     }
 
     /// The time of integration so far.
@@ -45,13 +45,12 @@ impl Checkpoint {
     ///
     /// # Errors
     /// [`RunError::Damaged`] for one of others.
-    pub fn read(directory: &Path, settings: u64, items: &Range<u64>) -> Result<Self, RunError> {
-        let file = directory.join(CHECKPOINT);
-        let checkpoint: Self = FORMAT.read(&file)?;
+    pub fn read(folder: &Folder, settings: u64, items: &Range<u64>) -> Result<Self, RunError> {
+        let checkpoint: Self = FORMAT.read(folder)?;
         let is_there = (items.start..=items.end).contains(&checkpoint.next);
         let is_of_these = checkpoint.first == items.start && is_there;
         if checkpoint.settings != settings || !is_of_these {
-            let reason = "it is of another sweep".to_owned();
+            let (file, reason) = (folder.join(CHECKPOINT), "it is of another sweep".to_owned());
             return Err(RunError::Damaged { file, reason });
         }
         Ok(checkpoint)

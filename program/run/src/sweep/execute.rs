@@ -11,7 +11,9 @@ use super::plan::ComposedSweep;
 use super::report::{SWEEP, SweepEnding, SweepReport};
 use super::session::{Session, has_begun_at_most};
 use crate::job::shards::{Portion, Whole};
-use crate::job::{Beginning, Content, FilesRecord, Job, JobSubject, Output, files, hexadecimal};
+use crate::job::{
+    Beginning, Content, FilesRecord, Folder, Job, JobSubject, Output, files, hexadecimal,
+};
 use crate::{RunError, RunOptions, RunOutcome};
 use leafwise_report::render_sweep;
 use leafwise_scene::document::SceneDocument;
@@ -80,9 +82,9 @@ impl<'a> Job<'a> for SweepJob<'a> {
         has_begun_at_most(self.sweep, directory)
     }
 
-    fn begin(&'a self, directory: &Path) -> Result<Session<'a>, RunError> {
+    fn begin(&'a self, folder: &Folder) -> Result<Session<'a>, RunError> {
         let settings = self.portion.items(self.sweep.settings().count());
-        let mut session = Session::begin(self.sweep, directory, settings, self.threads)?;
+        let mut session = Session::begin(self.sweep, folder, settings, self.threads)?;
         for shard in self.portion.shards() {
             session.append(shard).map_err(RunError::of_shard)?;
         }
@@ -90,9 +92,9 @@ impl<'a> Job<'a> for SweepJob<'a> {
         Ok(session)
     }
 
-    fn resume(&'a self, directory: &Path) -> Result<Session<'a>, RunError> {
+    fn resume(&'a self, folder: &Folder) -> Result<Session<'a>, RunError> {
         let settings = self.portion.items(self.sweep.settings().count());
-        Session::resume(self.sweep, directory, settings, self.threads)
+        Session::resume(self.sweep, folder, settings, self.threads)
     }
 
     fn report(

@@ -2,7 +2,7 @@
 
 use std::num::NonZeroUsize;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
@@ -12,7 +12,7 @@ use super::report::{SWEEP, SweepReport};
 use super::row::{Row, Signals};
 use crate::csv::Table;
 use crate::job::shards::Found;
-use crate::job::{Due, Held, JobSession};
+use crate::job::{Due, Folder, Held, JobSession};
 use crate::ordered::{Turn, in_order};
 use crate::{Appended, Progress, RunError, RunOutcome, Status};
 
@@ -22,7 +22,7 @@ pub struct Session<'a> {
     /// Threads that were asked for, and as many as there were.
     wanted: NonZeroUsize,
     threads: usize,
-    directory: PathBuf,
+    folder: Folder,
     table: Appended,
     items: Range<u64>,
     /// The setting whose row is written next.
@@ -44,17 +44,17 @@ impl<'a> Session<'a> {
     /// No row yet.
     pub fn begin(
         sweep: &'a ComposedSweep<'a>,
-        directory: &Path,
+        folder: &Folder,
         items: Range<u64>,
         wanted: NonZeroUsize,
     ) -> Result<Self, RunError> {
-        let mut table = Appended::create(&directory.join(SWEEP))?;
+        let mut table = Appended::create(&folder.join(SWEEP))?;
         table.push(sweep.columns().heading().as_bytes())?;
         table.flush()?;
         Ok(Self {
             sweep,
             wanted,
-            directory: directory.to_owned(),
+            folder: folder.clone(),
             table,
             next: items.start,
             items,
@@ -69,16 +69,16 @@ impl<'a> Session<'a> {
     /// The rows of an earlier session; none is changed before [`go_on`](JobSession::go_on).
     pub fn resume(
         sweep: &'a ComposedSweep<'a>,
-        directory: &Path,
+        folder: &Folder,
         items: Range<u64>,
         wanted: NonZeroUsize,
     ) -> Result<Self, RunError> {
-        let checkpoint = Checkpoint::read(directory, sweep.settings().count(), &items)?;
+        let checkpoint = Checkpoint::read(folder, sweep.settings().count(), &items)?;
         Ok(Self {
             sweep,
             wanted,
-            directory: directory.to_owned(),
-            table: Appended::resume(&directory.join(SWEEP), &checkpoint.vouched)?,
+            folder: folder.clone(),
+            table: Appended::resume(&folder.join(SWEEP), &checkpoint.vouched)?,
             next: checkpoint.next,
             failed: checkpoint.failed,
             wall: checkpoint.wall(),
@@ -101,7 +101,7 @@ impl<'a> Session<'a> {
             is_repeated,
             threads: self.threads,
             columns: self.sweep.columns().clone(),
-            directory: self.directory.clone(),
+            directory: self.folder.to_path_buf(),
         }
     }
 
@@ -123,7 +123,11 @@ impl<'a> Session<'a> {
     /// Takes in the rows of a shard, which follow.
     pub(crate) fn append(&mut self, shard: &Found) -> Result<(), RunError> {
         let (items, path) = (shard.items(), &shard.directory);
-        let checkpoint = Checkpoint::read(path, self.sweep.settings().count(), &items)?;
+        let checkpoint = Checkpoint::read(
+            &self.folder.beside(path),
+            self.sweep.settings().count(),
+            &items,
+        )?;
         if checkpoint.next != items.end {
             return Err(shard.holds_fewer());
         }
@@ -146,7 +150,7 @@ impl<'a> Session<'a> {
             wall_seconds: self.wall.as_secs_f64().to_bits(),
             vouched: self.table.sync()?,
         };
-        checkpoint.write(&self.directory)
+        checkpoint.write(&self.folder)
     }
 }
 
