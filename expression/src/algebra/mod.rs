@@ -1,8 +1,11 @@
 //! Exact algebra: a differential ring of Laurent polynomials with adjoined generators.
 
+mod arithmetic;
+mod derivative;
 mod division;
 mod formula;
 mod generator;
+mod inverse;
 mod monomial;
 mod packed;
 mod polynomial;

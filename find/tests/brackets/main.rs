@@ -1,5 +1,9 @@
 //! Brackets of classical equations, found and proved, and equations that have none.
 
+mod changes;
+mod refusals;
+mod systems;
+
 use leafwise_core::diagnostics::{Verdict, check_casimir, check_jacobi};
 use leafwise_core::system::{Convention, Parameter};
 use leafwise_core::{PoissonSystem, SystemFormulas};
@@ -7,6 +11,10 @@ use leafwise_expression::algebra::{Elimination, quotient};
 use leafwise_expression::syntax::{Formula, Scope};
 use leafwise_expression::{Arithmetic, Expression, Polynomial, Rational, Ring};
 use leafwise_find::{Equations, FindError, FoundBracket, Kind, Options, Report, casimirs_of, find};
+use systems::{
+    B5, HEAVY_TOP, HENON_HEILES, KIRCHHOFF, LOTKA_VOLTERRA, MAXWELL_BLOCH, MAY_LEONARD, RESCALED,
+    ROTOR, THREE_WAVE, TODA,
+};
 
 fn equations(rows: &[(&str, &str)], parameters: &[(&str, Rational)]) -> Equations {
     let names: Vec<&str> = rows.iter().map(|(name, _)| *name).collect();
@@ -125,74 +133,6 @@ fn entries(bracket: &FoundBracket) -> Vec<String> {
 fn hamiltonian(bracket: &FoundBracket) -> String {
     bracket.written(&bracket.hamiltonian)
 }
-
-const HENON_HEILES: Rows = &[
-    ("q1", "p1"),
-    ("q2", "p2"),
-    ("p1", "-q1 - 2*q1*q2"),
-    ("p2", "-q2 - q1^2 + q2^2"),
-];
-const LOTKA_VOLTERRA: Rows = &[
-    ("a", "a*(b + c + d - 4)"),
-    ("b", "b*(-a + c + d - 1)"),
-    ("c", "c*(-a - b + d + 2)"),
-    ("d", "d*(-a - b - c + 4)"),
-];
-/// The same with columns times 1, 2, 1/2, 3.
-const RESCALED: Rows = &[
-    ("a", "a*(2*b + c/2 + 3*d - 4)"),
-    ("b", "b*(-a + c/2 + 3*d - 1)"),
-    ("c", "c*(-a - 2*b + 3*d + 2)"),
-    ("d", "d*(-a - 2*b - c/2 + 4)"),
-];
-const B5: Rows = &[("x", "y*z"), ("y", "-x*z"), ("z", "-0.51*x*y")];
-/// m' = m × m/I + g × c, g' = g × m/I with I = (1, 1.5, 2), c = (0.3, 0.2, 0.9).
-const HEAVY_TOP: Rows = &[
-    ("m1", "m2*m3/2 - m3*m2/1.5 + 0.9*g2 - 0.2*g3"),
-    ("m2", "m3*m1 - m1*m3/2 + 0.3*g3 - 0.9*g1"),
-    ("m3", "m1*m2/1.5 - m2*m1 + 0.2*g1 - 0.3*g2"),
-    ("g1", "g2*m3/2 - g3*m2/1.5"),
-    ("g2", "g3*m1 - g1*m3/2"),
-    ("g3", "g1*m2/1.5 - g2*m1"),
-];
-/// m' = m × m/I + p × p/M, p' = p × m/I with M = (1, 2, 1.6).
-const KIRCHHOFF: Rows = &[
-    ("m1", "m2*m3/2 - m3*m2/1.5 + p2*p3/1.6 - p3*p2/2"),
-    ("m2", "m3*m1 - m1*m3/2 + p3*p1 - p1*p3/1.6"),
-    ("m3", "m1*m2/1.5 - m2*m1 + p1*p2/2 - p2*p1"),
-    ("p1", "p2*m3/2 - p3*m2/1.5"),
-    ("p2", "p3*m1 - p1*m3/2"),
-    ("p3", "p1*m2/1.5 - p2*m1"),
-];
-/// i a₁' = ā₂ a₃, i a₂' = ā₁ a₃, i a₃' = a₁ a₂ with a = x + i y.
-const THREE_WAVE: Rows = &[
-    ("x1", "x2*y3 - x3*y2"),
-    ("x2", "x1*y3 - x3*y1"),
-    ("x3", "x1*y2 + x2*y1"),
-    ("y1", "-x2*x3 - y2*y3"),
-    ("y2", "-x1*x3 - y1*y3"),
-    ("y3", "-x1*x2 + y1*y2"),
-];
-const TODA: Rows = &[
-    ("a1", "a1*(b2 - b1)"),
-    ("a2", "a2*(b3 - b2)"),
-    ("b1", "2*a1^2"),
-    ("b2", "2*a2^2 - 2*a1^2"),
-    ("b3", "-2*a2^2"),
-];
-/// May and Leonard's quadratic part with both coefficients −1/2.
-const MAY_LEONARD: Rows = &[
-    ("x", "-x*(x - (y + z)/2)"),
-    ("y", "-y*(y - (x + z)/2)"),
-    ("z", "-z*(z - (x + y)/2)"),
-];
-const MAXWELL_BLOCH: Rows = &[("x", "y"), ("y", "x*z"), ("z", "-x*y")];
-/// m' = m × (m₁, m₂/2, (m₃ − 0.3)/3).
-const ROTOR: Rows = &[
-    ("x", "y*(z - 0.3)/3 - z*y/2"),
-    ("y", "z*x - x*(z - 0.3)/3"),
-    ("z", "x*y/2 - y*x"),
-];
 
 /// Each classical system has a bracket of the kind that the books give it.
 #[test]
@@ -322,177 +262,6 @@ fn brackets_that_are_unique_are_those_of_the_books() {
     }
 }
 
-/// x = A z with small integers turns z' = A⁻¹ f(A z) into the same kind of equations.
-fn changed(rows: Rows, seed: u64) -> Option<Equations> {
-    let original = equations(rows, &[]);
-    let d = rows.len();
-    let mut state = seed;
-    let mut next = move || {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        i64::try_from(state >> 33).expect("31 bits") % 5 - 2
-    };
-    let a: Vec<Vec<Rational>> = (0..d)
-        .map(|_| (0..d).map(|_| Rational::from_integer(next())).collect())
-        .collect();
-    // A⁻¹ by its columns: A y = f, solved with unknown y for each unit vector.
-    let mut inverse = vec![vec![Rational::zero(); d]; d];
-    for column in 0..d {
-        let mut system = Elimination::new(d);
-        for (row, entries) in a.iter().enumerate() {
-            let right = Rational::from_integer(i64::from(row == column));
-            system.add(entries.iter().cloned().chain([right]).enumerate());
-        }
-        if system.rank() < d {
-            return None;
-        }
-        for (row, value) in system.solutions()?.particular.into_iter().enumerate() {
-            inverse[row][column] = value;
-        }
-    }
-    let mut ring = Ring::new(d);
-    let z: Vec<Polynomial> = (0..d).map(|i| ring.variable(i)).collect();
-    let combined = |ring: &mut Ring, row: &[Rational], parts: &[Polynomial]| {
-        let terms: Vec<_> = row.iter().cloned().zip(parts.iter().cloned()).collect();
-        ring.combine(&terms)
-    };
-    let x: Vec<Polynomial> = a.iter().map(|row| combined(&mut ring, row, &z)).collect();
-    let mut f = Vec::new();
-    for formula in original.field() {
-        f.push(
-            formula
-                .evaluate_in(&mut ring, &mut |_, at| Ok(x[at].clone()))
-                .expect("a polynomial"),
-        );
-    }
-    let field = inverse
-        .iter()
-        .map(|row| combined(&mut ring, row, &f))
-        .collect::<Vec<_>>();
-    let field = field.iter().map(|f| ring.formula(f)).collect();
-    let names = original.variables().to_vec();
-    Some(Equations::new(names, Vec::new(), field).expect("a formula for each"))
-}
-
-/// Constant and affine brackets go over into such under linear changes of variables.
-#[test]
-fn linear_changes_of_variables_keep_the_kind() {
-    let cases: &[(&str, Rows, &[Kind])] = &[
-        ("Henon and Heiles", HENON_HEILES, &[Kind::Constant]),
-        ("DETEST B5", B5, &[Kind::Affine]),
-        ("Maxwell and Bloch", MAXWELL_BLOCH, &[Kind::Affine]),
-        ("rotor", ROTOR, &[Kind::Affine]),
-        ("Toda", TODA, &[Kind::Affine]),
-        ("three waves", THREE_WAVE, &[Kind::Constant]),
-        ("heavy top", HEAVY_TOP, &[Kind::Affine]),
-        ("Kirchhoff", KIRCHHOFF, &[Kind::Affine]),
-    ];
-    let mut count = 0;
-    for (name, rows, kinds) in cases {
-        for equations in (1..20).filter_map(|seed| changed(rows, seed)).take(3) {
-            let found = bracket(name, &equations);
-            assert!(kinds.contains(&found.kind), "{name}");
-            count += 1;
-        }
-    }
-    assert_eq!(count, 24);
-}
-
-/// Damping, self-limitation and friction leave no bracket: constant ones are excluded by rank, all of them where an equilibrium is stable.
-#[test]
-fn dissipation_is_refused_with_a_certificate() {
-    let cases: &[(&str, Rows, &[Kind], bool)] = &[
-        (
-            "Henon and Heiles, damped",
-            &[
-                ("q1", "p1"),
-                ("q2", "p2"),
-                ("p1", "-q1 - 2*q1*q2 - 0.1*p1"),
-                ("p2", "-q2 - q1^2 + q2^2 - 0.1*p2"),
-            ],
-            &[Kind::Constant],
-            true,
-        ),
-        (
-            "pendulum, damped",
-            &[("q", "p"), ("p", "-sin(q) - 0.1*p")],
-            &[Kind::Constant],
-            true,
-        ),
-        (
-            "species that limit themselves",
-            &[
-                ("a", "a*(b + c + d - 4 - 0.1*a)"),
-                ("b", "b*(-a + c + d - 1 - 0.1*b)"),
-                ("c", "c*(-a - b + d + 2 - 0.1*c)"),
-                ("d", "d*(-a - b - c + 4 - 0.1*d)"),
-            ],
-            &[Kind::Constant, Kind::LogCanonical],
-            true,
-        ),
-        (
-            "van der Pol",
-            &[("x", "y"), ("y", "(1 - x^2)*y - x")],
-            &[Kind::Constant],
-            true,
-        ),
-        (
-            "heavy top with friction",
-            &[
-                ("m1", "m2*m3/2 - m3*m2/1.5 + 0.9*g2 - 0.2*g3 - 0.1*m1"),
-                ("m2", "m3*m1 - m1*m3/2 + 0.3*g3 - 0.9*g1 - 0.1*m2"),
-                ("m3", "m1*m2/1.5 - m2*m1 + 0.2*g1 - 0.3*g2 - 0.1*m3"),
-                ("g1", "g2*m3/2 - g3*m2/1.5"),
-                ("g2", "g3*m1 - g1*m3/2"),
-                ("g3", "g1*m2/1.5 - g2*m1"),
-            ],
-            &[Kind::Constant],
-            false,
-        ),
-        (
-            "Lorenz",
-            &[
-                ("x", "10*(y - x)"),
-                ("y", "x*(28 - z) - y"),
-                ("z", "x*y - 8*z/3"),
-            ],
-            &[Kind::Constant],
-            false,
-        ),
-    ];
-    for (name, rows, excluded, is_excluded_at_all) in cases {
-        let report = search(&equations(rows, &[]));
-        assert!(report.bracket.is_none(), "{name}");
-        assert_eq!(
-            report.never.is_some(),
-            *is_excluded_at_all,
-            "{name}: {:?}",
-            report.never
-        );
-        assert_eq!(report.refused.len(), Kind::ALL.len(), "{name}");
-        for refused in &report.refused {
-            assert_eq!(
-                refused.is_proved,
-                excluded.contains(&refused.kind),
-                "{name}: {refused:?}"
-            );
-        }
-    }
-}
-
-/// A conservative saddle and a centre are no reason against a bracket; a damped oscillator is.
-#[test]
-fn an_equilibrium_excludes_brackets_only_where_it_attracts_or_repels() {
-    for (damping, is_excluded) in [("", false), ("-0.1*p", true), ("+0.1*p", true)] {
-        let text = format!("-q + q^3 {damping}");
-        let rows = [("q", "p"), ("p", text.as_str())];
-        let report = search(&equations(&rows, &[]));
-        assert_eq!(report.never.is_some(), is_excluded, "{damping}");
-        assert_eq!(report.bracket.is_none(), is_excluded, "{damping}");
-    }
-}
-
 /// Constant tensors hold the parameters as names, others their numbers.
 #[test]
 fn parameters_stay_where_the_tensor_does_not_need_them() {
@@ -611,50 +380,4 @@ fn a_food_web_of_forty_species_has_its_bracket() {
         Vec::<usize>::new()
     );
     assert_eq!(names.len(), found.system.dimension());
-}
-
-#[test]
-fn equations_that_cannot_be_searched_are_refused_with_the_reason() {
-    let one = equations(&[("x", "y"), ("y", "1/(x - x)")], &[]);
-    let error = find(&one, Options::default()).expect_err("1/0");
-    assert!(
-        matches!(&error, FindError::Equation { variable, .. } if variable == "y"),
-        "{error}"
-    );
-    let count = Equations::new(vec!["x".to_owned()], Vec::new(), Vec::new());
-    assert!(matches!(
-        count,
-        Err(FindError::Count {
-            equations: 0,
-            variables: 1
-        })
-    ));
-    let many = equations(HEAVY_TOP, &[]);
-    let error = find(&many, Options { degree: Some(12) }).expect_err("18 563 monomials");
-    assert!(
-        matches!(error, FindError::TooMany { degree: 12, .. }),
-        "{error}"
-    );
-}
-
-/// Pieces are integrated each for itself, and H would jump between them.
-#[test]
-fn equations_in_pieces_are_not_searched() {
-    for force in [
-        "-if(q < 1, q, 1)",
-        "-abs(q)",
-        "-min(q, 1)",
-        "-floor(q)",
-        "-q + mod(q, 1)",
-    ] {
-        let found = find(
-            &equations(&[("q", "p"), ("p", force)], &[]),
-            Options::default(),
-        );
-        let error = found.expect_err(force);
-        assert!(
-            matches!(&error, FindError::Pieces { variable } if variable == "p"),
-            "{error}"
-        );
-    }
 }

@@ -1,0 +1,83 @@
+//! Linear changes of variables.
+
+use super::systems::{
+    B5, HEAVY_TOP, HENON_HEILES, KIRCHHOFF, MAXWELL_BLOCH, ROTOR, THREE_WAVE, TODA,
+};
+use super::*;
+
+/// x = A z with small integers turns z' = A⁻¹ f(A z) into the same kind of equations.
+fn changed(rows: Rows, seed: u64) -> Option<Equations> {
+    let original = equations(rows, &[]);
+    let d = rows.len();
+    let mut state = seed;
+    let mut next = move || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        i64::try_from(state >> 33).expect("31 bits") % 5 - 2
+    };
+    let a: Vec<Vec<Rational>> = (0..d)
+        .map(|_| (0..d).map(|_| Rational::from_integer(next())).collect())
+        .collect();
+    // A⁻¹ by its columns: A y = f, solved with unknown y for each unit vector.
+    let mut inverse = vec![vec![Rational::zero(); d]; d];
+    for column in 0..d {
+        let mut system = Elimination::new(d);
+        for (row, entries) in a.iter().enumerate() {
+            let right = Rational::from_integer(i64::from(row == column));
+            system.add(entries.iter().cloned().chain([right]).enumerate());
+        }
+        if system.rank() < d {
+            return None;
+        }
+        for (row, value) in system.solutions()?.particular.into_iter().enumerate() {
+            inverse[row][column] = value;
+        }
+    }
+    let mut ring = Ring::new(d);
+    let z: Vec<Polynomial> = (0..d).map(|i| ring.variable(i)).collect();
+    let combined = |ring: &mut Ring, row: &[Rational], parts: &[Polynomial]| {
+        let terms: Vec<_> = row.iter().cloned().zip(parts.iter().cloned()).collect();
+        ring.combine(&terms)
+    };
+    let x: Vec<Polynomial> = a.iter().map(|row| combined(&mut ring, row, &z)).collect();
+    let mut f = Vec::new();
+    for formula in original.field() {
+        f.push(
+            formula
+                .evaluate_in(&mut ring, &mut |_, at| Ok(x[at].clone()))
+                .expect("a polynomial"),
+        );
+    }
+    let field = inverse
+        .iter()
+        .map(|row| combined(&mut ring, row, &f))
+        .collect::<Vec<_>>();
+    let field = field.iter().map(|f| ring.formula(f)).collect();
+    let names = original.variables().to_vec();
+    Some(Equations::new(names, Vec::new(), field).expect("a formula for each"))
+}
+
+/// Constant and affine brackets go over into such under linear changes of variables.
+#[test]
+fn linear_changes_of_variables_keep_the_kind() {
+    let cases: &[(&str, Rows, &[Kind])] = &[
+        ("Henon and Heiles", HENON_HEILES, &[Kind::Constant]),
+        ("DETEST B5", B5, &[Kind::Affine]),
+        ("Maxwell and Bloch", MAXWELL_BLOCH, &[Kind::Affine]),
+        ("rotor", ROTOR, &[Kind::Affine]),
+        ("Toda", TODA, &[Kind::Affine]),
+        ("three waves", THREE_WAVE, &[Kind::Constant]),
+        ("heavy top", HEAVY_TOP, &[Kind::Affine]),
+        ("Kirchhoff", KIRCHHOFF, &[Kind::Affine]),
+    ];
+    let mut count = 0;
+    for (name, rows, kinds) in cases {
+        for equations in (1..20).filter_map(|seed| changed(rows, seed)).take(3) {
+            let found = bracket(name, &equations);
+            assert!(kinds.contains(&found.kind), "{name}");
+            count += 1;
+        }
+    }
+    assert_eq!(count, 24);
+}

@@ -1,0 +1,131 @@
+//! Arguments of what is listed, described, evaluated and found.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use super::SceneArguments;
+
+/// Kinds of entries that `list` can list.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Kind {
+    /// The problem library
+    Systems,
+    /// Geometric approximations
+    Realizations,
+    /// Dynamic approximations
+    Dynamics,
+    /// Step maps that need no realization
+    Steppers,
+    /// Compositions of step maps
+    Compositions,
+    /// Linear brackets known by name
+    LieAlgebras,
+}
+
+/// Arguments of `list`.
+#[derive(Args, Clone, Debug)]
+pub struct ListArguments {
+    /// One kind only
+    pub kind: Option<Kind>,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `schema`.
+#[derive(Args, Debug)]
+pub struct SchemaArguments {
+    /// Print tables in Markdown: each key with its default, and what it does not stand beside
+    #[arg(long)]
+    pub markdown: bool,
+}
+
+/// Arguments of `describe`.
+#[derive(Args, Clone, Debug)]
+pub struct DescribeArguments {
+    /// The name, as `leafwise list` prints it
+    pub name: String,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `explain`.
+#[derive(Args, Clone, Debug)]
+pub struct ExplainArguments {
+    /// The word, as in `seams`, `time-step` or `forces`; none lists the pages
+    pub words: Vec<String>,
+}
+
+/// Arguments of `evaluate`.
+#[derive(Args, Clone, Debug)]
+pub struct EvaluateArguments {
+    /// Scene to evaluate, with its overrides.
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// The state, as comma-separated decimals [default: the scene's initial state]
+    #[arg(long, allow_hyphen_values = true, value_name = "X1,X2,…")]
+    pub x: Option<String>,
+    /// The momentum, as comma-separated decimals [default: zero]
+    #[arg(long, allow_hyphen_values = true, value_name = "P1,P2,…")]
+    pub p: Option<String>,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `find`.
+#[derive(Args, Clone, Debug)]
+pub struct FindArguments {
+    /// A scene with `equations` and `bracket = "find"`, or with a bracket whose Casimirs are looked for
+    #[arg(required_unless_present = "equations", conflicts_with = "equations")]
+    pub scene: Option<PathBuf>,
+    /// An equation in the place of a scene, once for each variable: -e "q' = p" -e "p' = -sin(q)"
+    #[arg(short, long = "equation", value_name = "X'=F")]
+    pub equations: Vec<String>,
+    /// The value of a parameter of these equations: -p a=0.5
+    #[arg(
+        short,
+        long = "parameter",
+        value_name = "NAME=VALUE",
+        requires = "equations"
+    )]
+    pub parameters: Vec<String>,
+    /// The degree of first integrals and Casimirs [default: 2 of Casimirs, that of the equations, 2 or 3, of integrals]
+    #[arg(long, value_name = "D", value_parser = clap::value_parser!(u8).range(1..=12))]
+    pub degree: Option<u8>,
+    /// Write the scene with what was found to this file
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `shadow`.
+#[derive(Args, Clone, Debug)]
+pub struct ShadowArguments {
+    /// Whose method.
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// The order that H~ is cut at, 2, 4, … or 8 above the method's [default: m + 2, or m + 4 where that is short]
+    #[arg(long, value_name = "P")]
+    pub order: Option<usize>,
+    /// Steps to follow both energies over [default: the scene's, 10 000 at most]
+    #[arg(long, value_name = "COUNT")]
+    pub steps: Option<u64>,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `new`.
+#[derive(Args, Clone, Debug)]
+pub struct NewArguments {
+    /// The file to write [default: scene.toml, or the library system's name]
+    pub file: Option<PathBuf>,
+    /// Start from a system of the problem library
+    #[arg(long, value_name = "ID")]
+    pub library: Option<String>,
+}
