@@ -24,6 +24,7 @@ pub mod numbers;
 pub mod observables;
 mod perturbation;
 mod pfaffian;
+mod smoothness;
 mod summands;
 mod tensor_matrix;
 
@@ -39,6 +40,7 @@ pub use formulas::{SystemFormulas, TensorSource};
 pub use jet::MotionSeries;
 pub use numbers::{Derivatives, OpaqueSystem, SystemEvaluator, SystemFunction, SystemNumbers};
 pub use observables::{SystemInvariants, SystemObservables};
+pub use smoothness::TableUse;
 pub(crate) use tensor_matrix::TensorMatrix;
 
 use crate::error::BuildError;

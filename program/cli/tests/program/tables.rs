@@ -223,3 +223,29 @@ fn a_degree_that_costs_the_order_is_warned_of() {
     assert!(told.contains("degree = 6 in [system.tables]"), "{told}");
     assert!(!with("degree = 6, ").contains("they leave"));
 }
+
+/// Orders hold for smooth formulas: what a table of degree 2 or a seam takes from them breaks no declaration.
+#[test]
+fn rough_formulas_break_no_declaration() {
+    let table = PENDULUM.replace("periodic", "degree = 2, periodic");
+    let seam = PENDULUM.replace("V(q)\"\ntables", "if(q > 0.9, 30*(q - 0.9)^2, 0)\"\n#");
+    let seam = seam.replace(", \"D(V(q), q)\", \"V(q, 1)\"", "");
+    for scene in [table, seam] {
+        let here = Place::with(&scene);
+        here.write("v.csv", &csv(&potential()));
+        let said = here.leafwise(&["verify", "scene.toml", "--json"]);
+        assert_eq!(said.code, Some(0), "{}\n{}", said.err, said.out);
+        let json = said.json();
+        let rows = json["rows"].as_array().expect("rows");
+        let undecided = rows
+            .iter()
+            .filter(|row| row["measured"]["judgements"]["order"] == "undecided");
+        assert!(undecided.count() >= 5, "{json}");
+        assert!(
+            rows.iter()
+                .all(|row| row["declared"]["smooth_order"].is_number())
+        );
+        let said = here.leafwise(&["verify", "scene.toml"]);
+        assert!(said.out.contains("seams or tables"), "{}", said.out);
+    }
+}

@@ -10,8 +10,19 @@ pub enum Judgement {
     Met,
     /// It does not.
     NotMet,
-    /// The measurement does not tell the declared order from the one below.
+    /// The measurement does not tell the declared order from the one below, or the formulas are too rough for it.
     Undecided,
     /// Nothing was declared, or the map offers nothing to measure it by.
     Open,
+}
+
+impl Judgement {
+    /// The judgement of an order `declared` by a system whose formulas bear no more than `smooth`: orders hold for smooth
+    /// ones, so that a lower one seen there breaks no declaration.
+    pub(super) fn on_rough(self, declared: usize, smooth: Option<usize>) -> Self {
+        match self {
+            Self::NotMet if smooth.is_some_and(|smooth| smooth < declared) => Self::Undecided,
+            judgement => judgement,
+        }
+    }
 }

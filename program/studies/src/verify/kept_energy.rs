@@ -78,7 +78,9 @@ impl KeptEnergy {
         let judgement = if is_round_off {
             Judgement::Met
         } else {
-            order.judge(declared)
+            order
+                .judge(declared)
+                .on_rough(declared, problem.smooth_order())
         };
         Some(Self {
             declared,

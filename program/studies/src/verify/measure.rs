@@ -94,15 +94,17 @@ pub fn measure(
     let convergence = Convergence::measure(problem, map, flow, horizon)?;
     let defects = Defects::measure(problem, map);
     let run = Run::at_largest_step(problem, map)?;
+    let smooth = problem.smooth_order();
     let judgements = [
-        convergence.judge(declared),
+        convergence.judge(declared).on_rough(declared.order, smooth),
         match declared.structure {
             Structure::Leaves => judge_leaves(problem, run.drift.casimirs),
             Structure::Exact => match defects.judge(declared) {
                 Judgement::Met | Judgement::Open if !run.keeps_structure() => Judgement::NotMet,
                 judgement => judgement,
             },
-            _ => defects.judge(declared),
+            Structure::Order(n) => defects.judge(declared).on_rough(n, smooth),
+            Structure::None => defects.judge(declared),
         },
         judge_symmetry(declared, run.self_adjointness),
     ];

@@ -100,6 +100,11 @@ impl Problem {
         Self::of_scene(&document)
     }
 
+    /// The order that seams and tables of the formulas may reduce a step to; `None` where every formula is smooth.
+    pub fn smooth_order(&self) -> Option<usize> {
+        self.system.expressions()?.smooth_order()
+    }
+
     /// The state after time `t`, by a method of another family with a small step.
     ///
     /// # Errors

@@ -35,6 +35,8 @@ pub struct Row {
     pub is_own: bool,
     /// The declared order in t.
     pub declared_order: usize,
+    /// The order that seams and tables of the problem may reduce a step to; `None` where its formulas are smooth.
+    pub smooth_order: Option<usize>,
     /// The declared structure, in words.
     pub declared_structure: String,
     /// Measurements of the map; `None` where they fail.
@@ -51,6 +53,12 @@ impl Row {
         self.measured.as_ref().is_some_and(|m| {
             m.broken_solve.is_none() && m.all_judgements().all(|j| j != Judgement::NotMet)
         })
+    }
+
+    /// Whether the problem's formulas are too rough for the declared order.
+    pub fn is_rough(&self) -> bool {
+        self.smooth_order
+            .is_some_and(|order| order < self.declared_order)
     }
 
     /// Whether a declaration could not be told from the order below.
@@ -296,6 +304,7 @@ fn row(problem: &Problem, map: &dyn StepMap, is_own: bool, flow: &[f64], horizon
         map: map.describe(),
         is_own,
         declared_order: properties.order,
+        smooth_order: problem.smooth_order(),
         declared_structure: properties.structure.to_string(),
         measured,
         failure,

@@ -30,6 +30,8 @@ struct Row<'a> {
 #[derive(Serialize)]
 struct Declared<'a> {
     order: usize,
+    /// The order that seams and tables may reduce a step to; null where the formulas are smooth.
+    smooth_order: Option<usize>,
     structure: &'a str,
 }
 
@@ -53,6 +55,7 @@ impl<'a> From<&'a verify::Row> for Row<'a> {
             met: row.is_met(),
             declared: Declared {
                 order: row.declared_order,
+                smooth_order: row.smooth_order,
                 structure: &row.declared_structure,
             },
             measured: row.measured.as_ref(),

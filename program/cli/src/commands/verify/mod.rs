@@ -9,7 +9,7 @@ use std::num::NonZeroUsize;
 use std::time::Instant;
 
 use leafwise::report::render_survey;
-use leafwise::verify::{Problem, Survey, SurveyOptions, survey};
+use leafwise::verify::{Problem, Row, Survey, SurveyOptions, survey};
 
 use crate::arguments::{PluginArguments, SceneArguments, VerifyArguments};
 use crate::console::Console;
@@ -111,12 +111,27 @@ fn conclude(survey: &Survey, seconds: f64, console: &mut Console<'_>) {
         1 => format!("one of {count} step maps does not meet what it declares"),
         many => format!("{many} of {count} step maps do not meet what they declare"),
     });
-    let undecided = survey.rows.iter().filter(|row| row.is_undecided()).count();
-    if undecided > 0 {
+    let undecided = survey.rows.iter().filter(|row| row.is_undecided());
+    let (rough, smooth): (Vec<&Row>, Vec<&Row>) = undecided.partition(|row| row.is_rough());
+    if !smooth.is_empty() {
         console.result(&format!(
-            "{undecided} with a `?` leave an order open: too few errors lie between round-off and \
-             the range where powers of the step rule"
+            "{} with a `?` leave an order open: too few errors lie between round-off and the range where powers of the \
+             step rule",
+            smooth.len()
         ));
+    }
+    if !rough.is_empty() {
+        console.result(&format!(
+            "{} with a `?` leave an order open: it holds for smooth formulas, and these have seams or tables of low degree",
+            rough.len()
+        ));
+    }
+    let unjudged = |row: &&Row| row.is_rough() && !row.is_undecided();
+    if survey.rows.iter().any(|row| unjudged(&row)) {
+        console.result(
+            "the formulas have seams or tables of low degree: the orders without a `?` are those of the smooth motion \
+             about the initial state, and a step across a seam or between cells has a lower one",
+        );
     }
     console.result(&format!("measured in {}", duration(seconds)));
 }
