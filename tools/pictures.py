@@ -30,7 +30,7 @@ LARGEST = 60_000
 SUBJECTS = {
     "Bodies that turn": ["tennis_racket", "rigid_body", "attitude", "heavy_top", "heavy_top_attitude", "se3", "so4"],
     "The sky": ["kepler", "restricted_three_body", "henon_heiles"],
-    "Charges and magnetic fields": ["magnetic", "guiding_centre", "guiding_centre_cartesian", "magnetic_field_line"],
+    "Charges and magnetic fields": ["magnetic", "guiding_centre", "guiding_centre_cartesian", "tokamak_losses", "magnetic_field_line"],
     "Driven motion, forces in pieces": ["driven_oscillator", "driven_pendulum", "bouncing_ball"],
     "Vortices and fluids": ["point_vortices", "sphere_vortices", "camassa_holm", "nambu"],
     "Waves and light": ["three_wave", "maxwell_bloch"],
@@ -70,6 +70,7 @@ VIEWS: dict[str, tuple[str, list[str]]] = {
     "so4": ("Orbit", ["run.steps=500", "run.record.every=1"]),
     "sphere_vortices": ("Orbit", ["run.steps=400", "run.record.every=1"]),
     "three_wave": ("Orbit", ["run.steps=400", "run.record.every=1"]),
+    "tokamak_losses": ("Stopped by", []),
     "toda": ("a over", ["run.steps=1000"]),
     "volterra_lattice": ("x over", ["run.steps=4000", "run.record.every=200"]),
 }

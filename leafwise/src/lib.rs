@@ -6,6 +6,7 @@
 //!   dynamics and steppers.
 //! - [`systems`]: the problem library.
 //! - [`plugins`]: parts of third parties from shared libraries.
+//! - [`equilibrium`]: magnetic fields of tokamaks, read from g-files.
 //! - [`find`]: brackets of equations of motion, found and proved.
 //! - [`walk`]: trajectories in memory, watched between steps.
 //! - [`scene`]: scene files, composed.
@@ -27,6 +28,7 @@ pub use leafwise_constant as constant;
 pub use leafwise_core as core;
 pub use leafwise_darboux_magnetic as darboux_magnetic;
 pub use leafwise_direct_sum as direct_sum;
+pub use leafwise_equilibrium as equilibrium;
 pub use leafwise_expression as expression;
 pub use leafwise_find as find;
 pub use leafwise_generating_function as generating_function;

@@ -216,6 +216,8 @@ FUNCTIONS: dict[str, Callable[[Any], object]] = {
     "sweep(threads)": lambda x: SCENE.sweep({"system.parameters.k": [1.0]}, threads=x),
     "sweep(executor)": lambda x: SCENE.sweep({"system.parameters.k": [1.0]}, executor=x),
     "find(equations)": lambda x: lw.find(x),
+    "import_equilibrium(file)": lambda x: lw.import_equilibrium(x, "nowhere"),
+    "import_equilibrium(energy)": lambda x: lw.import_equilibrium(__file__, "nowhere", energy=x),
     "find(parameters)": lambda x: lw.find({"q": "p", "p": "-k*q"}, parameters=x),
     "state_error": lambda x: SCENE.state_error(steps=x) if not _is_long(x) else None,
     "integrator.advance": lambda x: SCENE.integrator().advance(x) if not _is_long(x) else None,

@@ -27,8 +27,9 @@ impl TableUse {
 }
 
 impl SystemFormulas {
-    /// The tables of H, the tensor and the forces, each with the most derivatives that the motion takes of it: one of H, none
-    /// of the others, beside those that the formulas name.
+    /// The tables of H, the tensor and the forces, each with the most derivatives that the motion takes of it.
+    ///
+    /// It takes one of H and none of the others, beside those that the formulas name.
     pub fn table_uses(&self) -> Vec<TableUse> {
         let mut uses: BTreeMap<&'static str, TableUse> = BTreeMap::new();
         let hamiltonian = std::iter::once((self.hamiltonian(), 1));

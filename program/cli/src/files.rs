@@ -17,6 +17,21 @@ pub fn write(file: &Path, text: &str) -> Result<(), Failure> {
     fs::write(file, text).map_err(failed(file))
 }
 
+/// Writes a file that does not exist; `help` says how to name another.
+///
+/// # Errors
+/// [`Failure::Usage`] where it exists, [`Failure::File`].
+pub fn write_new(file: &Path, text: &str, help: &str) -> Result<(), Failure> {
+    let written = fs::File::create_new(file).and_then(|mut open| open.write_all(text.as_bytes()));
+    written.map_err(|source| match source.kind() {
+        io::ErrorKind::AlreadyExists => Failure::usage(
+            format!("{} exists and is left as it is", file.display()),
+            help,
+        ),
+        _ => failed(file)(source),
+    })
+}
+
 /// Writes a value as JSON.
 ///
 /// # Errors

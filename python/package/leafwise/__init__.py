@@ -19,6 +19,7 @@ from . import lattice
 from ._commands import command, describe, list_parts as list, load_plugin
 from ._comparison import Comparison
 from ._ensemble import Ensemble
+from ._equilibrium import Equilibrium, import_equilibrium
 from ._errors import IntegrationError, LeafwiseError, LeafwiseWarning, SceneError
 from ._find import Found, find
 from ._fit import Fit
@@ -36,6 +37,7 @@ __version__ = _version()
 
 __all__ = [
     "Comparison",
+    "Equilibrium",
     "Fit",
     "Found",
     "Gradient",
@@ -60,6 +62,7 @@ __all__ = [
     "describe",
     "find",
     "generating_function",
+    "import_equilibrium",
     "lattice",
     "load_plugin",
     "solve",

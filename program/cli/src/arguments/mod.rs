@@ -9,8 +9,8 @@ pub use jobs::{
     SceneArguments, SweepArguments,
 };
 pub use questions::{
-    DescribeArguments, EvaluateArguments, ExplainArguments, FindArguments, Kind, ListArguments,
-    NewArguments, SchemaArguments, ShadowArguments,
+    DescribeArguments, EvaluateArguments, ExplainArguments, FindArguments, ImportArguments, Kind,
+    ListArguments, NewArguments, SchemaArguments, ShadowArguments,
 };
 pub use studies::{
     CompareArguments, ReproduceArguments, StressArguments, TuneArguments, VerifyArguments,
@@ -103,6 +103,8 @@ pub enum Command {
     Evaluate(EvaluateArguments),
     /// Find the bracket and the Hamiltonian of equations of motion, and the Casimirs of a bracket
     Find(FindArguments),
+    /// Write a scene of guiding centres in a tokamak's equilibrium, from a g-file
+    Import(ImportArguments),
     /// Print the shadow Hamiltonian of a scene's method, and how well it is kept
     Shadow(ShadowArguments),
     /// Measure what every part declares: orders, tensor defects, drift, cost
@@ -173,6 +175,7 @@ impl Command {
             Self::Describe(arguments) => arguments.json,
             Self::Evaluate(arguments) => arguments.json,
             Self::Find(arguments) => arguments.json,
+            Self::Import(arguments) => arguments.json,
             Self::Shadow(arguments) => arguments.json,
             Self::Verify(arguments) => arguments.json,
             Self::Compare(arguments) => arguments.json,

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use leafwise::equilibrium::Species;
 
 use super::SceneArguments;
 
@@ -98,6 +99,77 @@ pub struct FindArguments {
     /// Write the scene with what was found to this file
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Kinds of particles.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum IonKind {
+    /// H⁺
+    Proton,
+    /// ²H⁺
+    Deuteron,
+    /// ³H⁺
+    Triton,
+    /// ⁴He²⁺
+    Alpha,
+    /// e⁻
+    Electron,
+}
+
+impl From<IonKind> for Species {
+    fn from(kind: IonKind) -> Self {
+        match kind {
+            IonKind::Proton => Self::Proton,
+            IonKind::Deuteron => Self::Deuteron,
+            IonKind::Triton => Self::Triton,
+            IonKind::Alpha => Self::Alpha,
+            IonKind::Electron => Self::Electron,
+        }
+    }
+}
+
+/// Arguments of `import`.
+#[derive(Args, Clone, Debug)]
+pub struct ImportArguments {
+    /// A g-file of EFIT: the flux psi(R, Z) in Wb/rad, and F = R B_phi
+    pub file: PathBuf,
+    /// The new directory of the scene and its tables [default: the name of the file without its ending]
+    #[arg(long, value_name = "DIRECTORY")]
+    pub out: Option<PathBuf>,
+    /// The particles
+    #[arg(long, value_enum, default_value_t = IonKind::Deuteron)]
+    pub species: IonKind,
+    /// The kinetic energy, in keV
+    #[arg(long, default_value_t = 10.0, value_name = "KEV")]
+    pub energy: f64,
+    /// The speed along the field as a part of the speed, from -1 to 1, of the single particle
+    #[arg(
+        long,
+        default_value_t = 0.5,
+        allow_hyphen_values = true,
+        value_name = "U/V"
+    )]
+    pub pitch: f64,
+    /// The surface where particles start: 0 is the axis, 1 the edge
+    #[arg(long, default_value_t = 0.5, value_name = "S")]
+    pub surface: f64,
+    /// Particles of an ensemble, uniform on the surface and in u/v [default: no ensemble]
+    #[arg(
+        long,
+        default_value_t = 0,
+        hide_default_value = true,
+        value_name = "COUNT"
+    )]
+    pub members: u32,
+    /// The seed of their draws
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// The degree of the splines: 5 serves methods of order 4
+    #[arg(long, default_value_t = 5, value_name = "K", value_parser = clap::value_parser!(u8).range(2..=9))]
+    pub degree: u8,
     /// Print one JSON object on standard output
     #[arg(long)]
     pub json: bool,

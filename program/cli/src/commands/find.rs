@@ -1,7 +1,4 @@
 //! `leafwise find`: the bracket and the Hamiltonian of equations of motion, the Casimirs of a bracket.
-
-use std::fs::OpenOptions;
-use std::io::{ErrorKind, Write};
 use std::path::Path;
 
 use leafwise::core::SystemFormulas;
@@ -17,6 +14,7 @@ use crate::arguments::{FindArguments, PluginArguments, SceneArguments};
 use crate::bar::while_building;
 use crate::console::Console;
 use crate::failure::{Failure, exit};
+use crate::files;
 use crate::plugins::Parts;
 use crate::scene::read;
 use crate::table::{labelled, words};
@@ -117,36 +115,19 @@ pub fn execute(
                 run_table(&equations)
             ),
         };
-        write_new(file, &text, console)?;
+        write_scene(file, &text, console)?;
     }
     Ok(exit::DONE)
 }
 
-/// Writes a file that does not exist.
-fn write_new(file: &Path, text: &str, console: &mut Console<'_>) -> Result<(), Failure> {
-    let written = OpenOptions::new()
-        .write(true)
-        .create_new(true)
-        .open(file)
-        .and_then(|mut open| open.write_all(text.as_bytes()));
-    match written {
-        Ok(()) => {
-            console.prose(&format!(
-                "wrote {0}; `leafwise check {0}` prints its motion, `leafwise run {0}` integrates it",
-                file.display()
-            ));
-            Ok(())
-        }
-        Err(error) if error.kind() == ErrorKind::AlreadyExists => Err(Failure::usage(
-            format!("{} exists and is left as it is", file.display()),
-            "name another file: --out NAME.toml",
-        )),
-        Err(source) => Err(Failure::File {
-            action: "write",
-            file: file.to_path_buf(),
-            source,
-        }),
-    }
+/// Writes a scene to a new file, and says how it is used.
+fn write_scene(file: &Path, text: &str, console: &mut Console<'_>) -> Result<(), Failure> {
+    files::write_new(file, text, "name another file: --out NAME.toml")?;
+    console.prose(&format!(
+        "wrote {0}; `leafwise check {0}` prints its motion, `leafwise run {0}` integrates it",
+        file.display()
+    ));
+    Ok(())
 }
 
 fn refused(error: FindError) -> Failure {
@@ -254,7 +235,7 @@ fn casimirs(
         let text = with_casimirs(text, &rows).map_err(|error| {
             Failure::usage(error.to_string(), "name a scene with a [system] table")
         })?;
-        write_new(file, &text, console)?;
+        write_scene(file, &text, console)?;
     }
     Ok(exit::DONE)
 }

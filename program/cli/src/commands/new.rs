@@ -1,7 +1,5 @@
 //! `leafwise new`: a commented scene file.
 
-use std::fs::OpenOptions;
-use std::io::Write;
 use std::path::PathBuf;
 
 use leafwise::systems::{Defaults, PacedDefaults};
@@ -9,6 +7,7 @@ use leafwise::systems::{Defaults, PacedDefaults};
 use crate::arguments::NewArguments;
 use crate::console::Console;
 use crate::failure::{Failure, exit};
+use crate::files;
 
 /// The scene that is written when no library system is asked for.
 const TEMPLATE: &str = include_str!("new_scene.toml");
@@ -33,29 +32,12 @@ pub fn execute(arguments: &NewArguments, console: &mut Console<'_>) -> Result<u8
     if file.extension().is_none() {
         file.set_extension("toml");
     }
-    let written = OpenOptions::new()
-        .write(true)
-        .create_new(true)
-        .open(&file)
-        .and_then(|mut open| open.write_all(text.as_bytes()));
-    match written {
-        Ok(()) => {
-            console.prose(&format!(
-                "wrote {0}; `leafwise run {0}` integrates it",
-                file.display()
-            ));
-            Ok(exit::DONE)
-        }
-        Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => Err(Failure::usage(
-            format!("{} exists and is left as it is", file.display()),
-            "name another file: leafwise new NAME",
-        )),
-        Err(source) => Err(Failure::File {
-            action: "write",
-            file,
-            source,
-        }),
-    }
+    files::write_new(&file, &text, "name another file: leafwise new NAME")?;
+    console.prose(&format!(
+        "wrote {0}; `leafwise run {0}` integrates it",
+        file.display()
+    ));
+    Ok(exit::DONE)
 }
 
 fn library_scene(id: &str) -> Result<String, Failure> {

@@ -9,6 +9,7 @@ mod failing_runs;
 mod found;
 mod gallery;
 mod guide;
+mod imported;
 mod invalid_scenes;
 mod kills;
 mod motion;

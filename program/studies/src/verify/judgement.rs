@@ -17,8 +17,9 @@ pub enum Judgement {
 }
 
 impl Judgement {
-    /// The judgement of an order `declared` by a system whose formulas bear no more than `smooth`: orders hold for smooth
-    /// ones, so that a lower one seen there breaks no declaration.
+    /// The judgement of an order `declared` on formulas that bear no more than `smooth`.
+    ///
+    /// Orders hold for smooth formulas: a lower one that is seen on others breaks no declaration.
     pub(super) fn on_rough(self, declared: usize, smooth: Option<usize>) -> Self {
         match self {
             Self::NotMet if smooth.is_some_and(|smooth| smooth < declared) => Self::Undecided,

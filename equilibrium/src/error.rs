@@ -1,0 +1,54 @@
+//! Files and questions that give no equilibrium.
+
+use leafwise_expression::table::TableError;
+use thiserror::Error;
+
+/// Reason why a g-file, or a start of ions in it, is none.
+#[derive(Clone, Debug, Error)]
+#[non_exhaustive]
+pub enum EquilibriumError {
+    /// A first line without the numbers of nodes.
+    #[error(
+        "the first line ends with no two whole numbers, the nodes along R and Z: is it a g-file of EFIT, such as `g123456.01000`?"
+    )]
+    Header,
+    /// Fewer numbers than the first line tells of.
+    #[error("the file ends in {name}: {found} of {needed} numbers")]
+    Short {
+        /// What they are.
+        name: &'static str,
+        /// The numbers that are there.
+        found: usize,
+        /// The numbers that belong there.
+        needed: usize,
+    },
+    /// A word in the place of a number.
+    #[error("line {line}: `{word}` in the place of a number of {name}")]
+    Number {
+        /// What the number is.
+        name: &'static str,
+        /// The line, from 1.
+        line: usize,
+        /// What stands there.
+        word: String,
+    },
+    /// Numbers that no equilibrium has.
+    #[error("{0}")]
+    Odd(String),
+    /// A grid that makes no spline.
+    #[error("the table of {name}: {error}")]
+    Table {
+        /// The table.
+        name: &'static str,
+        /// The reason.
+        error: TableError,
+    },
+    /// A surface that is not closed about the axis within the grid.
+    #[error(
+        "the surface s = {surface} is not closed about the axis inside the grid: take one nearer to the axis, which has s = 0"
+    )]
+    Open {
+        /// Its normalized flux.
+        surface: f64,
+    },
+}

@@ -1,0 +1,84 @@
+//! Equilibria of tokamaks: `leafwise import`.
+
+use std::fs;
+
+use crate::support::Place;
+
+/// The g-file of the scenes.
+fn solovev() -> String {
+    let file = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../scenes/tokamak/solovev.geqdsk"
+    );
+    fs::read_to_string(file).expect("the g-file of the scenes")
+}
+
+/// An import runs, one ion and many, and keeps the toroidal momentum to round-off.
+#[test]
+fn an_equilibrium_becomes_a_scene_that_runs() {
+    let here = Place::new();
+    here.write("shot.geqdsk", &solovev());
+    let said = here.leafwise(&["import", "shot.geqdsk", "--members", "6", "--json"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let json = said.json();
+    let axis = &json["safety_factors"][0];
+    let q = axis["q"].as_f64().expect("a number");
+    assert!((q - 1.2).abs() < 1e-6 && axis["s"] == 0.0, "{json}");
+    assert_eq!(json["scene"], "shot/scene.toml");
+    assert!(said.err.contains("leafwise ensemble shot/scene.toml"));
+
+    let said = here.leafwise(&["run", "shot/scene.toml", "--out", "ion", "--quiet"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let samples = here.read("ion/samples.csv");
+    let mut lines = samples.lines();
+    let headings: Vec<&str> = lines.next().expect("headings").split(',').collect();
+    let column = headings.iter().position(|name| *name == "momentum");
+    let column = column.expect("the momentum");
+    let momenta = lines.map(|line| line.split(',').nth(column).expect("a column"));
+    let momenta: Vec<f64> = momenta
+        .map(|text| text.parse().expect("a number"))
+        .collect();
+    let drift = momenta.iter().map(|p| (p / momenta[0] - 1.0).abs());
+    // Two thousand steps, each of a few roundings.
+    assert!(drift.fold(0.0, f64::max) < 1e-12);
+
+    let said = here.leafwise(&["ensemble", "shot/scene.toml", "--set", "run.steps=50"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let said = here.leafwise(&["import", "shot.geqdsk"]);
+    assert_eq!(said.code, Some(2));
+    said.says(&[
+        "shot/scene.toml exists and is left as it is",
+        "--out DIRECTORY",
+    ]);
+}
+
+#[test]
+fn files_that_are_none_are_refused_where_they_are_wrong() {
+    let here = Place::new();
+    let text = solovev();
+    let cut: String = text.chars().take(9000).collect();
+    let word = text.replacen(" 4.177856445E-01", " ***************", 1);
+    let small = text.replacen(" 7.500000000E-01", " 9.500000000E-01", 1);
+    for (text, message) in [
+        ("a scene, not an equilibrium", "no two whole numbers"),
+        (&cut, "the file ends in the flux psi(R, Z)"),
+        (&word, "line 3: `***************` in the place of a number"),
+        (&small, "no extremum within three cells"),
+    ] {
+        here.write("shot.geqdsk", text);
+        let said = here.leafwise(&["import", "shot.geqdsk"]);
+        assert_eq!(said.code, Some(2), "{}", said.err);
+        said.says(&[message, "shot.geqdsk"]);
+    }
+    here.write("shot.geqdsk", &text);
+    for (options, message) in [
+        (["--energy", "1e7"], "not relativistic"),
+        (["--pitch", "-2"], "from -1 to 1"),
+        (["--surface", "1"], "between the axis, 0, and the edge, 1"),
+    ] {
+        let said = here.leafwise(&["import", "shot.geqdsk", options[0], options[1]]);
+        assert_eq!(said.code, Some(2), "{}", said.err);
+        said.says(&[message]);
+        assert!(!here.path("shot").exists(), "nothing is written");
+    }
+}
