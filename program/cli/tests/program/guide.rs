@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::support::{BODY, Place, gallery};
+use crate::support::{BODY, Place, scenes};
 
 /// A fenced block of a page.
 struct Block {
@@ -112,13 +112,22 @@ fn prints(here: &Place, place: &str, command: &str, expected: &[String]) {
     }
 }
 
+/// Copies a folder with all that it holds.
+fn copy(from: &Path, to: &Path) {
+    fs::create_dir(to).expect("a folder");
+    for entry in fs::read_dir(from).expect("a folder") {
+        let entry = entry.expect("an entry");
+        let target = to.join(entry.file_name());
+        match entry.path().is_dir() {
+            true => copy(&entry.path(), &target),
+            false => drop(fs::copy(entry.path(), target).expect("a copy")),
+        }
+    }
+}
+
 fn print_what_stands_below_them(kind: &str, least: usize) {
     let here = Place::new();
-    fs::create_dir(here.path("scenes")).expect("a folder");
-    for scene in gallery() {
-        let name = scene.file_name().expect("a name");
-        fs::copy(&scene, here.path("scenes").join(name)).expect("a copy");
-    }
+    copy(&scenes(), &here.path("scenes"));
     let mut commands = 0;
     for block in blocks(kind) {
         let mut lines = block.lines.iter().map(|line| line.trim_start()).peekable();

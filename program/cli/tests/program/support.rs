@@ -192,10 +192,14 @@ pub fn refusing_threads(here: &Place) -> PathBuf {
     here.path("refuse.so")
 }
 
+/// The folder of ready scenes.
+pub fn scenes() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes")
+}
+
 /// The gallery of ready scenes.
 pub fn gallery() -> Vec<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
-    let mut scenes: Vec<PathBuf> = fs::read_dir(folder)
+    let mut scenes: Vec<PathBuf> = fs::read_dir(scenes())
         .expect("the gallery")
         .map(|entry| entry.expect("an entry").path())
         .filter(|path| {
