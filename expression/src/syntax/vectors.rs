@@ -41,6 +41,26 @@ impl Formula {
         let root = expander.number(self.root()).map_err(|error| *error)?;
         Ok(self.rewritten(expander.text, *root))
     }
+
+    /// The formulas of the components of a vector; `None` for a number.
+    ///
+    /// # Errors
+    /// Those of [`Formula::in_components`].
+    pub fn components(&self, vectors: &[Vector]) -> Result<Option<Vec<Self>>, SyntaxError> {
+        let mut expander = Expander {
+            text: self.source().to_owned(),
+            vectors,
+            places: Vec::new(),
+            parts: 0,
+        };
+        if !expander.is_vector(self.root()) {
+            return Ok(None);
+        }
+        let parts = expander.components(self.root()).map_err(|error| *error)?;
+        let text = expander.text;
+        let formula = |root| self.clone().rewritten(text.clone(), root);
+        Ok(Some(parts.into_iter().map(formula).collect()))
+    }
 }
 
 struct Expander<'a> {

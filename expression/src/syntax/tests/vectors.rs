@@ -165,3 +165,24 @@ fn a_component_without_a_name_in_the_scope_is_told_where_its_vector_stands() {
         assert_eq!(text.get(error.span.clone()), Some("a"), "{error}");
     }
 }
+
+#[test]
+fn components_of_a_vector_are_formulas() {
+    let of = |text: &str| {
+        let formula = Formula::parse(text).expect("a formula");
+        let components = formula.components(&vectors()).expect("components");
+        components.map(|all| all.iter().map(ToString::to_string).collect::<Vec<_>>())
+    };
+    assert_eq!(
+        of("2*a + b/c").map(|all| all[1].clone()),
+        Some("2*a.y + b.y/c".to_owned())
+    );
+    assert_eq!(
+        of("cross(a, b)").map(|all| all[2].clone()),
+        Some("a.x*b.y - a.y*b.x".to_owned())
+    );
+    assert_eq!(of("norm(a)"), None);
+    assert_eq!(of("dot(a, b)*c"), None);
+    let formula = Formula::parse("a + dot(a, b)").expect("a formula");
+    assert!(formula.components(&vectors()).is_err());
+}

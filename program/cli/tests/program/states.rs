@@ -278,3 +278,85 @@ fn the_help_on_a_long_lattice_names_what_works_there() {
         assert_eq!(said.code, Some(0), "{name}: {}", said.err);
     }
 }
+
+/// Kepler's problem with vectors, and the same in components.
+const VECTORS: &str = r#"[system]
+variables = { r = 3, p = 3 }
+bracket = "canonical"
+define = { A = "cross(p, L) - r/norm(r)", L = "cross(r, p)" }
+hamiltonian = "dot(p, p)/2 - 1/norm(r) + 0.01*L.z"
+forces = { p = "-0.1*p" }
+[method]
+stepper = "dop853"
+time-step = 0.05
+[run]
+initial = { r = [1, 0, "0.1"], p = [0, 1.1, 0.2] }
+steps = 20
+record = { states = ["p", "r.x"], observables = ["energy", "L", { lenz = "A" }, "2*r", "norm(A)"] }
+"#;
+const WRITTEN: &str = r#"[system]
+variables = ["x", "y", "z", "u", "v", "w"]
+bracket = { "x,u" = "-1", "y,v" = "-1", "z,w" = "-1" }
+define = { a = "y*w - z*v", b = "z*u - x*w", c = "x*v - y*u", n = "sqrt(x*x + y*y + z*z)" }
+hamiltonian = "(u*u + v*v + w*w)/2 - 1/n + 0.01*c"
+forces = ["0", "0", "0", "-0.1*u", "-0.1*v", "-0.1*w"]
+[method]
+stepper = "dop853"
+time-step = 0.05
+[run]
+initial = [1, 0, 0.1, 0, 1.1, 0.2]
+steps = 20
+record = { states = ["u", "v", "w", "x"], observables = ["energy", "a", "b", "c", "v*c - w*b - x/n", "w*a - u*c - y/n", "u*b - v*a - z/n", "2*x", "2*y", "2*z", "sqrt((v*c - w*b - x/n)*(v*c - w*b - x/n) + (w*a - u*c - y/n)*(w*a - u*c - y/n) + (u*b - v*a - z/n)*(u*b - v*a - z/n))"] }
+"#;
+
+#[test]
+fn vectors_stand_in_initial_states_definitions_forces_and_records() {
+    let here = Place::with(VECTORS);
+    here.write("written.toml", WRITTEN);
+    let table = |scene: &str| -> (String, Vec<f64>) {
+        let said = here.leafwise(&["run", scene, "--out", "out", "--force"]);
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        let samples = here.read("out/samples.csv");
+        let (headings, rows) = samples.split_once('\n').expect("headings");
+        let numbers = rows.split([',', '\n']).filter(|text| !text.is_empty());
+        let numbers = numbers.map(|text| text.parse().expect("a number"));
+        (headings.to_owned(), numbers.collect())
+    };
+    let ((headings, found), (_, expected)) = (table("scene.toml"), table("written.toml"));
+    assert_eq!(
+        headings,
+        "t,p.x,p.y,p.z,r.x,energy,L.x,L.y,L.z,lenz.x,lenz.y,lenz.z,2*r.x,2*r.y,2*r.z,norm(A)"
+    );
+    assert_eq!((found.len(), expected.len()), (21 * 16, 21 * 16));
+    // Sums in another order round otherwise, some dozen roundings a step.
+    for (found, expected) in found.iter().zip(&expected) {
+        assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+    }
+}
+
+#[test]
+fn vectors_that_do_not_fit_are_refused() {
+    for (from, to, message) in [
+        ("[0, 1.1, 0.2]", "[0, 1.1]", "2 entries"),
+        ("cross(r, p)", "cross(r, q)", "`q` is no vector"),
+        ("cross(p, L)", "cross(p, M)", "`M` is no vector"),
+        ("cross(p, L)", "cross(p, A)", "is no vector"),
+        ("{ p = \"-0.1*p\" }", "{ p = \"-0.1\" }", "`p`"),
+        (
+            "[\"p\", \"r.x\"]",
+            "[\"p\", \"p.x\"]",
+            "`p.x` is recorded twice",
+        ),
+        (
+            "[\"p\", \"r.x\"]",
+            "[\"L\"]",
+            "the state has no coordinates `L`",
+        ),
+        ("\"2*r\"", "\"2 + r\"", "vector"),
+    ] {
+        let here = Place::with(&VECTORS.replace(from, to));
+        let said = here.leafwise(&["check", "scene.toml"]);
+        assert_eq!(said.code, Some(3), "{to}: {}", said.err);
+        said.says(&[message]);
+    }
+}

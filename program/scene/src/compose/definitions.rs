@@ -6,10 +6,10 @@ use std::collections::BTreeSet;
 
 use leafwise_core::lattice::LatticeGeometry;
 use leafwise_expression::Expression;
-use leafwise_expression::syntax::{DEPTH_LIMIT, Formula, Scope};
+use leafwise_expression::syntax::{DEPTH_LIMIT, Formula, Scope, SyntaxErrorKind};
 
 use super::Refusal;
-use super::names::{declared, function, parse};
+use super::names::{declared, function, parse_text, refusal};
 use super::time::{TIME, names_time};
 use crate::document::{Located, SceneDocument};
 
@@ -38,10 +38,7 @@ pub(super) fn scope(
     }
     let define = &document.system.define;
     check_observables(document)?;
-    let mut parsed = Vec::with_capacity(define.len());
-    for (_, formula) in define {
-        parsed.push(parse(document, formula)?);
-    }
+    let parsed = parsed(document)?;
     for at in order(document, &parsed)? {
         let (name, formula) = &define[at];
         if time.is_none() && names_time(document, formula) {
@@ -63,6 +60,28 @@ pub(super) fn scope(
         scope = scope.with_definition(&name.value, value);
     }
     Ok(scope)
+}
+
+/// Every definition's formula. Of errors the first is told that is no consequence of another: that a definition is no vector may be.
+fn parsed(document: &SceneDocument) -> Result<Vec<Formula>, Refusal> {
+    let define = &document.system.define;
+    let is_defined = |text: &str| define.iter().any(|(name, _)| name.value == text);
+    let mut all = Vec::with_capacity(define.len());
+    let mut first = None;
+    for (_, formula) in define {
+        match parse_text(document, &formula.value) {
+            Ok(parsed) => all.push(parsed),
+            Err(error) => {
+                let is_consequence = matches!(&error.kind, SyntaxErrorKind::NoVector { text, .. } if is_defined(text));
+                let refused = refusal(document, formula, &error);
+                if !is_consequence {
+                    return Err(refused);
+                }
+                first = first.or(Some(refused));
+            }
+        }
+    }
+    first.map_or(Ok(all), Err)
 }
 
 /// The definitions, each after those that it uses; of those that may come next the first in the file.

@@ -77,8 +77,7 @@ pub(super) fn check_names(document: &SceneDocument) -> Result<(), Refusal> {
         Scope::check_name(&name.value).map_err(|error| refusal(document, name, &error))?;
     }
     // Where there are vectors, formulas call functions of them.
-    let vectors = system.vectors.iter().chain(&system.variable_vectors);
-    let mut vectors = vectors.map(|vector| &vector.name).peekable();
+    let mut vectors = system.all_vectors().map(|vector| &vector.name).peekable();
     if vectors.peek().is_some() {
         for name in declared.chain(vectors) {
             if VECTOR_FUNCTIONS.contains(&name.value.as_str()) {
@@ -138,7 +137,15 @@ pub(super) fn parse(
 
 /// Parses a formula in the components of the scene's vectors.
 pub(super) fn parse_text(document: &SceneDocument, text: &str) -> Result<Formula, SyntaxError> {
-    Formula::parse(text)?.in_components(&document.system.named_vectors())
+    let (formula, vectors) = (Formula::parse(text)?, document.system.named_vectors());
+    // A formula that would be a vector, were it right, is told by what is wrong in it.
+    let broken = formula.components(&vectors).err();
+    formula
+        .in_components(&vectors)
+        .map_err(|error| match error.kind {
+            SyntaxErrorKind::VectorAsNumber { .. } => broken.unwrap_or(error),
+            _ => error,
+        })
 }
 
 /// A number as a rational.

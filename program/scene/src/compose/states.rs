@@ -118,7 +118,14 @@ pub(super) fn recorded_states(document: &SceneDocument) -> Result<RecordedStates
         let is_all = text.value == ALL_STATES && all.iter().all(|slice| slice.name != text.value);
         match is_all {
             true => slices.extend(all.clone()),
-            false => slices.push(slice(document, &all, text)?),
+            false => match document.system.components_of_key(text.value.trim()) {
+                Some(components) => {
+                    for component in components {
+                        slices.push(slice(document, &all, &text.clone().map(|_| component))?);
+                    }
+                }
+                None => slices.push(slice(document, &all, text)?),
+            },
         }
     }
     let recorded = RecordedStates {

@@ -72,8 +72,7 @@ pub(super) fn declares_time(document: &SceneDocument) -> bool {
     let families = system.families.iter().map(|(name, _)| name);
     let parameters = system.parameters.iter().map(|(name, _)| name);
     let defined = system.define.iter().map(|(name, _)| name);
-    let vectors = system.vectors.iter().chain(&system.variable_vectors);
-    let vectors = vectors.map(|vector| &vector.name);
+    let vectors = system.all_vectors().map(|vector| &vector.name);
     let declared = variables.chain(families).chain(parameters);
     let mut declared = declared.chain(defined).chain(vectors);
     declared.any(|name| name.value == TIME)

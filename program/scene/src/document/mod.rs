@@ -54,6 +54,7 @@ mod tables;
 #[cfg(test)]
 mod tests;
 mod variables;
+mod vector_formulas;
 
 pub use bracket::{BracketSpec, SummandSpec};
 pub use ensemble::{Distribution, EnsembleSection, FinalStates, InitialDraw, ParameterDraw};

@@ -156,6 +156,7 @@ fn section(id: &Located<String>, system: PoissonSystem, given: PartParameters) -
         sites: Vec::new(),
         vectors: Vec::new(),
         variable_vectors: Vec::new(),
+        defined_vectors: Vec::new(),
         parameters: parameters.collect(),
         define: Vec::new(),
         tables: Vec::new(),

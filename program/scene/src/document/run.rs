@@ -9,6 +9,7 @@ use super::method::MethodSection;
 use super::reader::{Item, Problems, Table};
 use super::schema::{RECORD, RUN, SECTION};
 use super::system_section::SystemSection;
+use super::vector_formulas::{observe_vectors, read_vector};
 
 /// The initial state.
 #[derive(Clone, Debug, PartialEq)]
@@ -254,7 +255,19 @@ fn read_initial(
 ) -> Option<Located<InitialSpec>> {
     let expected = "a list of numbers or a table of formulas";
     if item.is_table() {
-        let fields = item.pairs(expected, problems, read_field)?;
+        let table = item.table(&item.title, expected, problems)?;
+        let mut fields = Some(Vec::new());
+        for entry in &table.items {
+            let read = match read_vector(entry, system, problems) {
+                Some(components) => Some(components),
+                None => read_field(entry, problems).map(|field| vec![(entry.key.clone(), field)]),
+            };
+            fields = fields.zip(read).map(|(mut fields, read)| {
+                fields.extend(read);
+                fields
+            });
+        }
+        let fields = fields?;
         check_sites_once(fields.iter().map(|(key, _)| key), problems);
         return Some(Located::new(InitialSpec::Fields(fields), item.place()));
     }
@@ -365,7 +378,7 @@ pub(super) fn read_observables(
 ) -> Option<Vec<ObservableSpec>> {
     if let Some(list) = record.and_then(|record| record.get("observables")) {
         let entries = list.list_of("a list of names and formulas", problems, read_observable)?;
-        return Some(entries.concat());
+        return Some(observe_vectors(system, entries.concat()));
     }
     let energy = Located::new("energy".to_owned(), section.clone());
     let casimirs = system.into_iter().flat_map(|system| &system.casimirs);

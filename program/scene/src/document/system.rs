@@ -26,6 +26,7 @@ use super::system_schema::SYSTEM;
 use super::system_section::{Convention, SystemSection};
 use super::tables::{TableSpec, read_tables};
 use super::variables::{Variables, read_variables};
+use super::vector_formulas::{define_vectors, force_vectors};
 
 /// Reads `[system]`, going to the library when it names one; the fragment used is left in
 /// `fragment` as id and text.
@@ -373,6 +374,7 @@ fn read_inline(
         library: None,
         variables,
         variable_vectors,
+        defined_vectors: Vec::new(),
         families: scalars,
         axes,
         vectors,
@@ -396,6 +398,8 @@ fn read_inline(
     check_sites(&system, problems);
     add_sites(&mut system, problems);
     check_names(&system, problems);
+    define_vectors(&mut system);
+    force_vectors(&mut system);
     check_dimension(table, &system, problems);
     check_summands(&system, problems);
     Some(system)

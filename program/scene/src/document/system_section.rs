@@ -48,6 +48,8 @@ pub struct SystemSection {
     pub vectors: Vec<VectorFamily>,
     /// Vectors of single variables, whose components are variables `r.x`, `r.y`, ….
     pub variable_vectors: Vec<VectorFamily>,
+    /// Vectors of definitions `L.x`, `L.y`, ….
+    pub defined_vectors: Vec<VectorFamily>,
     /// Parameters with their values.
     pub parameters: Vec<(Located<String>, Located<Number>)>,
     /// Parameters of every site by their keys, `J[i]` or `J[3]`: families at rest, which nothing outside shows.
@@ -111,16 +113,31 @@ impl SystemSection {
         }
     }
 
+    /// Vectors of families, of single variables and of definitions.
+    pub fn all_vectors(&self) -> impl Iterator<Item = &VectorFamily> {
+        let moving = self.vectors.iter().chain(&self.variable_vectors);
+        moving.chain(&self.defined_vectors)
+    }
+
     /// The vectors that formulas may name.
     pub fn named_vectors(&self) -> Vec<Vector> {
-        let vectors = self.vectors.iter().chain(&self.variable_vectors);
-        let named = vectors.map(|vector| Vector {
+        let named = self.all_vectors().map(|vector| Vector {
             name: vector.name.value.clone(),
             components: (vector.components.iter())
                 .map(|component| vector.family(&component.value))
                 .collect(),
         });
         named.collect()
+    }
+
+    /// The keys of the components of a vector that moves: of `p` `p.x`, `p.y` and `p.z`, of `s[i]` `s.x[i]`, `s.y[i]` and `s.z[i]`.
+    pub fn components_of_key(&self, key: &str) -> Option<Vec<String>> {
+        let (name, site) = key.split_at(key.find('[').unwrap_or(key.len()));
+        let mut moving = self.vectors.iter().chain(&self.variable_vectors);
+        let vector = moving.find(|vector| vector.name.value == name.trim())?;
+        let components = vector.components.iter();
+        let keys = components.map(|letter| format!("{}{site}", vector.family(&letter.value)));
+        Some(keys.collect())
     }
 
     /// The families that a name stands for: one, or the components of vectors.

@@ -6,7 +6,7 @@ use super::reader::{Item, Problems};
 use super::system_section::VectorFamily;
 
 /// Names of the components of a vector that tells their number alone.
-const COMPONENTS: [&str; 3] = ["x", "y", "z"];
+pub(super) const COMPONENTS: [&str; 3] = ["x", "y", "z"];
 
 /// Single variables, and the vectors that some of them are components of.
 #[derive(Default)]
