@@ -49,7 +49,7 @@ pub mod lift;
 pub mod lifted_realization;
 pub mod method;
 pub mod noise;
-mod observe;
+mod observer;
 pub mod one_form;
 pub mod origin;
 pub mod part;
@@ -79,7 +79,7 @@ pub use leafwise_solver::{BuildError, Evaluator, Hint, StepError, error, evaluat
 pub use lift::Lift;
 pub use lifted_realization::LiftedRealization;
 pub use method::{Method, MethodEvaluators};
-pub use observe::Observe;
+pub use observer::Observer;
 pub use one_form::{OneForm, PointCode};
 pub use origin::Origin;
 pub use part::{PartInfo, PartKind, PartParameters};
