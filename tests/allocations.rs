@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use allocation_counter::measure;
-use leafwise::core::Observe;
 use leafwise::core::gradient::{Plan, Trajectory, Way};
 use leafwise::core::part::PartKind;
 use leafwise::core::{Method, PartParameters, Registry, StepMap, Walk};

@@ -6,7 +6,7 @@
 )]
 
 use leafwise::core::diagnostics::measure_drift;
-use leafwise::core::{Observe, Registry, StepMap, Walk};
+use leafwise::core::{Observer, Registry, StepMap, Walk};
 use leafwise_tests::numbers::{UNIT_ROUNDOFF, distance, largest};
 use leafwise_tests::{library, method};
 
@@ -102,23 +102,18 @@ fn dying_species_keep_their_relative_accuracy() {
 /// An observable without a value at one step: its deviation is none that is small, whatever follows.
 #[test]
 fn a_value_that_is_lost_at_one_step_is_not_forgotten() {
-    struct LostAt(usize, usize);
-    impl Observe for LostAt {
-        fn observables(&self) -> usize {
-            1
-        }
-        fn evaluate(&mut self, _: &[f64], values: &mut [f64]) {
-            values[0] = if self.0 == self.1 { f64::NAN } else { 1.0 };
-            self.1 += 1;
-        }
-    }
     let problem = library("rigid-body");
     let values = problem.system.parameter_values();
     let registry = Registry::with_builtin();
     let method = registry.automatic(&problem.system, 2).expect("a method");
     for lost in 0..20 {
         let mut walk = Walk::new(&method, &values, 1.0, 0.01, &problem.initial);
-        let drifts = measure_drift(&mut walk, &mut LostAt(lost, 0), 10).expect("steps");
+        let mut evaluated = 0;
+        let lost_at = Observer::new(1, move |_, values| {
+            values[0] = if evaluated == lost { f64::NAN } else { 1.0 };
+            evaluated += 1;
+        });
+        let drifts = measure_drift(&mut walk, lost_at, 10).expect("steps");
         assert_eq!(drifts[0].largest.is_nan(), lost <= 10, "lost at {lost}");
     }
 }

@@ -184,11 +184,8 @@ fn what_is_recorded_is_that_of_the_state() {
                 panic!("it is stepped by templates");
             };
             let mut values = [0.0; 6];
-            leafwise::core::Observe::evaluate(
-                &mut lattice.formulas.clone(),
-                &run.plan.initial,
-                &mut values,
-            );
+            let mut formulas = lattice.formulas.clone();
+            formulas.evaluate(&run.plan.initial, &mut values);
             let q = |i: i64| -> Option<f64> {
                 let i = if boundary == "periodic" {
                     i.rem_euclid(90)

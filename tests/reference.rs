@@ -129,8 +129,8 @@ fn hamilton_jacobi_coefficients_agree_to_twelve_digits() {
             .abilities()
             .series
             .expect("Karasev's chart has a series");
-        let expanded = generating_function(&system, series, last + 1).expect("the exact algebra");
-        let code = generating_code(&system, series, last + 1).expect("code");
+        let expanded = generating_function(&system, &series, last + 1).expect("the exact algebra");
+        let code = generating_code(&system, &series, last + 1).expect("code");
         let forms = [
             ("expanded", Generating::Polynomials(expanded)),
             ("as code", Generating::Code(code)),

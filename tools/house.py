@@ -12,7 +12,7 @@ traits    public traits in core, solver and walk
 refusals  their default methods that only refuse: None, false, Err
 methods   their methods
 rules     modules with a rule of convergence of their own
-names     names of parts in strings outside of the parts
+names     names of parts in strings outside of the parts, but those that are keys of scenes too: a one-form, log-canonical
 twins     names of types that three types or more share
 long      sentences of documentation of more than 30 words
 what      documentation that begins with "What"
@@ -172,6 +172,7 @@ class House:
             for _, _, line in self.code(*PARTS)
             if (found := re.match(r'\s*name: "([a-z0-9]+(?:-[a-z0-9]+)+)",', line))
         }
+        names -= self.keys()
         any_name = "|".join(sorted(map(re.escape, names), key=len, reverse=True))
         name = re.compile(rf'"(?:[^"\\]|\\.)*(?<![\w-])(?:{any_name})(?![\w-])(?:[^"\\]|\\.)*"')
         return [
@@ -179,6 +180,11 @@ class House:
             for path, at, line in self.code()
             if not str(path).startswith((*PARTS, "systems/")) and name.search(line)
         ]
+
+    def keys(self) -> set[str]:
+        """Keys of scenes: a part that is called like one is not named where the word stands."""
+        texts = ["\n".join(lines) for path, lines in self.files.items() if str(path).startswith("program/scene/src/document/")]
+        return {key for text in texts for key in re.findall(r'\bkey\(\s*"([^"]+)"', text)}
 
     def twins(self) -> list[str]:
         item = re.compile(r"\s*(?:pub(?:\([^)]*\))? )?(?:struct|enum|trait) (\w+)")

@@ -193,27 +193,12 @@ impl<F: ClosedForm> RealizationData for ClosedRealization<F> {
             is_reversible,
             ends: Some(EndMaps::Code(ends)),
             stages: Some(stages),
-            series: (is_reversible && has_series).then_some(self),
+            series: (is_reversible && has_series).then(|| SourceSeries {
+                in_ring: Box::new(|ring, coordinates| self.start(ring, coordinates)),
+                in_graph: Box::new(|graph, coordinates| self.start(graph, coordinates)),
+            }),
             ..Abilities::default()
         }
-    }
-}
-
-impl<F: ClosedForm> SourceSeries for ClosedRealization<F> {
-    fn in_ring(
-        &self,
-        ring: &mut Ring,
-        coordinates: &[usize],
-    ) -> Result<SourceRecursion<Ring>, BuildError> {
-        self.start(ring, coordinates)
-    }
-
-    fn in_graph(
-        &self,
-        graph: &mut Graph,
-        coordinates: &[usize],
-    ) -> Result<SourceRecursion<Graph>, BuildError> {
-        self.start(graph, coordinates)
     }
 }
 

@@ -31,7 +31,7 @@ const MOST_NODES: usize = 1 << 16;
 /// [`BuildError::Algebra`] where the tensor or the Hamiltonian is outside the exact algebra.
 pub(crate) fn shadow_of(
     generating: &Generating,
-    series: &dyn SourceSeries,
+    series: &SourceSeries<'_>,
     dimension: usize,
     last: usize,
     products: u64,
@@ -51,7 +51,7 @@ pub(crate) fn shadow_of(
     let orders = Orders { dimension, m, last };
     let is_first = last <= m + 2;
     let mut ring = Ring::limited(dimension + usize::from(!is_first), products);
-    let source = series.in_ring(&mut ring, &coordinates);
+    let source = (series.in_ring)(&mut ring, &coordinates);
     let formed = source.and_then(|source| match is_first {
         true => orders.coefficients(&energy, &mut ring, source, &Homogeneous),
         false => {
@@ -68,7 +68,7 @@ pub(crate) fn shadow_of(
         return Ok(None);
     }
     let mut graph = Graph::limited(MOST_NODES);
-    let source = series.in_graph(&mut graph, &coordinates)?;
+    let source = (series.in_graph)(&mut graph, &coordinates)?;
     match orders.coefficients(&energy, &mut graph, source, &Homogeneous) {
         Ok(coefficients) => Ok(Some(Shadow::code(graph, coefficients))),
         Err(BuildError::Algebra(AlgebraError::CodeTooLong { .. })) => Ok(None),

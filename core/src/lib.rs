@@ -23,6 +23,7 @@
 //! - [`lift`]: coordinates with a constant tensor, in which collective integrators step.
 //! - [`lifted_realization`]: realizations that are such coordinates.
 //! - [`lattice`]: long lattices in O(N) time and memory a step.
+//! - [`lattice_method`]: [`LatticeMethod`], realization and dynamics combined over a lattice.
 //! - [`part`], [`part_description`], [`origin`], [`registry`]: parts by name, built in or loaded.
 //! - [`automatic`]: the choice of a method where a scene leaves it open.
 //! - [`diagnostics`]: realization error, tensor defect, fitted slopes, Jacobi and Casimir checks.
@@ -43,11 +44,12 @@ mod generating_shadow;
 pub mod gradient;
 mod instead;
 pub mod lattice;
+pub mod lattice_method;
 pub mod lift;
 pub mod lifted_realization;
 pub mod method;
 pub mod noise;
-mod observe;
+mod observer;
 pub mod one_form;
 pub mod origin;
 pub mod part;
@@ -71,13 +73,13 @@ pub use chart::ChartMaps;
 pub use closed_form::{ChartPoint, ClosedForm, ClosedRealization, FormProperties};
 pub use code_evaluators::{ChartRatio, RealizationMaps, realization_evaluator};
 pub use dynamics::{Correction, DynamicApproximation, DynamicsProperties};
-pub use lattice::LatticeMethod;
+pub use lattice_method::LatticeMethod;
 use leafwise_solver::compensation;
 pub use leafwise_solver::{BuildError, Evaluator, Hint, StepError, error, evaluator, two_sum};
 pub use lift::Lift;
 pub use lifted_realization::LiftedRealization;
 pub use method::{Method, MethodEvaluators};
-pub use observe::Observe;
+pub use observer::Observer;
 pub use one_form::{OneForm, PointCode};
 pub use origin::Origin;
 pub use part::{PartInfo, PartKind, PartParameters};

@@ -440,7 +440,7 @@ impl StepMap for Method {
         let shadow = generating.zip(self.realization.abilities().series).map(
             |(generating, series)| -> ShadowTerms<'_> {
                 let d = self.dimension();
-                Box::new(move |_, last, products| shadow_of(generating, series, d, last, products))
+                Box::new(move |_, last, products| shadow_of(generating, &series, d, last, products))
             },
         );
         MapAbilities {

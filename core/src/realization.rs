@@ -61,7 +61,7 @@ pub struct Abilities<'a> {
     /// The maps α̂ and β̂ as sweeps over a lattice.
     pub stages: Option<StageCode<'a>>,
     /// The exact series of α along p(h), from which Hamilton–Jacobi coefficients are computed.
-    pub series: Option<&'a dyn SourceSeries>,
+    pub series: Option<SourceSeries<'a>>,
 }
 
 impl Default for Abilities<'_> {
@@ -267,24 +267,19 @@ impl<'a> Ends<'a> {
 
 /// Exact (untruncated) series of α∘χ along p(h) = Σ_{k≥1} pₖ hᵏ at ε = 1. Here χ is a cotangent chart with
 /// χ(x, 0) = σ(x) and inv(x, p) = (x, −p).
-///
-/// Either function starts the recursion at α₀ = x, whose components x₁ … x_d are the algebra's coordinates of these
-/// indices. Either fails with [`BuildError::Algebra`] where the tensor is outside the algebra.
-#[allow(clippy::missing_errors_doc, reason = "said above, for both")]
-pub trait SourceSeries {
+pub struct SourceSeries<'a> {
     /// As exact polynomials.
-    fn in_ring(
-        &self,
-        ring: &mut Ring,
-        coordinates: &[usize],
-    ) -> Result<SourceRecursion<Ring>, BuildError>;
+    pub in_ring: SeriesStart<'a, Ring>,
     /// As straight-line code.
-    fn in_graph(
-        &self,
-        graph: &mut Graph,
-        coordinates: &[usize],
-    ) -> Result<SourceRecursion<Graph>, BuildError>;
+    pub in_graph: SeriesStart<'a, Graph>,
 }
+
+/// Start of a [`SourceSeries`] in an algebra at α₀ = x: the components x₁ … x_d are the algebra's coordinates of these
+/// indices.
+///
+/// It fails with [`BuildError::Algebra`] where the tensor is outside the algebra.
+pub type SeriesStart<'a, A> =
+    Box<dyn Fn(&mut A, &[usize]) -> Result<SourceRecursion<A>, BuildError> + 'a>;
 
 /// One order of [`SourceSeries`] after the other: of an algebra and pₖ (d components; k = 1 at the first call) the
 /// coefficient αₖ of hᵏ in α(x, p(h)).

@@ -54,7 +54,7 @@ pub(crate) fn start_of_solves(
     }
     let mut solution = SolutionSeries::new(generating);
     let coordinates: Vec<usize> = (0..realization.dimension()).collect();
-    let Ok(mut source) = series.in_ring(&mut solution.ring, &coordinates) else {
+    let Ok(mut source) = (series.in_ring)(&mut solution.ring, &coordinates) else {
         return Ok(None);
     };
     let mut start = None;

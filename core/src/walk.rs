@@ -249,11 +249,29 @@ impl Walk {
     /// # Errors
     /// As [`advance`](Self::advance); a step that fails is not looked at.
     pub fn watch(&mut self, steps: u64, mut look: impl FnMut(&Self)) -> Result<(), StepError> {
+        let ended: Option<()> = self.watch_until(steps, |walk| {
+            look(walk);
+            None
+        })?;
+        Ok(ended.unwrap_or_default())
+    }
+
+    /// At most n steps, each followed by a look, until one finds something: that is returned.
+    ///
+    /// # Errors
+    /// As [`watch`](Self::watch).
+    pub fn watch_until<T>(
+        &mut self,
+        steps: u64,
+        mut look: impl FnMut(&Self) -> Option<T>,
+    ) -> Result<Option<T>, StepError> {
         for _ in 0..steps {
             self.step()?;
-            look(self);
+            if let Some(found) = look(self) {
+                return Ok(Some(found));
+            }
         }
-        Ok(())
+        Ok(None)
     }
 
     fn step_side_by_side(&mut self) {

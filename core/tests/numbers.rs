@@ -1,7 +1,7 @@
 //! Values of a system, from its formulas or its own, in batches; refusals of what needs formulas.
 
 use leafwise_core::system::{Casimir, Derivatives, Parameter, SystemInvariants};
-use leafwise_core::{BuildError, Convention, Observe, PoissonSystem};
+use leafwise_core::{BuildError, Convention, PoissonSystem};
 use leafwise_expression::Expression;
 
 fn product(factors: &[Expression]) -> Expression {

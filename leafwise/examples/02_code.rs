@@ -21,8 +21,8 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{}", method.realization().describe());
     let parameters = system.parameter_values();
     let mut walk = Walk::of(&method, &system, &[1.5, 0.8], 0.1);
-    let mut energy = SystemInvariants::new(&system, &parameters)?;
-    let drift = measure_drift(&mut walk, &mut energy, 1000)?;
+    let energy = SystemInvariants::new(&system, &parameters)?;
+    let drift = measure_drift(&mut walk, energy, 1000)?;
     println!(
         "H = {:.6}, off by at most {:.1e}",
         drift[0].initial, drift[0].largest

@@ -44,7 +44,7 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
             .ok_or("too few errors above round-off")?
             .exponent;
         let mut walk = Walk::new(&method, &[], 1.0, 0.1, &[1.0, 3.0, 3.0]);
-        let drift = measure_drift(&mut walk, &mut SystemInvariants::new(&system, &[])?, 1000)?[0];
+        let drift = measure_drift(&mut walk, SystemInvariants::new(&system, &[])?, 1000)?[0];
         println!(
             "m = {m}: order {order:.2}, energy off by {:.1e} in 1000 steps",
             drift.largest

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use crate::chain::Chain;
-use leafwise::core::Observe;
-use leafwise::core::lattice::{LatticeMethod, LatticeObservables};
+use leafwise::core::LatticeMethod;
+use leafwise::core::lattice::LatticeObservables;
 use leafwise::core::{BuildError, Method, PartParameters, Registry, Walk};
 use proptest::prelude::{Just, ProptestConfig, Strategy, any, prop_assert, prop_oneof, proptest};
 

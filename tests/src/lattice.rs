@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
+use leafwise_core::LatticeMethod;
 use leafwise_core::lattice::observables::SiteDensity;
-use leafwise_core::lattice::{LatticeGeometry, LatticeMethod, LatticeSource, TemplateReach};
+use leafwise_core::lattice::{LatticeGeometry, LatticeSource, TemplateReach};
 use leafwise_core::{BuildError, Convention, PoissonSystem, RealizationData, StepMap, Walk};
 use leafwise_expression::Expression;
 use leafwise_expression::syntax::{Boundary, Formula, Scope, VariablePattern};

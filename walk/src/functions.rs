@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use leafwise_core::system::SystemObservables;
 use leafwise_core::walk::column;
-use leafwise_core::{BuildError, Observe};
+use leafwise_core::{BuildError, Observer};
 
 /// Makes an observer of one state at values of parameters.
-type Make = dyn Fn(&[f64]) -> Result<Box<dyn Observe>, BuildError> + Send + Sync;
+type Make = dyn Fn(&[f64]) -> Result<Observer, BuildError> + Send + Sync;
 
 /// Functions f₁(x), …, f_n(x) of a state and of parameters, compiled once for all that evaluate them.
 #[derive(Clone)]
@@ -23,7 +23,7 @@ impl StateFunctions {
     /// Functions without code: an observer for each lane.
     pub fn each(
         count: usize,
-        make: impl Fn(&[f64]) -> Result<Box<dyn Observe>, BuildError> + Send + Sync + 'static,
+        make: impl Fn(&[f64]) -> Result<Observer, BuildError> + Send + Sync + 'static,
     ) -> Self {
         let make = Arc::new(make);
         Self(Source::Each { count, make })
@@ -85,7 +85,7 @@ enum Evaluator {
     Code(SystemObservables),
     Each {
         make: Arc<Make>,
-        observers: Vec<Box<dyn Observe>>,
+        observers: Vec<Observer>,
         state: Vec<f64>,
         own: Vec<f64>,
     },
@@ -154,12 +154,10 @@ impl FunctionValues {
     }
 }
 
-impl Observe for FunctionValues {
-    fn observables(&self) -> usize {
-        self.values.len()
-    }
-
-    fn evaluate(&mut self, state: &[f64], values: &mut [f64]) {
-        values.copy_from_slice(self.at(state));
+impl From<FunctionValues> for Observer {
+    fn from(mut functions: FunctionValues) -> Self {
+        Self::new(functions.values.len(), move |state, values| {
+            values.copy_from_slice(functions.at(state));
+        })
     }
 }

@@ -1,7 +1,7 @@
 //! Invariants along an orbit: the largest deviation over every step, and whether it grows.
 
 use crate::error::{BuildError, StepError};
-use crate::observe::Observe;
+use crate::observer::Observer;
 use crate::solver::judge::larger;
 use crate::system::PoissonSystem;
 use crate::walk::Walk;
@@ -35,9 +35,10 @@ impl InvariantDrift {
 /// The map's [`StepError`].
 pub fn measure_drift(
     walk: &mut Walk,
-    observer: &mut dyn Observe,
+    observer: impl Into<Observer>,
     steps: usize,
 ) -> Result<Vec<InvariantDrift>, StepError> {
+    let mut observer = observer.into();
     let count = observer.observables();
     let (mut initial, mut now) = (vec![0.0; count], vec![0.0; count]);
     observer.evaluate(walk.state(), &mut initial);

@@ -18,7 +18,6 @@
 //! - [`map`](mod@map): step maps of long lattices.
 //! - [`implicit`]: step maps that solve for one point.
 //! - [`swept`]: maps that are products of flows by sweeps.
-//! - [`method`](mod@method): realization and dynamics combined over a lattice.
 //! - `stepper`: the linear iteration for β̂(L(y)) = x.
 //! - [`slopes`]: tangents and covectors by sweeps.
 //! - `differential`: the differential of that iteration's solution.
@@ -34,7 +33,6 @@ pub mod geometry;
 pub mod implicit;
 pub mod locality;
 pub mod map;
-pub mod method;
 pub mod observables;
 mod poles;
 pub mod program;
@@ -55,7 +53,6 @@ pub use geometry::{Axis, LatticeGeometry, PerAxis, Proxy};
 pub use implicit::{ImplicitSweeps, ProxyCode};
 pub use locality::proxy_of;
 pub use map::LatticeMap;
-pub use method::LatticeMethod;
 pub use observables::LatticeObservables;
 pub use program::{LatticeProgram, Prepared};
 pub use reach::TemplateReach;

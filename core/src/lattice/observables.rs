@@ -11,7 +11,6 @@ use super::source::LatticeSource;
 pub use super::source::SiteDensity;
 use crate::compensation::two_sum;
 use crate::error::BuildError;
-use crate::observe::Observe;
 
 /// Evaluates sums over sites in O(N), with a compensated sum in the order of the sites.
 #[derive(Clone, Debug)]
@@ -87,12 +86,14 @@ pub(super) fn code(
     Ok(density.evaluate_in(graph, &mut |_, at| Ok(x[at].clone()))?)
 }
 
-impl Observe for LatticeObservables {
-    fn observables(&self) -> usize {
+impl LatticeObservables {
+    /// How many.
+    pub fn observables(&self) -> usize {
         self.constants.len()
     }
 
-    fn evaluate(&mut self, state: &[f64], values: &mut [f64]) {
+    /// Writes their values at a state.
+    pub fn evaluate(&mut self, state: &[f64], values: &mut [f64]) {
         let state = state.iter().copied();
         self.densities.evaluate(&mut self.evaluator, state);
         let mut number = 0;

@@ -7,7 +7,7 @@ use leafwise_expression::{Expression, Graph, Kernel, Term, Workspace};
 use super::numbers::SystemEvaluator;
 use super::{Definition, PoissonSystem};
 use crate::error::BuildError;
-use crate::observe::Observe;
+use crate::observer::Observer;
 
 /// The kernel x ↦ (f₁(x), …) of formulas in `dimension` variables.
 pub(super) fn kernel(
@@ -92,13 +92,23 @@ impl SystemObservables {
     }
 }
 
-impl Observe for SystemObservables {
-    fn observables(&self) -> usize {
+impl SystemObservables {
+    /// How many.
+    pub fn observables(&self) -> usize {
         self.kernel.outputs()
     }
 
-    fn evaluate(&mut self, state: &[f64], values: &mut [f64]) {
+    /// Writes their values at a state.
+    pub fn evaluate(&mut self, state: &[f64], values: &mut [f64]) {
         self.kernel.evaluate(&mut self.workspace, state, values);
+    }
+}
+
+impl From<SystemObservables> for Observer {
+    fn from(mut own: SystemObservables) -> Self {
+        Self::new(own.observables(), move |state, values| {
+            own.evaluate(state, values);
+        })
     }
 }
 
@@ -140,15 +150,17 @@ impl SystemInvariants {
     }
 }
 
-impl Observe for SystemInvariants {
-    fn observables(&self) -> usize {
+impl SystemInvariants {
+    /// How many.
+    pub fn observables(&self) -> usize {
         match &self.values {
             Values::Formulas(formulas) => formulas.observables(),
             Values::Numbers { casimirs, .. } => 1 + casimirs,
         }
     }
 
-    fn evaluate(&mut self, state: &[f64], values: &mut [f64]) {
+    /// Writes their values at a state.
+    pub fn evaluate(&mut self, state: &[f64], values: &mut [f64]) {
         match &mut self.values {
             Values::Formulas(formulas) => formulas.evaluate(state, values),
             Values::Numbers {
@@ -164,5 +176,13 @@ impl Observe for SystemInvariants {
                 }
             }
         }
+    }
+}
+
+impl From<SystemInvariants> for Observer {
+    fn from(mut own: SystemInvariants) -> Self {
+        Self::new(own.observables(), move |state, values| {
+            own.evaluate(state, values);
+        })
     }
 }

@@ -165,7 +165,7 @@ impl DynamicApproximation for HamiltonJacobi {
             return graph(OneForm::Numbers(differential(system)?));
         }
         let generating = match realization.abilities().series {
-            Some(series) => shortest(system, series, self.order)?,
+            Some(series) => shortest(system, &series, self.order)?,
             None if self.order == 2 => first_order(system)?,
             None => {
                 return Err(BuildError::Incompatible {

@@ -21,11 +21,11 @@ pub(crate) const NAME: &str = "hamilton-jacobi";
 /// [`BuildError::NotOffered`] for a system of numbers.
 pub fn generating_function(
     system: &PoissonSystem,
-    series: &dyn SourceSeries,
+    series: &SourceSeries<'_>,
     order: usize,
 ) -> Result<GeneratingFunction, BuildError> {
     let mut ring = Ring::new(system.dimension());
-    let source = series.in_ring(&mut ring, &coordinates(system))?;
+    let source = (series.in_ring)(&mut ring, &coordinates(system))?;
     let (coefficients, gradients) = odd_coefficients(system, source, order, &mut ring)?;
     Ok(GeneratingFunction {
         ring,
@@ -40,12 +40,12 @@ pub fn generating_function(
 /// Those of [`generating_function`].
 pub fn within(
     system: &PoissonSystem,
-    series: &dyn SourceSeries,
+    series: &SourceSeries<'_>,
     order: usize,
     products: u64,
 ) -> Result<Option<GeneratingFunction>, BuildError> {
     let mut ring = Ring::limited(system.dimension(), products);
-    let source = series.in_ring(&mut ring, &coordinates(system));
+    let source = (series.in_ring)(&mut ring, &coordinates(system));
     let formed = source.and_then(|source| odd_coefficients(system, source, order, &mut ring));
     if ring.refusal().is_some() {
         return Ok(None);
@@ -64,11 +64,11 @@ pub fn within(
 /// Those of [`generating_function`].
 pub fn generating_code(
     system: &PoissonSystem,
-    series: &dyn SourceSeries,
+    series: &SourceSeries<'_>,
     order: usize,
 ) -> Result<GeneratingCode, BuildError> {
     let mut graph = Graph::limited(MOST_NODES);
-    let source = series.in_graph(&mut graph, &coordinates(system))?;
+    let source = (series.in_graph)(&mut graph, &coordinates(system))?;
     let (coefficients, gradients) = odd_coefficients(system, source, order, &mut graph)?;
     Ok(GeneratingCode {
         graph,
@@ -181,12 +181,12 @@ pub fn agrees(
 /// Those of [`generating_function`].
 pub fn all_coefficients(
     system: &PoissonSystem,
-    series: &dyn SourceSeries,
+    series: &SourceSeries<'_>,
     last: usize,
 ) -> Result<(Ring, Vec<Polynomial>), BuildError> {
     let mut ring = Ring::new(system.dimension());
     let mut all = Vec::new();
-    let source = series.in_ring(&mut ring, &coordinates(system))?;
+    let source = (series.in_ring)(&mut ring, &coordinates(system))?;
     for_each_coefficient(system, source, last, &mut ring, |ring, _, s| {
         let gradient = ring.gradient(&s)?;
         all.push(s);

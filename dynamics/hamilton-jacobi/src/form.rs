@@ -28,7 +28,7 @@ const PRODUCTS_AN_OPERATION: u64 = 32;
 /// Those of [`generating_code`].
 pub(crate) fn shortest(
     system: &PoissonSystem,
-    series: &dyn SourceSeries,
+    series: &SourceSeries<'_>,
     order: usize,
 ) -> Result<Generating, BuildError> {
     let formulas = system.formulas(NAME)?;

@@ -1,5 +1,9 @@
 //! Methods: realizations with dynamics, steppers, compositions of either.
 
+use std::sync::LazyLock;
+
+use leafwise::core::{PartKind, Registry};
+
 use crate::source::Source;
 use crate::tensor::{Family, Tensor};
 
@@ -21,50 +25,55 @@ pub fn method(source: &mut Source<'_>, tensor: &Tensor) -> Method {
             let realization = realization(source, tensor);
             let most = if tensor.names.len() > 3 { 2 } else { 3 };
             // Lifts are stepped by Gauss methods alone; others are refused, which is seen often enough.
-            let dynamics =
-                match LIFTS.iter().any(|lift| realization.contains(lift)) && source.chance(224) {
-                    true => format!(
-                        "{{ name = \"collective\", stages = {} }}",
-                        1 + source.below(16)
-                    ),
-                    false => dynamics(source, most),
-                };
+            let is_lift = KNOWN.lifts.iter().any(|lift| realization.contains(lift));
+            let dynamics = match is_lift && source.chance(224) {
+                true => format!(
+                    "{{ name = \"collective\", stages = {} }}",
+                    1 + source.below(16)
+                ),
+                false => dynamics(source, most),
+            };
             format!("realization = {realization}\ndynamics = {dynamics}\n")
         }
     };
     if source.chance(80) {
-        // The first nine need the factors of a splitting.
         let has_factors = text.contains("splitting") || source.chance(16);
-        let name = source.pick(if has_factors {
-            &COMPOSITIONS
-        } else {
-            &COMPOSITIONS[9..]
-        });
+        let [others, needing] = &KNOWN.compositions;
+        let name = match has_factors {
+            true => source.pick(&[needing.as_slice(), others].concat()),
+            false => source.pick(others),
+        };
         text.push_str(&format!("composition = \"{name}\"\n"));
     }
     Method { text, tolerance }
 }
 
-/// Every composition.
-pub const COMPOSITIONS: [&str; 17] = [
-    "blanes-moan-4",
-    "blanes-moan-6",
-    "nystrom-4",
-    "nystrom-6",
-    "nystrom-6-long",
-    "perturbed-10-4",
-    "perturbed-10-6-4",
-    "perturbed-8-2",
-    "perturbed-8-6-4",
-    "kahan-li-10",
-    "kahan-li-6",
-    "kahan-li-8",
-    "sofroniou-spaletta-10",
-    "suzuki-4",
-    "suzuki-umeno-8",
-    "triple-jump",
-    "yoshida-6",
-];
+/// Names of parts by what they need, as the registry tells it.
+struct Known {
+    /// Every composition, by whether it needs the factors of a splitting.
+    compositions: [Vec<&'static str>; 2],
+    /// Realizations that are coordinates with a constant tensor.
+    lifts: Vec<&'static str>,
+}
+
+static KNOWN: LazyLock<Known> = LazyLock::new(|| {
+    let registry = Registry::with_builtin();
+    let of_kind = |kind: PartKind| {
+        let parts = registry.parts().into_iter();
+        parts.filter(move |info| info.kind == kind)
+    };
+    let needs_factors = |name: &&str| {
+        let part = registry.composition(name);
+        part.is_ok_and(|part| part.factors.is_some())
+    };
+    let compositions = of_kind(PartKind::Composition).map(|info| info.name);
+    let (others, needing) = compositions.partition(|name| !needs_factors(name));
+    let lifts = of_kind(PartKind::Realization).filter(|info| info.is_lift);
+    Known {
+        compositions: [others, needing],
+        lifts: lifts.map(|info| info.name).collect(),
+    }
+});
 
 /// Every realization.
 pub const REALIZATIONS: [&str; 11] = [
@@ -80,9 +89,6 @@ pub const REALIZATIONS: [&str; 11] = [
     "so3-exponential",
     "so3-group",
 ];
-
-/// Those that are coordinates with a constant tensor.
-const LIFTS: [&str; 2] = ["clebsch", "logarithms"];
 
 /// Every stepper.
 pub const STEPPERS: [&str; 10] = [
@@ -191,5 +197,19 @@ fn stepper(source: &mut Source<'_>, tensor: &Tensor, tolerance: &mut f64) -> Str
             format!("{{ name = \"{name}\", tolerance = {tolerance:?} }}")
         }
         _ => format!("\"{name}\""),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Seeds choose by place: those that need factors stand in front, each sort in the order of the names.
+    #[test]
+    fn compositions_and_lifts_stand_where_seeds_look_for_them() {
+        let [others, needing] = &KNOWN.compositions;
+        assert_eq!((needing.len(), others.len()), (9, 8));
+        assert!(needing.is_sorted() && others.is_sorted());
+        assert_eq!(KNOWN.lifts, ["clebsch", "logarithms"]);
     }
 }

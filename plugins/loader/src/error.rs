@@ -6,7 +6,7 @@ use leafwise_plugin_abi::{LW_ABI_MAJOR, LW_ABI_MINOR, LW_ENTRY_SYMBOL_STEM};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::smoke::SmokeFailure;
+use crate::smoke_failure::SmokeFailure;
 
 /// A plugin that was refused: nothing of it is registered, and nothing of it will be called.
 #[derive(Clone, Debug, PartialEq, Error, Serialize, Deserialize)]

@@ -10,7 +10,8 @@
 //! 3. [`probe`]: opened and tried in a child process, where it may crash or hang;
 //! 4. `library`, `floating_point`: opened for good;
 //! 5. `handshake`: everything it declares copied and checked, as a [`PluginDeclaration`];
-//! 6. `smoke`: every function called at a few points;
+//! 6. `opened`, `smoke`: every function called at a few points; `trial_points`: these points; `smoke_failure`: its
+//!    refusals;
 //! 7. [`loader`]: registered, all parts or none.
 //!
 //! Parts are registered from `foreign` (a library's functions as parts) or from `formulas` (its expressions as parts).
@@ -30,11 +31,14 @@ mod host;
 mod library;
 pub mod loader;
 mod object;
+mod opened;
 mod part;
 mod platform;
 pub mod probe;
 pub mod side_file;
 mod smoke;
+mod smoke_failure;
+mod trial_points;
 
 pub use declaration::{PartDeclaration, PluginDeclaration, ValuePath};
 pub use error::{PluginError, Refusal};
@@ -42,7 +46,8 @@ pub use find::SearchPath;
 pub use floating_point::change_of_arithmetic;
 pub use loader::{LoadedPlugin, Loader, PluginRequest};
 pub use probe::{ProbeCommand, run_probe};
-pub use smoke::{SmokeFailure, Tried};
+pub use smoke::Tried;
+pub use smoke_failure::SmokeFailure;
 
 /// Keeps standard output for this program: returns a handle of it. From now on all that libraries print there goes to
 /// standard error.

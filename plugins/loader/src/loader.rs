@@ -8,14 +8,14 @@ use leafwise_core::{Origin, Part};
 use crate::declaration::{PartDeclaration, PluginDeclaration};
 use crate::error::{PluginError, Refusal};
 use crate::exits;
-use crate::file::{self, CheckedFile};
+use crate::file;
 use crate::find::SearchPath;
 use crate::formulas;
-use crate::library;
+use crate::opened::open_and_try;
 use crate::part::part;
 use crate::probe::{ProbeCache, ProbeCommand};
 use crate::side_file;
-use crate::smoke::{Tried, try_part};
+use crate::smoke::Tried;
 
 /// A plugin as a scene or a command line asks for it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -185,35 +185,6 @@ impl Loader {
         register(registry, opened.parts, &plugin.origin())?;
         Ok(plugin)
     }
-}
-
-/// A library that passed every check, not yet registered.
-pub(crate) struct Opened {
-    declaration: PluginDeclaration,
-    parts: Vec<Part>,
-    tried: Vec<Tried>,
-}
-
-/// Opens a library, which is to be the file that was checked, reads what it declares and tries every
-/// part.
-pub(crate) fn open_and_try(path: &Path, checked: &CheckedFile) -> Result<Opened, Refusal> {
-    let declaration = library::open(path, checked)?;
-    let mut parts = Vec::with_capacity(declaration.parts.len());
-    let mut tried = Vec::with_capacity(declaration.parts.len());
-    for declared in &declaration.parts {
-        formulas::check(declared)?;
-        let info = declared.info();
-        tried.push(try_part(declared, info).map_err(|failure| Refusal::Smoke {
-            part: declared.id().to_owned(),
-            failure,
-        })?);
-        parts.push(part(declared, info)?);
-    }
-    Ok(Opened {
-        declaration,
-        parts,
-        tried,
-    })
 }
 
 /// Registers all parts, or none.

@@ -4,7 +4,8 @@ use leafwise_core::{SolverStatistics, StepMap};
 use serde::Serialize;
 
 use super::advice::Advice;
-use super::outcome::{Failure, InvariantDrift, RunReport};
+use super::invariants::InvariantDrift;
+use super::outcome::{Failure, RunReport};
 use leafwise_scene::json::{Double, object};
 
 /// End of the manifest of a run of one trajectory.

@@ -2,8 +2,26 @@
 
 use std::ops::Range;
 
+use leafwise_scene::json::{double, optional};
 use leafwise_walk::Steps;
 use serde::{Deserialize, Serialize};
+
+/// How far an invariant strayed, over every step.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct InvariantDrift {
+    /// Its name.
+    #[serde(skip)]
+    pub name: String,
+    /// I(x_0).
+    #[serde(serialize_with = "double")]
+    pub initial: f64,
+    /// max_k |I(x_k) − I(x_0)|.
+    #[serde(serialize_with = "double")]
+    pub maximum: f64,
+    /// The same over |I(x_0)|; it has no meaning where that is 0, or no more than its round-off.
+    #[serde(serialize_with = "optional")]
+    pub relative: Option<f64>,
+}
 
 /// The most windows that are kept; one more and neighbours are merged.
 const MOST_WINDOWS: usize = 2048;

@@ -74,13 +74,14 @@ pub(crate) use checkpoint::StatisticsFields;
 pub use crossing::Crossing;
 pub use error::RunError;
 pub use execute::{Asked, Recorded, RunJob, run_in_memory};
+pub use invariants::InvariantDrift;
 pub(crate) use job::{CHECKPOINT, REPORT, plugins};
 pub use job::{
     FilesRecord, Kind, Manifest, PROGRAM_VERSION, PluginRecord, RunOptions, ShardRecord,
     default_directory, shards,
 };
 pub use leafwise_walk::Event;
-pub use outcome::{Failure, InvariantDrift, RunOutcome, RunReport, SolverFields};
+pub use outcome::{Failure, RunOutcome, RunReport, SolverFields};
 pub use perform::perform;
 pub use progress::{Progress, Quiet, Status};
 pub(crate) use replaced::{confirm, replace};

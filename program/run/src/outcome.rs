@@ -8,9 +8,10 @@ use serde::Serialize;
 
 use crate::advice::Advice;
 use crate::columns::invariant_name;
+use crate::invariants::InvariantDrift;
 use crate::seam::crossed;
 use crate::shadow::ShadowVerdict;
-use leafwise_scene::json::{Double, double, doubles, optional};
+use leafwise_scene::json::{Double, double, doubles};
 
 /// A step that could not be taken, or a state outside the formulas' domain.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -188,23 +189,6 @@ impl RunOutcome {
             _ => None,
         }
     }
-}
-
-/// How far an invariant strayed, over every step.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct InvariantDrift {
-    /// Its name.
-    #[serde(skip)]
-    pub name: String,
-    /// I(x_0).
-    #[serde(serialize_with = "double")]
-    pub initial: f64,
-    /// max_k |I(x_k) − I(x_0)|.
-    #[serde(serialize_with = "double")]
-    pub maximum: f64,
-    /// The same over |I(x_0)|; it has no meaning where that is 0, or no more than its round-off.
-    #[serde(serialize_with = "optional")]
-    pub relative: Option<f64>,
 }
 
 /// Fields of a solver's work that programs are told.

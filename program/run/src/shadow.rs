@@ -6,9 +6,9 @@
 //! average. A step is in the range of the theory where that factor is a quarter or less; the terms behind fall as well
 //! then, several of them.
 
+use leafwise_core::StepError;
 use leafwise_core::solver::judge::larger;
 use leafwise_core::system::SystemObservables;
-use leafwise_core::{Observe, StepError};
 use leafwise_scene::compose::{ComposedRun, RecordedShadow, ShadowEnergy};
 use serde::Serialize;
 

@@ -14,7 +14,7 @@ use leafwise_core::realization::{
 };
 use leafwise_core::registry::RealizationPart;
 use leafwise_core::{BuildError, PoissonSystem, Registry, SystemFormulas};
-use leafwise_expression::{AlgebraError, Arithmetic, DifferentialAlgebra, Graph, Ring, Term};
+use leafwise_expression::{AlgebraError, Arithmetic, DifferentialAlgebra, Graph, Term};
 
 static INFO: PartInfo = PartInfo {
     name: "direct-sum",
@@ -103,14 +103,16 @@ fn cheapest(
         ))
     })?;
     let realization = exact.realization;
-    let Abilities {
-        ends,
-        space,
-        series,
-        ..
-    } = realization.abilities();
-    let is_code = matches!((ends, space), (Some(EndMaps::Code(_)), Space::Pairs));
-    match is_code && series.is_some() {
+    let is_summand = matches!(
+        realization.abilities(),
+        Abilities {
+            ends: Some(EndMaps::Code(_)),
+            space: Space::Pairs,
+            series: Some(_),
+            ..
+        }
+    );
+    match is_summand {
         true => Ok(realization),
         false => Err(unfit(format!(
             "the exact realization of its summand of {} has no code in pairs (x, p)",
@@ -161,7 +163,14 @@ impl RealizationData for DirectSum {
             stages: Some(Box::new(|builder, epsilon, y, p| {
                 self.stage(builder, epsilon, y, p)
             })),
-            series: Some(self),
+            series: Some(SourceSeries {
+                in_ring: Box::new(|ring, coordinates| {
+                    self.recursion(coordinates, |series, own| (series.in_ring)(ring, own))
+                }),
+                in_graph: Box::new(|graph, coordinates| {
+                    self.recursion(coordinates, |series, own| (series.in_graph)(graph, own))
+                }),
+            }),
             ..Abilities::default()
         }
     }
@@ -270,30 +279,12 @@ impl Factor {
     }
 }
 
-impl SourceSeries for DirectSum {
-    fn in_ring(
-        &self,
-        ring: &mut Ring,
-        coordinates: &[usize],
-    ) -> Result<SourceRecursion<Ring>, BuildError> {
-        self.recursion(coordinates, |series, own| series.in_ring(ring, own))
-    }
-
-    fn in_graph(
-        &self,
-        graph: &mut Graph,
-        coordinates: &[usize],
-    ) -> Result<SourceRecursion<Graph>, BuildError> {
-        self.recursion(coordinates, |series, own| series.in_graph(graph, own))
-    }
-}
-
 impl DirectSum {
     /// The series of all factors, each over its own of these coordinates.
     fn recursion<A: DifferentialAlgebra + 'static>(
         &self,
         coordinates: &[usize],
-        mut series: impl FnMut(&dyn SourceSeries, &[usize]) -> Result<SourceRecursion<A>, BuildError>,
+        mut series: impl FnMut(SourceSeries<'_>, &[usize]) -> Result<SourceRecursion<A>, BuildError>,
     ) -> Result<SourceRecursion<A>, BuildError> {
         let mut factors = Vec::with_capacity(self.factors.len());
         for factor in &self.factors {

@@ -2,7 +2,7 @@
 
 use leafwise_core::realization::{SourceRecursion, SourceSeries};
 use leafwise_core::{BuildError, SystemFormulas};
-use leafwise_expression::{DifferentialAlgebra, Graph, Ring};
+use leafwise_expression::DifferentialAlgebra;
 
 use crate::curve::KarasevCurve;
 
@@ -17,27 +17,15 @@ impl KarasevSeries {
     pub fn new(system: SystemFormulas) -> Self {
         Self { system }
     }
-}
 
-impl SourceSeries for KarasevSeries {
-    fn in_ring(
-        &self,
-        ring: &mut Ring,
-        coordinates: &[usize],
-    ) -> Result<SourceRecursion<Ring>, BuildError> {
-        self.start(ring, coordinates)
+    /// The same from its start in either algebra, as realizations offer it.
+    pub fn source(&self) -> SourceSeries<'_> {
+        SourceSeries {
+            in_ring: Box::new(|ring, coordinates| self.start(ring, coordinates)),
+            in_graph: Box::new(|graph, coordinates| self.start(graph, coordinates)),
+        }
     }
 
-    fn in_graph(
-        &self,
-        graph: &mut Graph,
-        coordinates: &[usize],
-    ) -> Result<SourceRecursion<Graph>, BuildError> {
-        self.start(graph, coordinates)
-    }
-}
-
-impl KarasevSeries {
     fn start<A: DifferentialAlgebra>(
         &self,
         algebra: &mut A,

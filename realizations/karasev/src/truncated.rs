@@ -135,7 +135,7 @@ impl RealizationData for TruncatedKarasev {
             stages: Some(Box::new(|builder, epsilon, y, p| {
                 self.write_stages(builder, epsilon, y, p)
             })),
-            series: Some(&self.series),
+            series: Some(self.series.source()),
             ..Abilities::default()
         }
     }

@@ -109,7 +109,7 @@ impl RealizationData for LiePoisson {
         };
         Abilities {
             ends: Some(ends),
-            series: Some(&self.series),
+            series: Some(self.series.source()),
             ..Abilities::default()
         }
     }

@@ -143,7 +143,7 @@ fn the_third_coefficient_is_that_of_this_chart() {
     let system = from_formulas(&["x", "y"], &[], &[("x,y", "x*y")], "x + y", &[]);
     let realization = realization(&system);
     let series = realization.abilities().series.expect("a series");
-    let generating = generating_function(&system, series, 4).expect("in the algebra");
+    let generating = generating_function(&system, &series, 4).expect("in the algebra");
     let mut ring = generating.ring.clone();
     let (x, y) = (ring.variable(0), ring.variable(1));
     let (xy, sum) = (ring.multiply(&x, &y), ring.add(&x, &y));

@@ -69,7 +69,7 @@ impl RealizationData for So3Exponential {
             ends: Some(EndMaps::Code(Box::new(|graph, epsilon, z| {
                 self.source_and_target(graph, epsilon, z)
             }))),
-            series: Some(&self.series),
+            series: Some(self.series.source()),
             ..Abilities::default()
         }
     }

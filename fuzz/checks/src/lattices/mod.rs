@@ -1,6 +1,6 @@
 //! Long lattices: templates with offsets near and far move as they do written out, to the same bits by both kernels.
 
-use leafwise::core::{Observe, Registry, Walk};
+use leafwise::core::{Observer, Registry, Walk};
 use leafwise::scene::compose::{Observable, Stepping};
 use leafwise::scene::{ComposedRun, SceneDocument, compose};
 
@@ -136,7 +136,7 @@ fn observes_the_same(lattice: &RandomLattice, run: &ComposedRun) -> Result<(), S
     let x = &run.plan.initial;
     let mut energy = run.invariants().map_err(|error| error.to_string())?;
     let mut observed = match &run.method {
-        Stepping::Lattice(own) => Box::new(own.formulas.clone()) as Box<dyn Observe>,
+        Stepping::Lattice(own) => Observer::from(own.formulas.clone()),
         _ => {
             let formulas = run
                 .plan
@@ -147,10 +147,8 @@ fn observes_the_same(lattice: &RandomLattice, run: &ComposedRun) -> Result<(), S
                     _ => None,
                 });
             let formulas: Vec<_> = formulas.collect();
-            Box::new(
-                run.observables(&formulas)
-                    .map_err(|error| error.to_string())?,
-            )
+            let observables = run.observables(&formulas);
+            observables.map_err(|error| error.to_string())?.into()
         }
     };
     let mut own = [0.0; 2];

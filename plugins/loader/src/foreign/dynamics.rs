@@ -18,7 +18,7 @@ use super::instance::{Call, Instance};
 use super::making::{HostObjects, Making};
 use super::part::{ForeignPart, Properties};
 use crate::host::{HostSystem, RealizationToLend};
-use crate::smoke::states;
+use crate::trial_points::states;
 
 /// A part of kind `LW_KIND_DYNAMICS` with functions.
 pub(crate) struct ForeignDynamicsPart {

@@ -17,7 +17,7 @@ use super::function::ForeignFunction;
 use super::instance::{Call, Instance};
 use super::making::{HostObjects, Making};
 use super::part::{ForeignPart, Properties};
-use crate::smoke::states;
+use crate::trial_points::states;
 
 /// A part of kind `LW_KIND_REALIZATION` with functions.
 pub(crate) struct ForeignRealizationPart {

@@ -15,7 +15,7 @@ use super::failure::CallFailure;
 use super::instance::{Call, Instance};
 use super::making::{HostObjects, Making};
 use super::part::{ForeignPart, Properties};
-use crate::smoke::states;
+use crate::trial_points::states;
 
 /// A part of kind `LW_KIND_STEP_MAP` with functions.
 pub(crate) struct ForeignStepMapPart {

@@ -17,7 +17,7 @@ use super::instance::{Call, Instance};
 use super::making::{HostObjects, Making};
 use super::part::ForeignPart;
 use crate::handshake::memory::{LONGEST_TEXT, text};
-use crate::smoke::states;
+use crate::trial_points::states;
 
 /// The most variables and Casimirs that a system may have.
 const MOST: usize = 1 << 20;

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::MARK;
 use crate::file;
-use crate::loader::open_and_try;
+use crate::opened::open_and_try;
 use crate::platform;
 
 /// Opens a library, tries its parts, and writes the report for the process that waits for it: the

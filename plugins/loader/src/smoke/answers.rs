@@ -5,10 +5,10 @@ use std::thread;
 
 use leafwise_plugin_abi::LwMapFn;
 
-use super::SmokeFailure;
 use super::function::{Function, Points, same};
 use crate::foreign::Instance;
 use crate::platform;
+use crate::smoke_failure::SmokeFailure;
 
 /// Instances that are called at the same time.
 const THREADS: usize = 3;

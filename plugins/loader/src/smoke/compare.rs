@@ -1,6 +1,6 @@
 //! Equations of the contract, and derivatives against differences of values.
 
-use super::SmokeFailure;
+use crate::smoke_failure::SmokeFailure;
 
 /// Round-off that an equation may have, relative to the numbers in it.
 const ROUND_OFF: f64 = 1e-11;

@@ -2,13 +2,15 @@
 
 use leafwise_plugin_abi::{LwDynamics, LwMapFn};
 
+use super::Subject;
 use super::answers::Tester;
 use super::compare::{derivative, largest, within};
 use super::function::{Function, Points};
-use super::problems::{lend as lend_system, problems, states};
-use super::{SmokeFailure, Subject};
+use super::problems::{lend as lend_system, problems};
 use crate::foreign::{ForeignPart, HostObjects};
 use crate::host::RealizationToLend;
+use crate::smoke_failure::SmokeFailure;
+use crate::trial_points::states;
 
 /// A step at which functions are tried, and one that hardly moves.
 const STEP: f64 = 1e-2;

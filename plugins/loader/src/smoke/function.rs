@@ -2,8 +2,8 @@
 
 use leafwise_plugin_abi::LwMapFn;
 
-use super::SmokeFailure;
 use crate::foreign::{Call, CallFailure, Input, Instance, Output, is_unwritten, unwritten};
+use crate::smoke_failure::SmokeFailure;
 
 /// Numbers between and around results, which nothing may change.
 const GAP: usize = 3;

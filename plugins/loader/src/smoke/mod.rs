@@ -9,7 +9,6 @@
 mod answers;
 mod compare;
 mod dynamics;
-mod failure;
 mod function;
 mod problems;
 mod realization;
@@ -25,10 +24,10 @@ use serde::Serialize;
 use crate::declaration::{Functions, PartDeclaration};
 use crate::floating_point::ControlWord;
 use crate::foreign::{CallFailure, ForeignPart, HostObjects, Instance, Making, own_settings};
+use crate::smoke_failure::SmokeFailure;
 
 use answers::Tester;
-pub use failure::SmokeFailure;
-pub(crate) use problems::{TestProblem, states};
+pub(crate) use problems::TestProblem;
 
 /// Outcome of a part's trial.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]

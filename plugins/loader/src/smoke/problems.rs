@@ -58,29 +58,6 @@ fn of_dimension(d: usize) -> Vec<TestProblem> {
     problems
 }
 
-/// States that most domains contain: positive, all different, not too large.
-pub(crate) fn states(d: usize) -> Vec<Vec<f64>> {
-    [(0.75, 0.25), (1.125, -0.0625), (0.875, 0.125)]
-        .into_iter()
-        .map(|(first, step)| {
-            let at = |i: usize| first + step * (i % 8) as f64 + (i / 8) as f64 / 64.0;
-            (0..d).map(at).collect()
-        })
-        .collect()
-}
-
-/// Small momenta, one for each state.
-pub(crate) fn momenta(d: usize) -> Vec<Vec<f64>> {
-    [0.02, -0.03, 0.01]
-        .into_iter()
-        .map(|size| {
-            (0..d)
-                .map(|i| size * (1.0 - 0.3 * (i % 5) as f64))
-                .collect()
-        })
-        .collect()
-}
-
 /// so(3)*, the Cayley chart: α = x − ½ x×q + ¼ q (q·x), q = εp.
 fn rotations() -> TestProblem {
     let fragment = "[system]\nvariables = [\"x1\", \"x2\", \"x3\"]\n\
@@ -173,6 +150,7 @@ mod tests {
     use leafwise_core::diagnostics::{RealizationInstrument, section_defect};
 
     use super::*;
+    use crate::trial_points::{momenta, states};
 
     /// The oracles that foreign dynamics are tried over are what they say: Poisson maps to round-off.
     #[test]

@@ -7,9 +7,11 @@ use leafwise_plugin_abi::{LwMapFn, LwRealization};
 use super::answers::Tester;
 use super::compare::{derivative, equal, largest};
 use super::function::{Function, Points};
-use super::problems::{lend, momenta, problems, states};
-use super::{SmokeFailure, Subject, TestProblem};
+use super::problems::{lend, problems};
+use super::{Subject, TestProblem};
 use crate::foreign::ForeignPart;
+use crate::smoke_failure::SmokeFailure;
+use crate::trial_points::{momenta, states};
 
 /// The ε at which maps are tried.
 const EPSILON: f64 = 0.5;

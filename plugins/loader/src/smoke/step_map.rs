@@ -2,12 +2,14 @@
 
 use leafwise_plugin_abi::LwStepMap;
 
+use super::Subject;
 use super::answers::Tester;
 use super::compare::{derivative, largest, within};
 use super::function::{Function, Points};
-use super::problems::{lend, problems, states};
-use super::{SmokeFailure, Subject};
+use super::problems::{lend, problems};
 use crate::foreign::ForeignPart;
+use crate::smoke_failure::SmokeFailure;
+use crate::trial_points::states;
 
 /// A step at which functions are tried, and one that hardly moves.
 const STEP: f64 = 1e-2;

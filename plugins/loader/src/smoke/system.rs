@@ -2,12 +2,13 @@
 
 use leafwise_plugin_abi::{LwMapFn, LwSystem};
 
+use super::Subject;
 use super::answers::Tester;
 use super::compare::{derivative, equal, largest};
 use super::function::{Function, Points};
-use super::problems::{momenta, states};
-use super::{SmokeFailure, Subject};
 use crate::foreign::{ForeignPart, HostObjects, names};
+use crate::smoke_failure::SmokeFailure;
+use crate::trial_points::{momenta, states};
 
 /// Tries every function of the part's own system.
 pub(super) fn try_part(subject: &mut Subject, table: &LwSystem) -> Result<(), SmokeFailure> {

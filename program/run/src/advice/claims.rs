@@ -6,7 +6,7 @@ use leafwise_core::{Origin, Registry, StepError, Structure};
 use leafwise_scene::compose::ComposedRun;
 
 use super::{Advice, AdviceKind, number};
-use crate::outcome::InvariantDrift;
+use crate::invariants::InvariantDrift;
 
 /// Largest [`Defect::relative`] of a step from any state of an orbit that still counts as round-off: solves may be ill
 /// conditioned.

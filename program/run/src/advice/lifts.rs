@@ -145,12 +145,14 @@ fn orbit(run: &ComposedRun, map: &dyn StepMap, length: f64, most: u64) -> Option
     let between = (LONGEST as f64 / length) as u64;
     let mut states = Vec::new();
     for _ in 0..TIMES {
-        for _ in 0..between {
-            walk.step().ok()?;
+        let is_too_much = |walk: &Walk| {
             let operations = walk.statistics().operations;
-            if operations.is_some_and(|operations| operations >= most) {
-                return None;
-            }
+            operations
+                .is_some_and(|operations| operations >= most)
+                .then_some(())
+        };
+        if walk.watch_until(between, is_too_much).ok()?.is_some() {
+            return None;
         }
         states.push(walk.state().to_vec());
     }

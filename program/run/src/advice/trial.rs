@@ -76,16 +76,19 @@ impl Trial {
             let mut walk = Walk::new(map, &parameters, epsilon, h, x);
             let initial = energy_at(x);
             let (mut largest, mut before) = (0.0_f64, 0);
-            for step in 1..=STEPS {
-                walk.step().ok()?;
-                let operations = walk.statistics().operations?;
-                if spent + operations > most {
-                    return None;
-                }
-                if step == FIRST {
+            let ended = walk.watch_until(STEPS as u64, |walk| {
+                let own = walk.statistics().operations;
+                let Some(operations) = own.filter(|own| spent + own <= most) else {
+                    return Some(());
+                };
+                if walk.steps() == FIRST as u64 {
                     before = operations;
                 }
                 largest = largest.max((energy_at(walk.state()) - initial).abs());
+                None
+            });
+            if ended.ok()?.is_some() {
+                return None;
             }
             let operations = walk.statistics().operations?;
             spent += operations;

@@ -1,7 +1,7 @@
 //! Course of a run's walks, and the functions of the state that they look at.
 
 use leafwise_core::system::SystemInvariants;
-use leafwise_core::{BuildError, Observe};
+use leafwise_core::{BuildError, Observer};
 use leafwise_expression::Expression;
 use leafwise_walk::{Course, Event, Pace, StateFunctions};
 
@@ -16,13 +16,13 @@ impl ComposedRun {
     ///
     /// # Errors
     /// [`BuildError::Algebra`] where one has no code.
-    pub fn invariants(&self) -> Result<Box<dyn Observe>, BuildError> {
+    pub fn invariants(&self) -> Result<Observer, BuildError> {
         let functions = self.invariant_functions()?;
         let mut values = functions.values(1, &self.system.parameter_values())?;
         if let Some(extension) = self.extension.as_ref().filter(|_| self.pace().is_some()) {
             values.measure_from(&[extension.origin(&self.plan.initial)]);
         }
-        Ok(Box::new(values))
+        Ok(values.into())
     }
 
     /// The energy, H + e where there is a pace, then each Casimir.
@@ -37,7 +37,7 @@ impl ComposedRun {
             let system = self.system.clone();
             let count = 1 + system.casimir_names().len();
             return Ok(StateFunctions::each(count, move |parameters| {
-                Ok(Box::new(SystemInvariants::new(&system, parameters)?))
+                Ok(SystemInvariants::new(&system, parameters)?.into())
             }));
         };
         let paced = self.extension.as_ref().filter(|_| self.pace().is_some());
@@ -90,7 +90,7 @@ impl ComposedRun {
         let columns: Vec<RecordedColumn> = recorded.map(column).collect();
         let functions = lattice.formulas.clone();
         Ok(StateFunctions::each(columns.len(), move |parameters| {
-            Ok(Box::new(functions.at(parameters).beside(&columns)))
+            Ok(functions.at(parameters).beside(&columns))
         }))
     }
 
@@ -149,6 +149,6 @@ impl ComposedRun {
 fn of_lattice(functions: &LatticeFunctions) -> StateFunctions {
     let functions = functions.clone();
     StateFunctions::each(functions.observables(), move |parameters| {
-        Ok(Box::new(functions.at(parameters)))
+        Ok(functions.at(parameters).into())
     })
 }

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use leafwise_core::lattice::LatticeObservables;
 use leafwise_core::system::SystemObservables;
-use leafwise_core::{BuildError, Observe};
-use leafwise_expression::{Expression, Graph, Kernel, Term, Workspace};
+use leafwise_core::{BuildError, Observer};
+use leafwise_expression::{Expression, Graph, Kernel, Term};
 use leafwise_walk::StateFunctions;
 
 /// Functions of a long lattice's state.
@@ -24,13 +24,6 @@ pub(super) enum RecordedColumn {
     Coordinate(usize),
     /// A function by its number.
     Formula(usize),
-}
-
-/// Functions and coordinates of a long lattice's state.
-struct RecordedColumns {
-    functions: LatticeFunctions,
-    columns: Vec<RecordedColumn>,
-    values: Vec<f64>,
 }
 
 impl LatticeFunctions {
@@ -71,37 +64,28 @@ impl LatticeFunctions {
     }
 
     /// These and coordinates, as the columns tell.
-    pub(super) fn beside(self, columns: &[RecordedColumn]) -> impl Observe + use<> {
-        RecordedColumns {
-            values: vec![0.0; self.observables()],
-            functions: self,
-            columns: columns.to_vec(),
-        }
+    pub(super) fn beside(mut self, columns: &[RecordedColumn]) -> Observer {
+        let (columns, mut own) = (columns.to_vec(), vec![0.0; self.observables()]);
+        Observer::new(columns.len(), move |state, values| {
+            self.evaluate(state, &mut own);
+            for (value, column) in values.iter_mut().zip(&columns) {
+                *value = match column {
+                    RecordedColumn::Coordinate(at) => state[*at],
+                    RecordedColumn::Formula(at) => own[*at],
+                };
+            }
+        })
     }
 }
 
-impl Observe for RecordedColumns {
-    fn observables(&self) -> usize {
-        self.columns.len()
-    }
-
-    fn evaluate(&mut self, state: &[f64], values: &mut [f64]) {
-        self.functions.evaluate(state, &mut self.values);
-        for (value, column) in values.iter_mut().zip(&self.columns) {
-            *value = match column {
-                RecordedColumn::Coordinate(at) => state[*at],
-                RecordedColumn::Formula(at) => self.values[*at],
-            };
-        }
-    }
-}
-
-impl Observe for LatticeFunctions {
-    fn observables(&self) -> usize {
+impl LatticeFunctions {
+    /// How many.
+    pub fn observables(&self) -> usize {
         self.sums.observables()
     }
 
-    fn evaluate(&mut self, state: &[f64], values: &mut [f64]) {
+    /// Writes their values at a state.
+    pub fn evaluate(&mut self, state: &[f64], values: &mut [f64]) {
         self.sums.evaluate(state, values);
         if let Some((places, written, own)) = &mut self.written {
             written.evaluate(state, own);
@@ -109,6 +93,14 @@ impl Observe for LatticeFunctions {
                 values[*place] = *value;
             }
         }
+    }
+}
+
+impl From<LatticeFunctions> for Observer {
+    fn from(mut own: LatticeFunctions) -> Self {
+        Self::new(own.observables(), move |state, values| {
+            own.evaluate(state, values);
+        })
     }
 }
 
@@ -133,33 +125,13 @@ pub(super) fn of_coordinates(
     Ok(StateFunctions::each(1, move |parameters| {
         let mut workspace = kernel.workspace(1);
         kernel.prepare(&mut workspace, parameters, &[1.0], &[1.0]);
-        Ok(Box::new(OfCoordinates {
-            kernel: Arc::clone(&kernel),
-            workspace,
-            values: vec![0.0; named.len()],
-            named: Arc::clone(&named),
+        let (kernel, named) = (Arc::clone(&kernel), Arc::clone(&named));
+        let mut own = vec![0.0; named.len()];
+        Ok(Observer::new(1, move |state, values| {
+            for (value, coordinate) in own.iter_mut().zip(&*named) {
+                *value = state[*coordinate];
+            }
+            kernel.evaluate(&mut workspace, &own, values);
         }))
     }))
-}
-
-struct OfCoordinates {
-    kernel: Arc<Kernel>,
-    workspace: Workspace,
-    named: Arc<Vec<usize>>,
-    /// Of the named coordinates.
-    values: Vec<f64>,
-}
-
-impl Observe for OfCoordinates {
-    fn observables(&self) -> usize {
-        1
-    }
-
-    fn evaluate(&mut self, state: &[f64], values: &mut [f64]) {
-        for (value, coordinate) in self.values.iter_mut().zip(&*self.named) {
-            *value = state[*coordinate];
-        }
-        self.kernel
-            .evaluate(&mut self.workspace, &self.values, values);
-    }
 }

@@ -4,6 +4,7 @@ use leafwise_core::part::{ParameterDefault, ParameterSetting, PartKind};
 use leafwise_core::{Origin, PartParameters, Registry};
 use serde::{Serialize, Serializer};
 
+use crate::document::{MethodParts, MethodTable, PartUse};
 use crate::json::object;
 
 /// A part as chosen, with all its parameters.
@@ -83,6 +84,34 @@ impl PartChoice {
             .filter(|(name, value)| !is_usual(name, value) && !is_open(value));
         told.fold(self.name.to_owned(), |text, (name, value)| {
             text + &format!(" {name} {value}")
+        })
+    }
+}
+
+impl MethodTable {
+    /// The method of parts as chosen, `auto` replaced by what was taken.
+    pub fn of_choices(choices: &[PartChoice]) -> Option<Self> {
+        let of = |kind: PartKind| {
+            let choice = choices.iter().find(|choice| choice.kind == kind)?;
+            let parameters = choice.parameters.iter();
+            Some(PartUse {
+                name: choice.name.to_owned(),
+                parameters: parameters
+                    .map(|(name, value)| ((*name).to_owned(), value.clone()))
+                    .filter(|(_, value)| *value != ParameterSetting::Text(String::new()))
+                    .collect(),
+            })
+        };
+        let parts = match of(PartKind::Stepper) {
+            Some(stepper) => MethodParts::Stepper(stepper),
+            None => MethodParts::Pair {
+                realization: of(PartKind::Realization)?,
+                dynamics: of(PartKind::Dynamics)?,
+            },
+        };
+        Some(Self {
+            parts,
+            composition: of(PartKind::Composition),
         })
     }
 }

@@ -3,7 +3,8 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use leafwise_core::lattice::{LatticeMethod, LatticeSource};
+use leafwise_core::LatticeMethod;
+use leafwise_core::lattice::LatticeSource;
 use leafwise_core::system::SystemObservables;
 use leafwise_core::{
     BuildError, Method, Origin, PartKind, PoissonSystem, Registry, StepMap, Structure, Walk,

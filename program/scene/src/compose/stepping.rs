@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use leafwise_core::lattice::{LatticeGeometry, LatticeMap, LatticeMethod, Swept};
+use leafwise_core::LatticeMethod;
+use leafwise_core::lattice::{LatticeGeometry, LatticeMap, Swept};
 use leafwise_core::noise::NoisyMap;
 use leafwise_core::{Method, StepMap, Structure};
 

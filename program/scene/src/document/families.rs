@@ -8,6 +8,9 @@ use super::reader::{Item, Problems};
 use super::system_schema::VECTORS;
 use super::system_section::{Boundary, SystemSection, VectorFamily};
 
+/// The largest dimension of a lattice that is written out site by site; longer ones are templates.
+pub const DENSE_LIMIT: usize = 24;
+
 /// More sites than a run can hold in memory, so that a slip of the keyboard is reported as one.
 const MOST_SITES: u64 = 100_000_000;
 

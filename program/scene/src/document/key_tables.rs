@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
+use super::families::DENSE_LIMIT;
 use super::schema::{ROOT, each_key};
 use super::shape::{Beside, Default, Key, Keys, Shape, alternatives};
-use crate::compose::DENSE_LIMIT;
 
 /// Every key of a scene as a page of Markdown: a table for each of the scene's tables.
 pub fn key_tables() -> String {

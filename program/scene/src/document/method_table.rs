@@ -2,11 +2,10 @@
 
 use std::fmt;
 
-use leafwise_core::part::{ParameterSetting, PartKind};
+use leafwise_core::part::ParameterSetting;
 use toml_edit::{DocumentMut, InlineTable, Item, Table, TableLike, Value};
 
 use super::overrides::in_layout_of;
-use crate::compose::PartChoice;
 
 /// A part by name with the parameters that it is given.
 #[derive(Clone, Debug, PartialEq)]
@@ -152,32 +151,6 @@ impl MethodTable {
     pub fn composed(mut self, composition: PartUse) -> Self {
         self.composition = Some(composition);
         self
-    }
-
-    /// The method of parts as chosen, `auto` replaced by what was taken.
-    pub fn of_choices(choices: &[PartChoice]) -> Option<Self> {
-        let of = |kind: PartKind| {
-            let choice = choices.iter().find(|choice| choice.kind == kind)?;
-            let parameters = choice.parameters.iter();
-            Some(PartUse {
-                name: choice.name.to_owned(),
-                parameters: parameters
-                    .map(|(name, value)| ((*name).to_owned(), value.clone()))
-                    .filter(|(_, value)| *value != ParameterSetting::Text(String::new()))
-                    .collect(),
-            })
-        };
-        let parts = match of(PartKind::Stepper) {
-            Some(stepper) => MethodParts::Stepper(stepper),
-            None => MethodParts::Pair {
-                realization: of(PartKind::Realization)?,
-                dynamics: of(PartKind::Dynamics)?,
-            },
-        };
-        Some(Self {
-            parts,
-            composition: of(PartKind::Composition),
-        })
     }
 
     /// The table as text, with its step.

@@ -60,6 +60,7 @@ pub use bracket::{BracketSpec, SummandSpec};
 pub use ensemble::{Distribution, EnsembleSection, FinalStates, InitialDraw, ParameterDraw};
 pub use equations::{equations_of, with_casimirs, with_system};
 pub use error::{SceneErrors, SceneProblem, SceneProblemCause};
+pub use families::DENSE_LIMIT;
 pub use field::FieldSpec;
 pub use forces::{ByCoordinate, DampingSpec, ForcesSpec, MetricSpec, OneFormSpec, TorqueSpec};
 pub use json_schema::json_schema;

@@ -75,21 +75,22 @@ impl History {
             initial,
             states: vec![(0.0, walk.state().to_vec())],
         };
-        for step in 1..=run.plan.steps {
-            walk.step().map_err(|error| ReproduceError::Step {
-                figure,
-                step,
-                error,
-            })?;
+        let ended = walk.watch_until(run.plan.steps, |walk| {
             if !goes_on(walk.state()) {
-                break;
+                return Some(());
             }
             observer.evaluate(walk.state(), &mut values);
             history
                 .rows
                 .push((walk.time(), values[0] - initial.0, values[1] - initial.1));
             history.states.push((walk.time(), walk.state().to_vec()));
-        }
+            None
+        });
+        ended.map_err(|error| ReproduceError::Step {
+            figure,
+            step: walk.steps() + 1,
+            error,
+        })?;
         Ok(history)
     }
 

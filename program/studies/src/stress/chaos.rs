@@ -45,17 +45,16 @@ fn reversible_steps(_: &StressOptions) -> Result<Outcome, StressError> {
     let mut walk = Walk::new(&method, &parameters, 1.0, 0.1, &TUMBLING);
     let start = casimirs(&TUMBLING);
     let (mut worst, mut drift) = (0.0_f64, 0.0_f64);
-    for step in 0..20_000 {
-        if step % 10 == 0 {
-            let x = walk.state().to_vec();
-            let there = one_step(&method, &parameters, 0.1, &x)?;
-            let back = one_step(&method, &parameters, -0.1, &there)?;
-            let defect = distance(&back, &x) / largest(&x);
-            worst = larger(worst, defect);
-        }
-        walk.step()?;
-        let change = distance(&casimirs(walk.state()), &start);
-        drift = larger(drift, change);
+    for _ in 0..2_000 {
+        let x = walk.state().to_vec();
+        let there = one_step(&method, &parameters, 0.1, &x)?;
+        let back = one_step(&method, &parameters, -0.1, &there)?;
+        let defect = distance(&back, &x) / largest(&x);
+        worst = larger(worst, defect);
+        walk.watch(10, |walk| {
+            let change = distance(&casimirs(walk.state()), &start);
+            drift = larger(drift, change);
+        })?;
     }
     Ok(Outcome {
         is_met: worst <= 32.0 * UNIT_ROUNDOFF && drift <= 1e-13,
@@ -81,15 +80,13 @@ fn orbits_return(_: &StressOptions) -> Result<Outcome, StressError> {
     let (steps, apart) = (1200, 1e-10);
     let mut near = TUMBLING;
     near[0] += apart;
-    let mut walk = Walk::new(&method, &parameters, 1.0, 0.1, &TUMBLING);
-    let mut beside = Walk::new(&method, &parameters, 1.0, 0.1, &near);
+    let starts = [TUMBLING.to_vec(), near.to_vec()];
+    let mut walk = Walk::of_each(&method, &problem.system, &starts, 0.1);
     let mut separation = apart;
-    for _ in 0..steps {
-        walk.step()?;
-        beside.step()?;
-        separation = distance(walk.state(), beside.state()).max(separation);
-    }
-    let end = walk.state().to_vec();
+    walk.watch(steps, |walk| {
+        separation = distance(&walk.last(0).1, &walk.last(1).1).max(separation);
+    })?;
+    let (_, end) = walk.last(0);
     let mut back = Walk::new(&method, &parameters, 1.0, -0.1, &end);
     back.advance(steps)?;
     let missed = distance(back.state(), &TUMBLING);

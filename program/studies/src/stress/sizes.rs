@@ -96,23 +96,19 @@ fn ends(_: &StressOptions) -> Result<Outcome, StressError> {
         for size in [5e-324, 1e-300, 1e-150, 1e150, 1e300] {
             let x: Vec<f64> = problem.initial.iter().map(|x| x * size).collect();
             let mut walk = Walk::new(&method, &parameters, 0.1, 1.0, &x);
-            for _ in 0..5 {
-                let before = walk.state().to_vec();
-                let outcome = walk.step();
-                let after = walk.state();
-                match outcome {
-                    Ok(()) => {
-                        taken += 1;
-                        tally.take(after.iter().all(|x| x.is_finite()), || {
-                            format!("{id} at {size:e}: {after:?}")
-                        });
-                    }
-                    Err(error) => {
-                        refused += 1;
-                        tally.take(after == before, || format!("{id} at {size:e}: {error}"));
-                        break;
-                    }
-                }
+            let mut before = x;
+            let outcome = walk.watch(5, |walk| {
+                taken += 1;
+                before.copy_from_slice(walk.state());
+                tally.take(before.iter().all(|x| x.is_finite()), || {
+                    format!("{id} at {size:e}: {before:?}")
+                });
+            });
+            if let Err(error) = outcome {
+                refused += 1;
+                tally.take(walk.state() == before, || {
+                    format!("{id} at {size:e}: {error}")
+                });
             }
         }
     }

@@ -35,16 +35,17 @@ const START: [f64; 3] = [1.0, 3.0, 3.0];
 fn die_out(map: &dyn StepMap) -> Result<(f64, f64, u64), StressError> {
     let mut walk = Walk::new(map, &[], 0.01, 2.0, &START);
     let mut worst = 0.0_f64;
-    loop {
-        walk.step()?;
+    let smallest = walk.watch_until(u64::MAX, |walk| {
         let x = walk.state();
         let smallest = x.iter().copied().fold(f64::INFINITY, f64::min);
         if smallest <= 1e-100 {
-            return Ok((worst, smallest, walk.steps()));
+            return Some(smallest);
         }
         let drift = (x[0] * x[2] / x[1] - 1.0).abs();
         worst = larger(worst, drift);
-    }
+        None
+    })?;
+    Ok((worst, smallest.unwrap_or(f64::INFINITY), walk.steps()))
 }
 
 fn relative_accuracy(_: &StressOptions) -> Result<Outcome, StressError> {

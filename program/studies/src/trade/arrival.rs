@@ -71,9 +71,11 @@ pub(super) fn way(run: &ComposedRun, time: Option<f64>) -> Result<(f64, f64), Tr
         Some(time) => (walk.state()[place] - time) * (epsilon * h) >= 0.0,
         None => walk.steps() >= run.plan.steps,
     };
-    while !is_there(&walk) {
-        walk.step().map_err(failed)?;
-        if walk.steps() >= MOST_STEPS {
+    if !is_there(&walk) {
+        let arrived = walk.watch_until(MOST_STEPS, |walk| {
+            (walk.steps() < MOST_STEPS && is_there(walk)).then_some(())
+        });
+        if arrived.map_err(failed)?.is_none() {
             return Err(TradeError::TooLong {
                 time: time.unwrap_or(walk.state()[place]),
                 steps: walk.steps() as f64,

@@ -131,16 +131,12 @@ pub(super) fn run_counted(
     let before = *spent;
     let own = run.own(&run.plan.initial).len();
     let (mut largest_error, mut buffer) = (0.0, vec![0.0; own + 1]);
-    for step in 0..steps {
-        let stepped = walk.step();
-        let own = walk.statistics().cost();
-        *spent = before + own;
-        stepped.map_err(|error| TrialFailure::Step { step, error })?;
-        let taken = step + 1;
+    let ended = walk.watch_until(steps, |walk| {
+        let (taken, own) = (walk.steps(), walk.statistics().cost());
         let foreseen = own as f64 * (steps as f64 / taken as f64);
         let is_hopeless = taken >= steps / FORESEEN && foreseen > 2.0 * budget as f64;
         if own > budget || is_hopeless {
-            return Err(TrialFailure::OverBudget {
+            return Some(TrialFailure::OverBudget {
                 budget: budget as f64,
                 step: taken,
                 steps,
@@ -150,7 +146,7 @@ pub(super) fn run_counted(
         for ((drift, now), initial) in drift.iter_mut().zip(&now).zip(&initial) {
             let change = (now - initial).abs();
             if !change.is_finite() {
-                return Err(TrialFailure::NotFinite { step: step + 1 });
+                return Some(TrialFailure::NotFinite { step: taken });
             }
             *drift = drift.max(change);
         }
@@ -162,6 +158,13 @@ pub(super) fn run_counted(
             // A NaN is no small error.
             largest_error = larger(largest_error, error);
         }
+        None
+    });
+    *spent = before + walk.statistics().cost();
+    let step = walk.steps();
+    let failure = ended.map_err(|error| TrialFailure::Step { step, error })?;
+    if let Some(failure) = failure {
+        return Err(failure);
     }
     // With a pace every method is at another time then.
     let failed = |error| TrialFailure::Step { step: steps, error };

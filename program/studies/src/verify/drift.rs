@@ -48,7 +48,7 @@ impl Drift {
         let nanoseconds = started.elapsed().as_secs_f64() * 1e9 / TIMED_STEPS as f64;
         let mut walk = start();
         let invariants = match SystemInvariants::new(&problem.system, &values) {
-            Ok(mut observer) => measure_drift(&mut walk, &mut observer, STEPS)?,
+            Ok(observer) => measure_drift(&mut walk, observer, STEPS)?,
             Err(_) => Vec::new(),
         };
         let mut states = vec![problem.initial.clone()];

@@ -5,7 +5,7 @@
 //! F_{m+3} between the ends of that time. Over a realization of order n no H̃ is kept to more than order 2⌊n/2⌋ + 2.
 
 use leafwise_core::system::SystemObservables;
-use leafwise_core::{MapProperties, Observe, StepMap, Structure, Walk};
+use leafwise_core::{MapProperties, StepMap, Structure, Walk};
 use leafwise_expression::Expression;
 use serde::Serialize;
 

@@ -8,7 +8,6 @@ use leafwise_core::part::{
 use leafwise_core::registry::RealizationPart;
 use leafwise_core::{
     Abilities, Accuracy, BuildError, EndMaps, EndNumbers, PoissonSystem, RealizationData,
-    SourceSeries,
 };
 
 use super::collocation::Collocation;
@@ -96,7 +95,6 @@ impl RealizationData for CollocatedKarasev {
 
     fn abilities(&self) -> Abilities<'_> {
         let collocation = self.collocation.clone();
-        let series = self.series.as_ref();
         let field = collocation.field.clone();
         Abilities {
             // Curves start from those before.
@@ -123,7 +121,7 @@ impl RealizationData for CollocatedKarasev {
                     properties,
                 )))
             })),
-            series: series.map(|series| series as &dyn SourceSeries),
+            series: self.series.as_ref().map(KarasevSeries::source),
             ..Abilities::default()
         }
     }

@@ -2,11 +2,10 @@
 
 use std::sync::Arc;
 
-use super::implicit::ImplicitSweeps;
-use super::map::LatticeMap;
-use super::source::LatticeSource;
 use crate::dynamics::DynamicApproximation;
 use crate::error::BuildError;
+use crate::lattice::{ImplicitSweeps, LatticeMap, LatticeSource};
+use crate::method::{check_forces, properties_of};
 use crate::realization::RealizationData;
 use crate::system::PoissonSystem;
 
@@ -39,7 +38,7 @@ impl LatticeMethod {
         let lattice =
             ImplicitSweeps::compose(source, dynamics.properties().order, |builder, code| {
                 let (system, [epsilon, h], y) = (code.system, &code.sizes, &code.y);
-                crate::method::check_forces(system, dynamics.as_ref())?;
+                check_forces(system, dynamics.as_ref())?;
                 let realization = realize(system)?;
                 let bisection = dynamics.bisection(system, &realization)?;
                 let missing = |reason: &str| BuildError::Incompatible {
@@ -55,8 +54,7 @@ impl LatticeMethod {
                 builder.finish_stage();
                 let ends =
                     realization.abilities().stages.ok_or_else(no_stages)?(builder, epsilon, y, &p)?;
-                let properties =
-                    crate::method::properties_of(realization.as_ref(), dynamics.as_ref());
+                let properties = properties_of(realization.as_ref(), dynamics.as_ref());
                 let described = format!("{} + {}", realization.describe(), dynamics.describe());
                 built = Some(realization);
                 Ok((ends, properties, described))
