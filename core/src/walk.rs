@@ -249,11 +249,11 @@ impl Walk {
     /// # Errors
     /// As [`advance`](Self::advance); a step that fails is not looked at.
     pub fn watch(&mut self, steps: u64, mut look: impl FnMut(&Self)) -> Result<(), StepError> {
-        let ended: Option<()> = self.watch_until(steps, |walk| {
+        let never = self.watch_until(steps, |walk| {
             look(walk);
-            None
-        })?;
-        Ok(ended.unwrap_or_default())
+            None::<std::convert::Infallible>
+        });
+        never.map(|_| ())
     }
 
     /// At most n steps, each followed by a look, until one finds something: that is returned.

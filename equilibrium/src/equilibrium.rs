@@ -159,8 +159,8 @@ fn normalized(file: &Geqdsk, psi: f64) -> f64 {
 
 /// (F − F_edge)/R at the nodes.
 ///
-/// Beyond the edge F goes on as a smooth function: with the vacuum's constant, the kink at the edge would ring in the spline,
-/// and move the field within by 1e-6 of it on 65 × 65 nodes.
+/// Beyond the edge F goes on as a smooth function. With the vacuum's constant, the kink at the edge would ring in the spline. It
+/// would move the field within by 1e-6 of it on 65 × 65 nodes.
 fn excess(file: &Geqdsk, degree: u8) -> Result<Vec<f64>, EquilibriumError> {
     let name = "F";
     let axis = TableAxis {
@@ -180,8 +180,9 @@ fn excess(file: &Geqdsk, degree: u8) -> Result<Vec<f64>, EquilibriumError> {
 /// The normalized flux beyond an end of [0, 1] from where on a continued function is nearly constant.
 const CONTINUED: f64 = 0.5;
 
-/// A spline on [0, 1], continued: by its value, slope and curvature at the end, at a distance that stays below
-/// [`CONTINUED`] and has the true distance's first four derivatives at the end.
+/// A spline on [0, 1], continued by its value, slope and curvature at the end.
+///
+/// The distance that these stand for stays below [`CONTINUED`], and has the true distance's first four derivatives at the end.
 fn continued(f: TableFunction, s: f64) -> f64 {
     let end = s.clamp(0.0, 1.0);
     let distance = s - end;

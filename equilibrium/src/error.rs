@@ -15,7 +15,7 @@ pub enum EquilibriumError {
     /// Fewer numbers than the first line tells of.
     #[error("the file ends in {name}: {found} of {needed} numbers")]
     Short {
-        /// What they are.
+        /// The quantity.
         name: &'static str,
         /// The numbers that are there.
         found: usize,
@@ -25,11 +25,11 @@ pub enum EquilibriumError {
     /// A word in the place of a number.
     #[error("line {line}: `{word}` in the place of a number of {name}")]
     Number {
-        /// What the number is.
+        /// The quantity.
         name: &'static str,
         /// The line, from 1.
         line: usize,
-        /// What stands there.
+        /// The word.
         word: String,
     },
     /// Numbers that no equilibrium has.

@@ -5,8 +5,9 @@ use crate::tokens::Tokens;
 
 /// The numbers of a g-file that make its field.
 ///
-/// The form is that of L. Lao's EFIT: a line with a title and the nodes along R and Z; 20 numbers; F, p, FF′, p′ at as many
-/// values of ψ as R has nodes, from the axis to the edge; ψ at all nodes, those along R first; the safety factor.
+/// The form is that of L. Lao's EFIT. The first line has a title and the nodes along R and Z. Twenty numbers follow. Then F, p, FF′
+/// and p′ stand at as many values of ψ as R has nodes, from the axis to the edge. Then come ψ at all nodes, those along R first,
+/// and the safety factor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Geqdsk {
     /// The title in the first line.
