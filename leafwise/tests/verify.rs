@@ -61,6 +61,7 @@ fn row(problem: &Problem, measured: Measured) -> Row {
         map: "a map".to_owned(),
         is_own: false,
         declared_order: 4,
+        smooth_order: None,
         declared_structure: "order 4".to_owned(),
         measured: Some(measured),
         failure: None,
