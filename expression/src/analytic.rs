@@ -26,6 +26,8 @@ enum Values {
     Pair(&'static FunctionPair, Member, fn() -> Slope),
     /// The parts of a table, by their codes in the place of orders.
     Table(TableFunction),
+    /// The number itself, as if it did not depend on anything.
+    Held,
 }
 
 /// f′ = constant + factor·g: the derivative of a function that is expressed by another one, or by itself.
@@ -40,6 +42,13 @@ pub struct Slope {
 }
 
 impl AnalyticFunction {
+    /// The number s itself with derivatives that are 0: code behind it is not differentiated. For the steps of an
+    /// iteration whose last one has the derivative of what they converge to.
+    pub const HELD: Self = Self {
+        name: "held",
+        values: Values::Held,
+    };
+
     /// The function with f⁽ᵏ⁾(s) = `derivative(k, s)`, NaN outside its domain: the same bits on
     /// every machine, so without the elementary functions of `std`.
     pub const fn new(name: &'static str, derivative: fn(u32, f64) -> f64) -> Self {
@@ -72,7 +81,7 @@ impl AnalyticFunction {
     /// The pair that it is a member of.
     pub fn pair(&self) -> Option<(&'static FunctionPair, Member)> {
         match self.values {
-            Values::Orders(_) | Values::Table(_) => None,
+            Values::Orders(_) | Values::Table(_) | Values::Held => None,
             Values::Pair(pair, member, _) => Some((pair, member)),
         }
     }
@@ -80,9 +89,14 @@ impl AnalyticFunction {
     /// Its derivative, where that is expressed by a function again.
     pub(crate) fn slope(&self) -> Option<Slope> {
         match self.values {
-            Values::Orders(_) | Values::Table(_) => None,
+            Values::Orders(_) | Values::Table(_) | Values::Held => None,
             Values::Pair(_, _, slope) => Some(slope()),
         }
+    }
+
+    /// Whether it is [`HELD`](Self::HELD).
+    pub(crate) fn is_held(&self) -> bool {
+        matches!(self.values, Values::Held)
     }
 
     /// Stand-in that is equal to the function of this name: functions compare by name. Its values are NaN.
@@ -100,6 +114,8 @@ impl AnalyticFunction {
         match self.values {
             Values::Orders(derivative) => derivative(order, s),
             Values::Table(table) => table.part(order, s),
+            Values::Held if order == 0 => s,
+            Values::Held => 0.0,
             Values::Pair(pair, member, _) if order == 0 => {
                 let (f, g) = (pair.values)(s);
                 match member {
@@ -122,6 +138,8 @@ impl AnalyticFunction {
                 values.iter_mut().for_each(|s| *s = derivative(order, *s));
             }
             Values::Table(table) => table.part_lanes(order, values),
+            Values::Held if order == 0 => {}
+            Values::Held => values.fill(0.0),
             Values::Pair(pair, member, _) if order == 0 => {
                 (pair.lanes_alone[member as usize])(values);
             }
