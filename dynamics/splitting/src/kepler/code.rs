@@ -207,9 +207,8 @@ impl Code<'_> {
         }
         // (2k + 1)! in front of the next.
         let (mut c2, mut c3) = (self.horner(&even, &z), self.horner(&odd, &z));
-        let turned = |code: &mut Self, z: &Term, c: &Term| {
-            code.whole(&[(1, &[&one]), (-1, &[z, c])])
-        };
+        let turned =
+            |code: &mut Self, z: &Term, c: &Term| code.whole(&[(1, &[&one]), (-1, &[z, c])]);
         for _ in 0..QUARTERINGS {
             let (c0, c1) = (turned(self, &z, &c2), turned(self, &z, &c3));
             let sum = self.sum(&[(1, &[&c2]), (1, &[&c0, &c3])]);
@@ -230,9 +229,7 @@ impl Code<'_> {
     ///   whose motion ends there.
     fn refusal(&mut self, elements: &Elements, [s, delta]: [&Term; 2], at: &Place) -> Term {
         let one = self.0.one();
-        let most = self
-            .0
-            .constant(&Rational::from_integer(LARGEST * LARGEST));
+        let most = self.0.constant(&Rational::from_integer(LARGEST * LARGEST));
         let far = self.sum(&[(1, &[&at.z, &at.z]), (-1, &[&most])]);
         let far = self.kept(Side::Above, &far, &one);
         let open = self.sum(&[(1 << 52, &[delta, delta]), (-1, &[s, s])]);
@@ -254,8 +251,7 @@ impl Code<'_> {
         ]);
         let falls = self.kept(Side::Above, &falls, &one);
         let out = self.kept(Side::Above, &at.slope, &falls);
-        let inwards = self.0.negate(eta);
-        let through = self.kept(Side::Above, &inwards, &out);
+        let through = self.kept(Side::Below, eta, &out);
         let flags = self.sum(&[(2, &[&far]), (2, &[&open]), (2, &[&through])]);
         self.0.apply_analytic(WITHIN, 0, &flags)
     }
@@ -267,11 +263,15 @@ impl Code<'_> {
     }
 
     fn quotient(&mut self, above: &Term, below: &Term) -> Term {
-        self.0.divide(above, below).expect("it is not 0 as a formula")
+        self.0
+            .divide(above, below)
+            .expect("it is not 0 as a formula")
     }
 
     fn kept(&mut self, side: Side, c: &Term, v: &Term) -> Term {
-        self.0.kept(side, c, v).expect("its condition depends on the state")
+        self.0
+            .kept(side, c, v)
+            .expect("its condition depends on the state")
     }
 
     /// a where c > 0, else b.

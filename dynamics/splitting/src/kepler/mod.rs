@@ -87,12 +87,7 @@ impl KeplerMotions {
 
 impl KeplerBody {
     /// A, B, q − c and p.
-    fn numbers(
-        &self,
-        graph: &mut Graph,
-        ring: &Ring,
-        x: &[Term],
-    ) -> Result<Conic, AlgebraError> {
+    fn numbers(&self, graph: &mut Graph, ring: &Ring, x: &[Term]) -> Result<Conic, AlgebraError> {
         let one = graph.one();
         let wanted = self.rates.iter().chain(&self.centre);
         let wanted: Vec<_> = wanted
