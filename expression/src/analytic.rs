@@ -267,6 +267,30 @@ mod tests {
         }
     }
 
+    /// f(held(x) y): no derivative by x, and no call.
+    #[test]
+    fn what_is_held_is_not_differentiated() {
+        let mut graph = Graph::new();
+        let (x, y) = (graph.input(0), graph.input(1));
+        let square = graph.multiply(&x, &x);
+        let held = graph.apply_analytic(AnalyticFunction::HELD, 0, &square);
+        let product = graph.multiply(&held, &y);
+        let gradient = graph.gradient(&product, 2).expect("code");
+        assert!(gradient[0].scale.is_zero());
+        let slopes = [0, 1].map(|input| graph.derivative(&product, input).expect("code"));
+        assert!(slopes[0].scale.is_zero());
+        assert_eq!(slopes[1], gradient[1]);
+        let kernel = Kernel::compile(&graph, &[product, slopes[1].clone()], 0, 2);
+        assert_eq!(kernel.step_operations().functions, 0);
+        let mut workspace = kernel.workspace(1);
+        kernel.prepare(&mut workspace, &[], &[1.0], &[1.0]);
+        let mut values = [0.0; 2];
+        kernel.evaluate(&mut workspace, &[3.0, 0.5], &mut values);
+        assert_eq!(values, [4.5, 9.0]);
+        let derivatives = [0, 1, 2].map(|order| AnalyticFunction::HELD.derivative(order, 0.25));
+        assert_eq!(derivatives, [0.25, 0.0, 0.0]);
+    }
+
     #[test]
     fn a_constant_argument_is_evaluated_with_the_coefficients() {
         let mut graph = Graph::new();
