@@ -116,7 +116,7 @@ fn square(ring: &Ring, monomial: &Monomial) -> Option<Polynomial> {
 }
 
 /// The variables of a body.
-struct Pairs {
+struct Centred {
     /// q_i and p_i.
     pairs: Vec<[usize; 2]>,
     /// c.
@@ -130,7 +130,7 @@ fn pairs(
     ring: &mut Ring,
     tensor: &Tensor,
     centre: &Monomial,
-) -> Result<Option<Pairs>, AlgebraError> {
+) -> Result<Option<Centred>, AlgebraError> {
     let Some(u) = square(ring, centre) else {
         return Ok(None);
     };
@@ -163,7 +163,7 @@ fn pairs(
         pairs.push([q, p]);
         centre.push(about);
     }
-    Ok(sign.filter(|_| rest.is_zero()).map(|sign| Pairs {
+    Ok(sign.filter(|_| rest.is_zero()).map(|sign| Centred {
         pairs,
         centre,
         sign,
@@ -192,7 +192,7 @@ fn squares(
     ring: &Ring,
     tensor: &Tensor,
     sum: &[(Polynomial, Expression)],
-    pairs: &Pairs,
+    pairs: &Centred,
 ) -> Option<(Vec<Monomial>, Polynomial)> {
     let momenta: Vec<usize> = pairs.pairs.iter().map(|[_, p]| *p).collect();
     let squares = momenta.iter().map(|p| Monomial::power(*p as u32, 2));

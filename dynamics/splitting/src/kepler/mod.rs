@@ -3,11 +3,11 @@
 //! With {q_i, p_j} = ±δ_ij, all with one sign, the motion is x′ = w, w′ = −μx/|x|³ for x = q − c, w = Ap: A = ±2a,
 //! B = ±k, μ = AB. Constants are β = 2μ/r₀ − |w|², positive on ellipses, and the angular momentum. In the time s
 //! with dt = r ds the motion is linear, r″ = μ − βr. Stumpff's functions close it: G_k = sᵏ c_k(βs²),
-//! c_k(z) = Σ_j (−z)ʲ/(2j + k)!. From r₀ = |x|, η = x·w, κ = μ − βr₀ follow
+//! c_k(z) = Σ_j (−z)ʲ/(2j + k)!. From r₀ = |x|, η = x·w, κ = μ − βr₀ follow s and r:
 //!
-//! t = r₀s + ηG₂ + κG₃, r = r₀ + ηG₁ + κG₂,
+//! t = r₀s + ηG₂ + κG₃, r = r₀ + ηG₁ + κG₂.
 //!
-//! and the increments, without cancellation,
+//! The increments come without cancellation:
 //!
 //! x(t) − x = −(μ/r₀)G₂ x + (r₀G₁ + ηG₂)w, p(t) − p = −(B/(r r₀))G₁ x − (μ/r)G₂ p.
 //!
@@ -15,9 +15,8 @@
 //! momentum and the ellipse's direction stay at round-off. Nothing distinguishes ellipses, parabolas and hyperbolas,
 //! and μ < 0 repels.
 //!
-//! K. Stumpff, *Himmelsmechanik I* (1959), section 41; J. M. A. Danby, *Fundamentals of Celestial Mechanics*, 2nd ed. (1988),
-//! section 6.9; as a piece: J. Wisdom, M. Holman, Astronomical Journal 102, 1528–1538 (1991); J. Wisdom, D. M. Hernandez,
-//! Monthly Notices of the Royal Astronomical Society 453, 3015–3023 (2015).
+//! Sources are Stumpff, *Himmelsmechanik I*, section 41 (1959), and Danby, *Fundamentals of Celestial Mechanics*, section
+//! 6.9 (1988). Wisdom and Holman take it as a piece in Astronomical Journal 102, 1528–1538 (1991).
 
 mod code;
 mod find;
