@@ -1,7 +1,7 @@
 //! Kepler's problem: K = a|p|² − k/|q − c| in two or three dimensions, an exact flow for every conic.
 //!
-//! With {q_i, p_j} = ±δ_ij, all with one sign, the motion is x′ = w, w′ = −μx/|x|³ for x = q − c, w = Ap: A = ±2a,
-//! B = ±k, μ = AB. Constants are β = 2μ/r₀ − |w|², positive on ellipses, and the angular momentum. In the time s
+//! With {q_i, p_j} = ±δ_ij, all with one sign, the motion is x′ = w, w′ = −μx/|x|³. Here x = q − c, w = Ap, A = ±2a,
+//! B = ±k and μ = AB. Constants are β = 2μ/r₀ − |w|², positive on ellipses, and the angular momentum. In the time s
 //! with dt = r ds the motion is linear, r″ = μ − βr. Stumpff's functions close it: G_k = sᵏ c_k(βs²),
 //! c_k(z) = Σ_j (−z)ʲ/(2j + k)!. From r₀ = |x|, η = x·w, κ = μ − βr₀ follow s and r:
 //!
@@ -15,8 +15,8 @@
 //! momentum and the ellipse's direction stay at round-off. Nothing distinguishes ellipses, parabolas and hyperbolas,
 //! and μ < 0 repels.
 //!
-//! Sources are Stumpff, *Himmelsmechanik I*, section 41 (1959), and Danby, *Fundamentals of Celestial Mechanics*, section
-//! 6.9 (1988). Wisdom and Holman take it as a piece in Astronomical Journal 102, 1528–1538 (1991).
+//! Sources are the textbooks of Stumpff, *Himmelsmechanik I* (1959), and Danby, *Fundamentals of Celestial Mechanics*. As
+//! a piece it goes back to Wisdom and Holman, Astronomical Journal 102, 1528–1538 (1991).
 
 mod code;
 mod find;
