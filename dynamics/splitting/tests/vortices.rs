@@ -81,7 +81,7 @@ fn a_pair_of_vortices_turns_about_its_centre_or_goes_straight() {
                 [a[0], a[1], b[0], b[1]]
             };
             let error = distance(&end, &exact);
-            let way = largest(&exact).max(1.0) * (1.0 + time.abs());
+            let way = largest(exact).max(1.0) * (1.0 + time.abs());
             assert!(
                 error <= 8.0 * f64::EPSILON * way,
                 "{circulations:?} {time}: {error:e}"
