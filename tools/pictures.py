@@ -29,10 +29,10 @@ LARGEST = 60_000
 #: Scenes by subject, in the order of the page; others follow at its end.
 SUBJECTS = {
     "Bodies that turn": ["tennis_racket", "rigid_body", "attitude", "heavy_top", "heavy_top_attitude", "se3", "so4"],
-    "The sky": ["kepler", "restricted_three_body", "henon_heiles"],
+    "The sky": ["kepler", "restricted_three_body", "planets", "solar_system", "gravity", "henon_heiles"],
     "Charges and magnetic fields": ["magnetic", "guiding_centre", "guiding_centre_cartesian", "tokamak_losses", "magnetic_field_line"],
     "Driven motion, forces in pieces": ["driven_oscillator", "driven_pendulum", "bouncing_ball"],
-    "Vortices and fluids": ["point_vortices", "sphere_vortices", "camassa_holm", "nambu"],
+    "Vortices and fluids": ["point_vortices", "vortices", "sphere_vortices", "camassa_holm", "nambu"],
     "Waves and light": ["three_wave", "maxwell_bloch"],
     "Species": ["lotka_volterra", "lotka_volterra_periodic", "may_leonard", "epidemic"],
     "Spins": ["damped_spin", "langevin_spin", "spin_chain", "heisenberg_chain", "hot_spin_chain", "spin_waves_2d", "hot_ferromagnet"],
@@ -48,6 +48,7 @@ VIEWS: dict[str, tuple[str, list[str]]] = {
     "camassa_holm": ("Phase plane", ['run.record.states=["q1","p1"]']),
     "driven_oscillator": ("Phase plane", ["run.record.every=1"]),
     "gradient": ("Orbit", ["run.steps=300", "run.record.every=1"]),
+    "gravity": ("Phase plane", ['run.record.states=["q.x[0]","q.y[0]"]', "run.record.every=1"]),
     "guiding_centre": ("Phase plane", ['run.record.states=["R","Z"]', "run.steps=400", "run.record.every=1"]),
     "guiding_centre_cartesian": ("Orbit", ["run.steps=1000", "run.record.every=4"]),
     "heavy_top": ("Orbit", ['run.record.states=["gamma1","gamma2","gamma3"]', "run.steps=1000", "run.record.every=1"]),
@@ -62,6 +63,7 @@ VIEWS: dict[str, tuple[str, list[str]]] = {
     "maxwell_bloch": ("Orbit", ["run.steps=1500", "run.record.every=1"]),
     "may_leonard": ("Orbit", ["run.steps=400", "run.record.every=1"]),
     "nambu": ("Orbit", ["run.steps=400", "run.record.every=1"]),
+    "planets": ("Phase plane", ['run.record.states=["q.x[1]","q.y[1]"]', "run.record.every=1", "run.steps=400"]),
     "point_vortices": ("Phase plane", ["run.steps=400", "run.record.every=1"]),
     "restricted_three_body": ("Phase plane", ['run.record.states=["x","y"]']),
     "rigid_body_ensemble": ("x1", []),
@@ -72,7 +74,9 @@ VIEWS: dict[str, tuple[str, list[str]]] = {
     "three_wave": ("Orbit", ["run.steps=400", "run.record.every=1"]),
     "tokamak_losses": ("Stopped by", []),
     "toda": ("a over", ["run.steps=1000"]),
+    "solar_system": ("q.x over", ["run.record.every=10"]),
     "volterra_lattice": ("x over", ["run.steps=4000", "run.record.every=200"]),
+    "vortices": ("Phase plane", ['run.record.states=["x[0]","y[0]"]', "run.steps=200"]),
 }
 
 #: Further pictures of a scene: file, scene, heading, settings.

@@ -26,6 +26,8 @@ enum Values {
     Pair(&'static FunctionPair, Member, fn() -> Slope),
     /// The parts of a table, by their codes in the place of orders.
     Table(TableFunction),
+    /// The number itself, as if it did not depend on anything.
+    Held,
 }
 
 /// f′ = constant + factor·g: the derivative of a function that is expressed by another one, or by itself.
@@ -40,6 +42,13 @@ pub struct Slope {
 }
 
 impl AnalyticFunction {
+    /// The number s itself with derivatives that are 0: code behind it is not differentiated. For the steps of an
+    /// iteration whose last one has the derivative of what they converge to.
+    pub const HELD: Self = Self {
+        name: "held",
+        values: Values::Held,
+    };
+
     /// The function with f⁽ᵏ⁾(s) = `derivative(k, s)`, NaN outside its domain: the same bits on
     /// every machine, so without the elementary functions of `std`.
     pub const fn new(name: &'static str, derivative: fn(u32, f64) -> f64) -> Self {
@@ -72,7 +81,7 @@ impl AnalyticFunction {
     /// The pair that it is a member of.
     pub fn pair(&self) -> Option<(&'static FunctionPair, Member)> {
         match self.values {
-            Values::Orders(_) | Values::Table(_) => None,
+            Values::Orders(_) | Values::Table(_) | Values::Held => None,
             Values::Pair(pair, member, _) => Some((pair, member)),
         }
     }
@@ -80,9 +89,14 @@ impl AnalyticFunction {
     /// Its derivative, where that is expressed by a function again.
     pub(crate) fn slope(&self) -> Option<Slope> {
         match self.values {
-            Values::Orders(_) | Values::Table(_) => None,
+            Values::Orders(_) | Values::Table(_) | Values::Held => None,
             Values::Pair(_, _, slope) => Some(slope()),
         }
+    }
+
+    /// Whether it is [`HELD`](Self::HELD).
+    pub(crate) fn is_held(&self) -> bool {
+        matches!(self.values, Values::Held)
     }
 
     /// Stand-in that is equal to the function of this name: functions compare by name. Its values are NaN.
@@ -100,6 +114,8 @@ impl AnalyticFunction {
         match self.values {
             Values::Orders(derivative) => derivative(order, s),
             Values::Table(table) => table.part(order, s),
+            Values::Held if order == 0 => s,
+            Values::Held => 0.0,
             Values::Pair(pair, member, _) if order == 0 => {
                 let (f, g) = (pair.values)(s);
                 match member {
@@ -122,6 +138,8 @@ impl AnalyticFunction {
                 values.iter_mut().for_each(|s| *s = derivative(order, *s));
             }
             Values::Table(table) => table.part_lanes(order, values),
+            Values::Held if order == 0 => {}
+            Values::Held => values.fill(0.0),
             Values::Pair(pair, member, _) if order == 0 => {
                 (pair.lanes_alone[member as usize])(values);
             }
@@ -247,6 +265,30 @@ mod tests {
                 assert!(error <= 4.0 * f64::EPSILON, "f^({k}): {found} {expected}");
             }
         }
+    }
+
+    /// f(held(x) y): no derivative by x, and no call.
+    #[test]
+    fn what_is_held_is_not_differentiated() {
+        let mut graph = Graph::new();
+        let (x, y) = (graph.input(0), graph.input(1));
+        let square = graph.multiply(&x, &x);
+        let held = graph.apply_analytic(AnalyticFunction::HELD, 0, &square);
+        let product = graph.multiply(&held, &y);
+        let gradient = graph.gradient(&product, 2).expect("code");
+        assert!(gradient[0].scale.is_zero());
+        let slopes = [0, 1].map(|input| graph.derivative(&product, input).expect("code"));
+        assert!(slopes[0].scale.is_zero());
+        assert_eq!(slopes[1], gradient[1]);
+        let kernel = Kernel::compile(&graph, &[product, slopes[1].clone()], 0, 2);
+        assert_eq!(kernel.step_operations().functions, 0);
+        let mut workspace = kernel.workspace(1);
+        kernel.prepare(&mut workspace, &[], &[1.0], &[1.0]);
+        let mut values = [0.0; 2];
+        kernel.evaluate(&mut workspace, &[3.0, 0.5], &mut values);
+        assert_eq!(values, [4.5, 9.0]);
+        let derivatives = [0, 1, 2].map(|order| AnalyticFunction::HELD.derivative(order, 0.25));
+        assert_eq!(derivatives, [0.25, 0.0, 0.0]);
     }
 
     #[test]

@@ -10,6 +10,7 @@ macro_rules! of_each_system {
             "driven-oscillator",
             "driven-pendulum",
             "gradient",
+            "gravity",
             "guiding-centre",
             "guiding-centre-cartesian",
             "heavy-top",
@@ -22,6 +23,7 @@ macro_rules! of_each_system {
             "maxwell-bloch",
             "may-leonard",
             "nambu",
+            "planets",
             "point-vortices",
             "restricted-three-body",
             "rigid-body",
@@ -31,7 +33,8 @@ macro_rules! of_each_system {
             "spin-chain",
             "three-wave",
             "toda",
-            "volterra-lattice"
+            "volterra-lattice",
+            "vortices"
         );
     };
 }

@@ -156,8 +156,8 @@ fn every_system_table_has_the_keys_of_a_scene_and_no_other() {
 
 #[test]
 fn formulas_use_declared_names_and_every_declared_name_is_used() {
-    const LANGUAGE: [&str; 10] = [
-        "exp", "ln", "sin", "cos", "sqrt", "sum", "pi", "i", "N", "t",
+    const LANGUAGE: [&str; 11] = [
+        "exp", "ln", "sin", "cos", "sqrt", "sum", "pi", "i", "j", "N", "t",
     ];
     for system in all() {
         let text = system.system().expect("a library text is well formed");
@@ -179,7 +179,9 @@ fn formulas_use_declared_names_and_every_declared_name_is_used() {
         let mut declared = names(&text);
         declared.extend(define().map(|(name, _)| name.clone()));
         if let Some(parameters) = text.get("parameters").and_then(toml::Value::as_table) {
-            declared.extend(parameters.keys().cloned());
+            // Those of every site by the family's name.
+            let names = parameters.keys().map(|key| key.trim_end_matches("[i]"));
+            declared.extend(names.map(str::to_owned));
         }
         for name in &used {
             let known = declared.contains(*name) || LANGUAGE.contains(name);

@@ -4,7 +4,6 @@ use std::collections::BTreeSet;
 
 use leafwise_core::part::{PartInfo, PartParameters};
 use leafwise_core::solver::Pieces;
-use leafwise_core::system::energy_casimir::coefficient_sum;
 use leafwise_core::{BuildError, SystemFormulas};
 use leafwise_expression::{AlgebraError, Polynomial, Ring};
 
@@ -99,14 +98,27 @@ pub(crate) fn asked_order(
             vec![first, 1 - first]
         }
         Pieces::Perturbed => {
+            let tensor = Tensor::new(system, &mut ring)?;
             let [one, other] = pair()?.map(|piece| {
                 let hamiltonian = piece.hamiltonian(&mut ring);
-                coefficient_sum(system, &ring, &hamiltonian)
+                size(system, &ring, &tensor, &hamiltonian)
             });
             let first = usize::from(one < other);
             vec![first, 1 - first]
         }
     })
+}
+
+/// Σ|c| over the terms c·(what moves) of a Hamiltonian, at the parameters' values and the state's coordinates at rest, such as a
+/// mass of every site.
+fn size(system: &SystemFormulas, ring: &Ring, tensor: &Tensor, f: &Polynomial) -> f64 {
+    let values = system.parameter_values();
+    let numbers = f.terms().iter().map(|(monomial, coefficient)| {
+        let resting = tensor.parted(ring, monomial).0;
+        let number = ring.formula(&Polynomial::term(resting, coefficient.clone()));
+        number.evaluate(system.near(), &values).abs()
+    });
+    numbers.sum()
 }
 
 /// Number of the piece, of two, that is V, where the exact algebra proves that {V, {V, {V, T}}} is a Casimir. The one

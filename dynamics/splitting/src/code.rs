@@ -64,8 +64,8 @@ fn increment_by(
     x: &[Term],
     apply: impl Fn(&mut Graph, AnalyticFunction, u32, &Term) -> Term,
 ) -> Result<Vec<Term>, AlgebraError> {
-    if let Some(body) = piece.body() {
-        return body.increment(graph, ring, time, x);
+    if let Some(motion) = piece.whole() {
+        return motion.increment(graph, ring, time, x);
     }
     if let Some(series) = piece.code() {
         return polynomial_increment(graph, series, time, x);

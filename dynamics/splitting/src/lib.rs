@@ -10,6 +10,8 @@
 //! - [`piece`](mod@piece): a Hamiltonian with an exact flow, and what can be added to it.
 //! - [`probe`]: Lie series in numbers, which rule out in microseconds that they end.
 //! - `body`: the free rigid body, with vectors that turn with it.
+//! - `kepler`: bodies that a centre attracts by the inverse square of the distance.
+//! - `sums`: sums of products as code.
 //! - [`pieces`]: the pieces of a system's Hamiltonian.
 //! - `rounding`: whether the flows round like the formulas; from code where they do not.
 //! - [`entire`]: the entire functions that close the Lie series.
@@ -30,6 +32,7 @@ mod display;
 pub mod entire;
 pub mod field;
 pub mod flow;
+mod kepler;
 pub mod lattice;
 pub mod piece;
 pub mod pieces;
@@ -40,6 +43,7 @@ mod rounding;
 pub mod schedule;
 pub mod splitting;
 mod sublattices;
+mod sums;
 mod tensor;
 
 pub use lattice::LatticeSplitting;

@@ -10,6 +10,7 @@ use leafwise_expression::{
 use crate::body::FreeBody;
 use crate::field::Field;
 use crate::flow::{CoordinateFlow, Motion, coordinate_flow};
+use crate::kepler::KeplerMotions;
 use crate::probe::Probe;
 
 /// The part's name.
@@ -48,6 +49,50 @@ pub(crate) struct LieSeries {
     pub(crate) terms: Vec<Vec<Term>>,
 }
 
+/// A motion with a flow as a whole, in the place of motions of coordinates.
+#[derive(Clone, Debug)]
+pub(crate) enum WholeMotion {
+    /// A free rigid body.
+    Body(FreeBody),
+    /// Bodies about centres.
+    Kepler(KeplerMotions),
+}
+
+impl WholeMotion {
+    /// x(t) − x from the state `x` over the time `time`.
+    ///
+    /// # Errors
+    /// [`AlgebraError`] where a parameter's function has no code.
+    pub(crate) fn increment(
+        &self,
+        graph: &mut Graph,
+        ring: &Ring,
+        time: &Term,
+        x: &[Term],
+    ) -> Result<Vec<Term>, AlgebraError> {
+        match self {
+            Self::Body(body) => body.increment(graph, ring, time, x),
+            Self::Kepler(bodies) => bodies.increment(graph, ring, time, x),
+        }
+    }
+
+    /// ẋ at the state `x`.
+    ///
+    /// # Errors
+    /// [`AlgebraError`] where a parameter's function has no code.
+    pub(crate) fn field(
+        &self,
+        graph: &mut Graph,
+        ring: &Ring,
+        x: &[Term],
+    ) -> Result<Vec<Term>, AlgebraError> {
+        match self {
+            Self::Body(body) => body.field(graph, ring, x),
+            Self::Kepler(bodies) => bodies.field(graph, ring, x),
+        }
+    }
+}
+
 /// A Hamiltonian K, its field X_K and the flow of X_K, coordinate by coordinate.
 #[derive(Clone, Debug)]
 pub struct Piece {
@@ -59,8 +104,8 @@ pub struct Piece {
     flows: Vec<CoordinateFlow>,
     /// The Lie series computed from the formulas, where their expansions cancel.
     code: Option<Arc<LieSeries>>,
-    /// The rigid body whose flow it is, in the place of motions of coordinates.
-    body: Option<Arc<FreeBody>>,
+    /// The motion whose flow it is, in the place of motions of coordinates.
+    whole: Option<Arc<WholeMotion>>,
 }
 
 impl Piece {
@@ -74,21 +119,21 @@ impl Piece {
             terms: Vec::new(),
             formulas: Vec::new(),
             code: None,
-            body: None,
+            whole: None,
             field: Field::new(),
             flows: (0..dimension).map(still).collect(),
         }
     }
 
-    /// The free rigid body with its energy K.
-    pub(crate) fn of_body(body: FreeBody, atom: Atom) -> Self {
+    /// A motion as a whole with its energy K.
+    pub(crate) fn of_whole(motion: WholeMotion, atom: Atom) -> Self {
         Self {
             terms: vec![atom.hamiltonian],
             formulas: vec![atom.formula],
             field: atom.field,
             flows: Vec::new(),
             code: None,
-            body: Some(Arc::new(body)),
+            whole: Some(Arc::new(motion)),
         }
     }
 
@@ -130,12 +175,12 @@ impl Piece {
         })
     }
 
-    /// The free rigid body that moves, if it is one.
-    pub(crate) fn body(&self) -> Option<&FreeBody> {
-        self.body.as_deref()
+    /// The motion as a whole, if it is one.
+    pub(crate) fn whole(&self) -> Option<&WholeMotion> {
+        self.whole.as_deref()
     }
 
-    /// The motion of each coordinate; none of a free rigid body.
+    /// The motion of each coordinate; none of a motion as a whole.
     pub fn motions(&self) -> impl Iterator<Item = &Motion> {
         self.flows.iter().map(|flow| &flow.motion)
     }

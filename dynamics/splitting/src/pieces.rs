@@ -10,7 +10,8 @@ use leafwise_expression::{Arithmetic, Expression, Polynomial, Rational, Ring};
 use crate::body::FreeBody;
 use crate::display::Names;
 use crate::flow::crossed_seam;
-use crate::piece::{Atom, NAME, Piece};
+use crate::kepler;
+use crate::piece::{Atom, NAME, Piece, WholeMotion};
 use crate::probe::Probe;
 use crate::tensor::Tensor;
 
@@ -23,7 +24,7 @@ use crate::tensor::Tensor;
 /// A difference H − λC, C a Casimir and λ such that a monomial of H is gone, may take fewer pieces. Then it is split
 /// in the place of H, whose flow it has: the rigid body turns about two axes, not three. Of several splittings with as
 /// few pieces the one with the smallest coefficients is taken, at the parameters' values. The pieces' commutators make
-/// the error. With [`Bodies::Whole`] the free rigid bodies in H become pieces first.
+/// the error. With [`Bodies::Whole`] the free rigid bodies in H become pieces first, and the bodies that centres attract one piece.
 ///
 /// # Errors
 /// Fails with [`BuildError::DoesNotFit`] with the monomial that has no exact flow. Fails with [`BuildError::Algebra`]
@@ -76,16 +77,16 @@ pub fn find_pieces(
     }
 }
 
-/// How free rigid bodies are taken.
+/// How free rigid bodies, and bodies that a centre attracts, are taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bodies {
-    /// About one axis after the other.
+    /// About one axis after the other; kinetic energy and attraction apart.
     Axes,
-    /// By the exact flow of the whole body.
+    /// By the exact flow of the whole body: Jacobi's or Kepler's.
     Whole,
 }
 
-/// The free rigid bodies in a sum, which keeps the rest.
+/// The free rigid bodies in a sum, and those that centres attract. The sum keeps the rest.
 fn whole_bodies(
     system: &SystemFormulas,
     ring: &mut Ring,
@@ -113,22 +114,32 @@ fn whole_bodies(
             }
         }
         sum.retain(|(f, _)| !f.is_zero());
-        let atom = Atom {
-            field: tensor.field(ring, &energy)?,
-            formula: ring.formula(&energy),
-            hamiltonian: energy,
-        };
-        bodies.push(Piece::of_body(body, atom));
+        let atom = atom_of(ring, tensor, energy)?;
+        bodies.push(Piece::of_whole(WholeMotion::Body(body), atom));
+    }
+    if let Some((motions, energy)) = kepler::find(system, ring, tensor, sum)? {
+        sum.retain(|(f, _)| !f.is_zero());
+        let atom = atom_of(ring, tensor, energy)?;
+        bodies.push(Piece::of_whole(WholeMotion::Kepler(motions), atom));
     }
     if bodies.is_empty() {
         return Err(BuildError::DoesNotFit {
             part: NAME,
             reason: "its Hamiltonian has no squares of a rigid body's momenta, three variables that turn one another and \
-                     all that they move as so(3) does: leave `bodies` at \"axes\""
+                     all that they move as so(3) does, nor a body about a centre, a*|p|^2 - k/|q - c| in two or three pairs \
+                     with constant brackets: leave `bodies` at \"axes\""
                 .to_owned(),
         });
     }
     Ok(bodies)
+}
+
+fn atom_of(ring: &mut Ring, tensor: &Tensor, energy: Polynomial) -> Result<Atom, BuildError> {
+    Ok(Atom {
+        field: tensor.field(ring, &energy)?,
+        formula: ring.formula(&energy),
+        hamiltonian: energy,
+    })
 }
 
 fn polynomial(ring: &mut Ring, formula: &Expression) -> Result<Polynomial, BuildError> {

@@ -148,9 +148,9 @@ pub(crate) fn settled(
     };
     let mut all = Vec::with_capacity(pieces.len());
     for piece in pieces {
-        if let Some(body) = piece.body() {
+        if let Some(motion) = piece.whole() {
             let (mut graph, x) = inputs(system);
-            let made = body.field(&mut graph, ring, &x)?;
+            let made = motion.field(&mut graph, ring, &x)?;
             let expected = field_of(&mut graph, system, &piece, &x)?;
             if system.agreement(&graph, &made, &expected) != Agreement::Same {
                 return Err(refusal());

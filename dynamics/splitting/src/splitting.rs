@@ -28,11 +28,13 @@ static INFO: PartInfo = PartInfo {
     name: NAME,
     summary: "Strang's product of exact flows of the Hamiltonian's pieces, found from the formulas",
     declares: "order 2; self-adjoint; exactly Poisson; explicit",
-    domain: "Hamiltonians whose terms have flows that are polynomial, exponential or rotations, or free rigid bodies",
+    domain: "Hamiltonians whose terms have flows that are polynomial, exponential or rotations, or free rigid bodies, \
+             or bodies about centres that attract them by the inverse square",
     literature: "Strang, On the construction and comparison of difference schemes (1968); \
                  McLachlan, Quispel, Splitting methods, Acta Numerica 11 (2002); Hairer, Lubich, \
                  Wanner, Geometric Numerical Integration, section VII.4.2; bodies: van Zon, Schofield, J. Comput. Phys. 225 \
-                 (2007); Celledoni, Fassò, Säfström, Zanna, SIAM J. Sci. Comput. 30 (2008)",
+                 (2007); Celledoni, Fassò, Säfström, Zanna, SIAM J. Sci. Comput. 30 (2008); Kepler's motion: Wisdom, Holman, Astron. J. \
+                 102 (1991); Wisdom, Hernandez, Mon. Not. R. Astron. Soc. 453 (2015)",
     parameters: &[
         ParameterInfo {
             name: ORDER,
@@ -42,8 +44,9 @@ static INFO: PartInfo = PartInfo {
         },
         ParameterInfo {
             name: BODIES,
-            summary: "how free rigid bodies are taken, the squares of momenta with the brackets of so(3): \"axes\", about one \
-                      axis after the other, or \"whole\", by the body's exact flow, a piece of its own behind the others",
+            summary: "how bodies are taken, free rigid ones, squares of momenta with the brackets of so(3), and those about a centre, \
+                      a*|p|^2 - k/|q - c| in two or three dimensions: \"axes\", about one axis after the other and kinetic energy \
+                      apart from attraction, or \"whole\", by the body's or Kepler's exact flow, pieces of their own behind the others",
             default: ParameterDefault::Text(AXES),
         },
     ],

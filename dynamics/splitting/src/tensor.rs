@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use leafwise_core::SystemFormulas;
+use leafwise_expression::algebra::Monomial;
 use leafwise_expression::{AlgebraError, Arithmetic, Polynomial, Rational, Ring};
 
 use crate::field::{Field, variables};
@@ -25,6 +26,23 @@ impl Tensor {
             }
         }
         Ok(Self { columns })
+    }
+
+    /// Whether a coordinate commutes with all others: nothing moves it.
+    pub(crate) fn rests(&self, at: usize) -> bool {
+        self.columns[at].is_empty()
+    }
+
+    /// A monomial as a product of what rests, and of what may move.
+    pub(crate) fn parted(&self, ring: &Ring, monomial: &Monomial) -> (Monomial, Monomial) {
+        let (mut resting, mut moving) = (Monomial::one(), Monomial::one());
+        for (symbol, exponent) in monomial.factors() {
+            let own = Polynomial::symbol(*symbol);
+            let rests = variables(ring, &own).iter().all(|at| self.rests(*at));
+            let part = if rests { &mut resting } else { &mut moving };
+            *part = part.shifted(*symbol, *exponent);
+        }
+        (resting, moving)
     }
 
     /// X_K = −Π∇K, the components that are not zero.

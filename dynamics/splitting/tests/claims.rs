@@ -3,6 +3,8 @@
 mod arrangements;
 mod bodies;
 mod common;
+mod kepler;
 mod motions;
 mod splits;
 mod strang;
+mod vortices;

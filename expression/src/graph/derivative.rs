@@ -47,11 +47,12 @@ impl Graph {
         self.reaches[node.index()].may_contain(input)
     }
 
-    /// The inputs that a node depends on, of those that the nodes before it do.
+    /// The inputs that the derivatives of a node depend on, of those that the nodes before it do.
     fn reach(&self, node: Node, before: &[Reach]) -> Reach {
         match *self.operation(node) {
             Operation::Input(index) => Reach::variable(index),
             _ if self.tier(node) != Tier::Step => Reach::nothing(),
+            Operation::Analytic(function, ..) if function.is_held() => Reach::nothing(),
             _ => Reach::union(self.operands(node).iter().map(|n| &before[n.index()])),
         }
     }
@@ -240,6 +241,7 @@ impl Graph {
             Operation::Function(function, a) => {
                 function_derivative(self, function, &Term::of(a), &Term::of(node))?
             }
+            Operation::Analytic(function, ..) if function.is_held() => self.zero(),
             Operation::Analytic(function, order, a) => match function.slope() {
                 Some(slope) if order == 0 => {
                     let of = self.apply_analytic(slope.of, 0, &Term::of(a));

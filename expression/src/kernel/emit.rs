@@ -186,6 +186,7 @@ impl<'a> Emitter<'a> {
                 let (c, v) = (self.place(c), self.place(v));
                 self.emit_kept(side, c, v)
             }
+            Operation::Analytic(function, 0, a) if function.is_held() => self.place(a),
             Operation::Analytic(function, order, a) => {
                 let a = self.place(a);
                 self.push(|out| Instruction::ApplyAnalytic {

@@ -81,10 +81,11 @@ impl Failure {
     ) -> Self {
         let (message, hint) = match overturns(error, parts) {
             true => (
-                "the increment is not finite: in one step a body that is taken whole turns further than its flow is formed \
-                 for, about half a nutation or 64 radians, or the state left the formulas' domain"
+                "the increment is not finite: in one step a body that is taken whole goes further than its flow is formed \
+                 for, about half a nutation, 64 radians or a period about its centre, or falls into the centre, or the state \
+                 left the formulas' domain"
                     .to_owned(),
-                "reduce epsilon*h, or take the axes of bodies one by one: bodies = \"axes\"".to_owned(),
+                "reduce epsilon*h, or take bodies by their terms: bodies = \"axes\"".to_owned(),
             ),
             false => (error.cause().to_string(), hint(error, parts).to_string()),
         };

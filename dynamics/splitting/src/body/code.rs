@@ -1,8 +1,9 @@
-//! Jacobi's functions and rotations as straight-line code.
+//! Jacobi's functions, vectors and rotations as straight-line code.
 
-use leafwise_expression::{AnalyticFunction, Arithmetic, Function, Graph, Rational, Term};
+use leafwise_expression::{Arithmetic, Function, Rational, Term};
 
 use super::vectors::Vector;
+use crate::sums::{Code, WITHIN};
 
 /// How often the time doubles.
 const DOUBLINGS: u32 = 4;
@@ -17,14 +18,6 @@ const FARTHEST: (i64, i64) = (3, 1 << (DOUBLINGS + 1));
 /// How often the time doubles for the rotation about m: of 64 radians at most, from a quarter.
 const DOUBLINGS_ABOUT_M: u32 = 7;
 
-/// 0 where |s| ≤ 1, else NaN, which refuses the step.
-const WITHIN: AnalyticFunction = AnalyticFunction::new("splitting-within", |_, s| {
-    if s.abs() <= 1.0 { 0.0 } else { f64::NAN }
-});
-
-/// Straight-line code in vectors and quaternions.
-pub(super) struct Code<'a>(pub(super) &'a mut Graph);
-
 impl Code<'_> {
     pub(super) fn components(&mut self, vector: &Vector, x: &[Term]) -> [Term; 3] {
         vector.map(|(at, sign)| self.sum(&[(sign, &[&x[at]])]))
@@ -35,50 +28,6 @@ impl Code<'_> {
         for ((at, sign), component) in vector.iter().zip(components) {
             to[*at] = self.sum(&[(*sign, &[component])]);
         }
-    }
-
-    pub(super) fn product(&mut self, factors: &[&Term]) -> Term {
-        let [first, rest @ ..] = factors else {
-            return self.0.one();
-        };
-        rest.iter().fold((*first).clone(), |product, factor| {
-            self.0.multiply(&product, factor)
-        })
-    }
-
-    /// Σ c Π over the factors.
-    fn sum(&mut self, terms: &[(i64, &[&Term])]) -> Term {
-        let products = terms
-            .iter()
-            .map(|(c, factors)| (Rational::from_integer(*c), self.product(factors)));
-        let products: Vec<_> = products.collect();
-        self.0.combine(&products)
-    }
-
-    /// The same as one node.
-    fn whole(&mut self, terms: &[(i64, &[&Term])]) -> Term {
-        let sum = self.sum(terms);
-        self.0.whole(&sum)
-    }
-
-    fn function(&mut self, function: Function, argument: &Term) -> Term {
-        self.0
-            .apply(function, argument)
-            .expect("its argument depends on the state")
-    }
-
-    fn reciprocal(&mut self, below: &Term) -> Term {
-        let one = self.0.one();
-        self.0.divide(&one, below).expect("it is 1 at t = 0")
-    }
-
-    /// Σ_k cₖ zᵏ.
-    fn horner(&mut self, coefficients: &[Term], z: &Term) -> Term {
-        let zero = self.0.zero();
-        coefficients
-            .iter()
-            .rev()
-            .fold(zero, |sum, c| self.sum(&[(1, &[&sum, z]), (1, &[c])]))
     }
 
     pub(super) fn cross(&mut self, a: &[Term], b: &[Term]) -> Vec<Term> {

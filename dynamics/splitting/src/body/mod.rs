@@ -52,8 +52,8 @@ use leafwise_expression::algebra::{Coefficient, Monomial};
 use leafwise_expression::graph::lift;
 use leafwise_expression::{AlgebraError, Arithmetic, Graph, Polynomial, Rational, Ring, Term};
 
+use crate::sums::Code;
 use crate::tensor::Tensor;
-use code::Code;
 use vectors::{Turns, Vector, vector};
 
 /// A free rigid body within a system.

@@ -272,7 +272,7 @@ fn a_body_taken_whole_over_too_long_a_step_says_so() {
     let said = here.leafwise(&["run", "scene.toml"]);
     assert_eq!(said.code, Some(1), "{}", said.err);
     said.says(&[
-        "a body that is taken whole turns further",
+        "a body that is taken whole goes further",
         "bodies = \"axes\"",
     ]);
 }

@@ -23,8 +23,16 @@ use live::Live;
 /// The systems measured when no scene is named: linear, log-canonical, and six-dimensional.
 const PROBLEMS: [&str; 3] = ["rigid-body", "lotka-volterra-periodic", "heavy-top"];
 
-/// Lattices of the library are too long to be written out.
-const LATTICES: [&str; 4] = ["ablowitz-ladik", "spin-chain", "toda", "volterra-lattice"];
+/// Lattices of the library are too long to be written out, and forces between all bodies for methods of high order.
+const LATTICES: [&str; 7] = [
+    "ablowitz-ladik",
+    "gravity",
+    "planets",
+    "spin-chain",
+    "toda",
+    "volterra-lattice",
+    "vortices",
+];
 
 /// Measures; returns the exit code.
 ///

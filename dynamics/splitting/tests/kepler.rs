@@ -1,0 +1,720 @@
+//! Bodies about centres as pieces.
+
+#![allow(
+    clippy::print_stdout,
+    reason = "measured numbers, read with --nocapture"
+)]
+
+use std::sync::Arc;
+
+use crate::common::{Problem, distance, gauss, largest, library, run, splitting, step};
+use leafwise_composition::{Composed, Scheme};
+use leafwise_core::diagnostics::TensorDefect;
+use leafwise_core::solver::{StepMap, Structure};
+use leafwise_core::{BuildError, Convention, PartParameters, PoissonSystem, Walk};
+use proptest::prelude::*;
+
+fn whole(system: &PoissonSystem) -> Result<Arc<dyn StepMap>, BuildError> {
+    splitting(system, &PartParameters::new().with("bodies", "whole"))
+}
+
+/// Canonical pairs with this Hamiltonian.
+fn canonical(
+    pairs: &[[String; 2]],
+    parameters: &[(&str, f64)],
+    hamiltonian: String,
+    initial: Vec<f64>,
+) -> Problem {
+    Problem {
+        id: "canonical",
+        variables: pairs.iter().flatten().cloned().collect(),
+        parameters: parameters
+            .iter()
+            .map(|(name, value)| ((*name).to_owned(), *value))
+            .collect(),
+        bracket: pairs
+            .iter()
+            .map(|[q, p]| (q.clone(), p.clone(), "1".to_owned()))
+            .collect(),
+        hamiltonian,
+        casimirs: Vec::new(),
+        convention: Convention::HamiltonianSecond,
+        initial,
+        time_step: 0.1,
+    }
+}
+
+/// A body of mass m about a centre, q₁, p₁, q₂, p₂, …; μ = k/m.
+fn body(dimension: usize, [m, k]: [f64; 2], state: &[f64]) -> Problem {
+    let name = |letter: &str, at: usize| format!("{letter}{at}");
+    let pairs: Vec<_> = (1..=dimension)
+        .map(|at| [name("q", at), name("p", at)])
+        .collect();
+    let squares = |of: usize| {
+        let squares = pairs.iter().map(|pair| format!("{}^2", pair[of]));
+        squares.collect::<Vec<_>>().join(" + ")
+    };
+    let hamiltonian = format!("({})/(2*m) - k/sqrt({})", squares(1), squares(0));
+    canonical(&pairs, &[("m", m), ("k", k)], hamiltonian, state.to_vec())
+}
+
+/// The mass of the bodies here: μ = k/m = 1.
+const MASS: f64 = 2.0;
+
+fn one_map(dimension: usize) -> Arc<dyn StepMap> {
+    static MAPS: std::sync::OnceLock<[Arc<dyn StepMap>; 2]> = std::sync::OnceLock::new();
+    let form = |dimension: usize| {
+        let state: Vec<f64> = (0..2 * dimension).map(|at| 0.3 + 0.1 * at as f64).collect();
+        whole(&body(dimension, [MASS, MASS], &state).system()).expect("a body about a centre")
+    };
+    let maps = MAPS.get_or_init(|| [form(2), form(3)]);
+    Arc::clone(&maps[dimension - 2])
+}
+
+/// A conic of μ = 1 with its pericentre along the first axis: an ellipse or a hyperbola with half axis 1, a parabola with parameter 1.
+#[derive(Clone, Copy, Debug)]
+struct Conic {
+    eccentricity: f64,
+}
+
+/// A point of a conic: the time from the pericentre, the distance, place and velocity in the plane.
+struct Point {
+    time: f64,
+    distance: f64,
+    place: [f64; 2],
+    velocity: [f64; 2],
+}
+
+impl Conic {
+    /// At the eccentric anomaly E, or H, or the tangent of half of the angle: ds = dt/r.
+    fn at(self, s: f64) -> Point {
+        let e = self.eccentricity;
+        let (time, distance, place, slope) = if e < 1.0 {
+            let (sin, cos, b) = (
+                libm::sin(s),
+                libm::cos(s),
+                libm::sqrt((1.0 - e) * (1.0 + e)),
+            );
+            (
+                s - e * sin,
+                1.0 - e * cos,
+                [cos - e, b * sin],
+                [-sin, b * cos],
+            )
+        } else if e == 1.0 {
+            let square = s * s;
+            let time = s / 2.0 + square * s / 6.0;
+            (
+                time,
+                (1.0 + square) / 2.0,
+                [(1.0 - square) / 2.0, s],
+                [-s, 1.0],
+            )
+        } else {
+            let (sinh, cosh, b) = (
+                libm::sinh(s),
+                libm::cosh(s),
+                libm::sqrt((e - 1.0) * (e + 1.0)),
+            );
+            (
+                e * sinh - s,
+                e * cosh - 1.0,
+                [e - cosh, b * sinh],
+                [-sinh, b * cosh],
+            )
+        };
+        let velocity = slope.map(|v| v / distance);
+        Point {
+            time,
+            distance,
+            place,
+            velocity,
+        }
+    }
+}
+
+impl Point {
+    /// q and m v, in a plane of space that is turned by an orthonormal pair.
+    fn state(&self, dimension: usize) -> Vec<f64> {
+        let axes: [[f64; 3]; 2] = match dimension {
+            2 => [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+            _ => [
+                [2.0 / 3.0, 2.0 / 3.0, 1.0 / 3.0],
+                [-1.0 / 3.0, 2.0 / 3.0, -2.0 / 3.0],
+            ],
+        };
+        let along = |v: &[f64; 2], at: usize| v[0] * axes[0][at] + v[1] * axes[1][at];
+        (0..dimension)
+            .flat_map(|at| [along(&self.place, at), MASS * along(&self.velocity, at)])
+            .collect()
+    }
+}
+
+fn places(state: &[f64]) -> Vec<f64> {
+    state.iter().step_by(2).copied().collect()
+}
+
+fn velocities(state: &[f64]) -> Vec<f64> {
+    state.iter().skip(1).step_by(2).map(|p| p / MASS).collect()
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn length(x: &[f64]) -> f64 {
+    libm::sqrt(dot(x, x))
+}
+
+/// Energy, angular momentum, and Laplace's vector v × L − x/r in the plane or in space, of unit mass.
+fn invariants(state: &[f64]) -> Vec<f64> {
+    let (x, v) = (places(state), velocities(state));
+    let r = length(&x);
+    let (square, along) = (dot(&v, &v), dot(&x, &v));
+    let mut all = vec![square / 2.0 - 1.0 / r];
+    for i in 0..x.len() {
+        all.extend((i + 1..x.len()).map(|j| x[i] * v[j] - x[j] * v[i]));
+    }
+    // v × (x × v) = v²x − (x·v)v.
+    all.extend((0..x.len()).map(|i| (square - 1.0 / r) * x[i] - along * v[i]));
+    all
+}
+
+/// Every conic in every step from one point to another, and in sixteen steps, in the plane and in space.
+///
+/// A unit of r₀ and |v₀|² is (2/r₀ + v₀²) units of β, and ∂t/∂β = s²t/6 or so; times come with units of their own, and
+/// motion takes a unit of the time to |v| of the place. Sixteen steps each round, and where they end close to the centre a
+/// unit of the place is more of the distance. Sums of a few terms each, some larger than what is left: sixteen units.
+#[test]
+fn conics_are_followed_exactly() {
+    let mut most = 0.0_f64;
+    let mut count = 0;
+    for eccentricity in [0.0, 0.5, 0.99, 1.0, 2.0] {
+        let conic = Conic { eccentricity };
+        for from in [-2.5, -1.0, -0.2, 0.0, 0.5, 3.0] {
+            for to in [-3.0, -1.4, -0.1, 0.01, 0.3, 1.0, 2.2] {
+                let (start, end) = (conic.at(from), conic.at(to));
+                let time = end.time - start.time;
+                for (dimension, steps) in [(2, 1), (3, 1), (2, 16)] {
+                    let problem = body(dimension, [MASS, MASS], &start.state(dimension));
+                    let map = one_map(dimension);
+                    let found = run(
+                        &problem.system(),
+                        map.as_ref(),
+                        &problem.initial,
+                        time,
+                        steps,
+                    );
+                    let found =
+                        found.unwrap_or_else(|error| panic!("{eccentricity} {from} {to}: {error}"));
+                    let (s, r) = (to - from, start.distance);
+                    let speed = length(&start.velocity);
+                    let share = 1.0 + (2.0 / r + speed * speed) * s * s / 6.0;
+                    let nearest = match from * to < 0.0 {
+                        true => conic.at(0.0).distance,
+                        false => r.min(end.distance),
+                    };
+                    let share = match steps {
+                        1 => share,
+                        _ => share * (1.0 + r.max(end.distance) / nearest),
+                    };
+                    let lag = (time.abs() + start.time.abs() + end.time.abs()) * share;
+                    let units = |value: f64, rate: f64, sizes: f64| {
+                        value / (steps as f64 * f64::EPSILON * (rate * lag + sizes))
+                    };
+                    let exact = end.state(dimension);
+                    let of_place = units(
+                        distance(&places(&found), &places(&exact)),
+                        length(&end.velocity),
+                        r + end.distance,
+                    );
+                    let of_velocity = units(
+                        distance(&velocities(&found), &velocities(&exact)),
+                        1.0 / (end.distance * end.distance),
+                        (speed + length(&end.velocity)) * (1.0 + r / end.distance),
+                    );
+                    most = most.max(of_place).max(of_velocity);
+                    count += 1;
+                    assert!(
+                        of_place <= 16.0 && of_velocity <= 16.0,
+                        "{eccentricity} {from} {to} {steps}: {of_place} {of_velocity}"
+                    );
+                }
+            }
+        }
+    }
+    println!("{count} flows, at most {most:.2} units");
+}
+
+/// Ellipses over a hundred periods of 64 steps, the parabola and a hyperbola forth and back as often: energy, angular momentum and Laplace's
+/// vector change by what rounding x and v to a few units makes of them step by step, and the ellipses close.
+#[test]
+fn energy_angular_momentum_and_laplace_vector_stay_at_round_off() {
+    for eccentricity in [0.0, 0.5, 0.99, 1.0, 2.0] {
+        for dimension in [2, 3] {
+            let conic = Conic { eccentricity };
+            let is_bound = eccentricity < 1.0;
+            let start = conic.at(if is_bound { std::f64::consts::PI } else { -2.0 });
+            let initial = start.state(dimension);
+            let parameters = [MASS, MASS];
+            let h = match is_bound {
+                true => 2.0 * std::f64::consts::PI / 64.0,
+                false => -2.0 * start.time / 64.0,
+            };
+            let map = one_map(dimension);
+            let mut walks = [h, -h].map(|h| map.stepper(1, &parameters, 1.0, h));
+            let before = invariants(&initial);
+            let mut state = initial.clone();
+            let mut bounds = vec![0.0_f64; before.len()];
+            let mut worst = vec![0.0_f64; before.len()];
+            for at in 0..6400 {
+                let back = !is_bound && (at / 64) % 2 == 1;
+                let next = step(walks[usize::from(back)].as_mut(), &state).expect("no collision");
+                let (x, v) = (places(&next), velocities(&next));
+                let (r, speed) = (length(&x), length(&v));
+                let change = |of: fn(&[f64]) -> Vec<f64>| distance(&of(&next), &of(&state));
+                // Units of x and of v, of their changes, and of what r, a sum of terms of that size, is known to.
+                let of_place = f64::EPSILON * (r + change(places));
+                let of_velocity =
+                    f64::EPSILON * (speed + change(velocities)) * (1.0 + change(places) / r);
+                let momenta = dimension * (dimension - 1) / 2;
+                for (k, bound) in bounds.iter_mut().enumerate() {
+                    *bound += match k {
+                        0 => of_place / (r * r) + speed * of_velocity,
+                        k if k <= momenta => speed * of_place + r * of_velocity,
+                        _ => (speed * speed + 2.0 / r) * of_place + 3.0 * r * speed * of_velocity,
+                    };
+                }
+                state = next;
+                for (worst, (now, before)) in
+                    worst.iter_mut().zip(invariants(&state).iter().zip(&before))
+                {
+                    *worst = worst.max((now - before).abs());
+                }
+            }
+            println!(
+                "e = {eccentricity}, d = {dimension}: {:.1e} of {:.1e}",
+                largest(&worst),
+                largest(&bounds)
+            );
+            for (worst, bound) in worst.iter().zip(&bounds) {
+                assert!(
+                    worst <= bound,
+                    "{eccentricity} {dimension}: {worst:e} > {bound:e}"
+                );
+            }
+            if is_bound {
+                // δT/T = 3/2 δE/E, of all energies on the way.
+                let closing = distance(&places(&state), &places(&initial));
+                let lag = 600.0 * std::f64::consts::PI * bounds[0];
+                let bound = length(&start.velocity) * lag + 4.0 * bounds[1] + largest(&bounds[2..]);
+                println!("closes to {closing:.1e} of {bound:.1e}");
+                assert!(closing <= bound, "{eccentricity}: {closing:e} > {bound:e}");
+            }
+        }
+    }
+}
+
+/// DΦ Π DΦᵀ = Π on every conic, over up to a radian.
+#[test]
+fn flows_are_symplectic_to_a_thousand_units() {
+    for eccentricity in [0.0, 0.5, 0.99, 1.0, 2.0] {
+        for dimension in [2, 3] {
+            let conic = Conic { eccentricity };
+            let (start, end) = (conic.at(1.0), conic.at(2.0));
+            let problem = body(dimension, [MASS, MASS], &start.state(dimension));
+            let map = one_map(dimension);
+            let (system, time) = (problem.system(), end.time - start.time);
+            let mut instrument = TensorDefect::new(&system, map.as_ref(), &[MASS, MASS], 1.0, time)
+                .expect("a tensor");
+            let defect = instrument.measure(&problem.initial).expect("finite");
+            println!("e = {eccentricity}, d = {dimension}: {:.1e}", defect.norm);
+            assert!(defect.norm <= 1e-13, "{eccentricity}: {:e}", defect.norm);
+        }
+    }
+}
+
+/// A state near a centre, or far; β of either sign, or next to 0.
+#[derive(Clone, Debug)]
+struct Case {
+    dimension: usize,
+    state: Vec<f64>,
+    time: f64,
+}
+
+fn case() -> impl Strategy<Value = Case> {
+    let direction =
+        || prop::array::uniform3(-1.0_f64..1.0).prop_filter("a direction", |x| length(x) > 0.1);
+    let energy = prop_oneof![
+        -1.9_f64..3.0,
+        (0_i32..50, prop::bool::ANY).prop_map(|(digits, sign)| {
+            let small = libm::scalbn(1.0, -digits);
+            if sign { small } else { -small }
+        }),
+    ];
+    (
+        2_usize..4,
+        direction(),
+        direction(),
+        energy,
+        0.01_f64..3.0,
+        prop::bool::ANY,
+    )
+        .prop_map(|(dimension, x, v, energy, time, back)| {
+            let (x, v) = (&x[..dimension], &v[..dimension]);
+            let (r, size) = (length(x), length(v).max(0.01));
+            // v² = (2 + energy)/r.
+            let speed = libm::sqrt((2.0 + energy) / r);
+            let state = x
+                .iter()
+                .zip(v)
+                .flat_map(|(x, v)| [*x, MASS * v * speed / size]);
+            let time = time * r * libm::sqrt(r);
+            Case {
+                dimension,
+                state: state.collect(),
+                time: if back { -time } else { time },
+            }
+        })
+}
+
+impl Case {
+    /// Longer than a period, or through the centre.
+    fn may_be_refused(&self) -> bool {
+        let (x, v) = (places(&self.state), velocities(&self.state));
+        let beta = 2.0 / length(&x) - dot(&v, &v);
+        let period = 2.0 * std::f64::consts::PI / (beta.max(0.0) * libm::sqrt(beta.max(0.0)));
+        self.time.abs() > 0.999 * period || self.growth(&self.state) > 1e10
+    }
+
+    /// The farthest that the start is from what the motion depends on: the pericentre's and the end's distances.
+    fn growth(&self, end: &[f64]) -> f64 {
+        let (x, v) = (places(&self.state), velocities(&self.state));
+        let (r, speed) = (length(&x), length(&v));
+        let momentum = r * r * speed * speed - dot(&x, &v) * dot(&x, &v);
+        let beta = 2.0 / r - speed * speed;
+        let pericentre = momentum / (1.0 + libm::sqrt((1.0 - beta * momentum).max(0.0)));
+        (r / pericentre.max(f64::MIN_POSITIVE))
+            .max(r / length(&places(end)))
+            .max(1.0)
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(256))]
+
+    /// φ_s ∘ φ_t = φ_{s+t}, and tangents for Π. A unit at the start grows as the tangent does, and by (r₀/r)² in what a step rounds on its way.
+    /// What is refused is more than a period, or so close a passage that a unit of the start is all of it.
+    #[test]
+    fn flows_are_a_group_of_poisson_maps(case in case(), part in 0.05_f64..0.95) {
+        let map = one_map(case.dimension);
+        let flow = |time: f64, x: &[f64]| step(map.stepper(1, &[MASS, MASS], 1.0, time).as_mut(), x);
+        let whole = flow(case.time, &case.state);
+        if whole.is_err() {
+            prop_assert!(case.may_be_refused(), "{:?}", whole);
+            return Ok(());
+        }
+        let whole = whole.expect("it is no error");
+        let first = flow(part * case.time, &case.state).expect("a part of a flow that is one");
+        let second = flow(case.time - part * case.time, &first).expect("as well");
+        let back = flow(-case.time, &whole).expect("as far back");
+        let problem = body(case.dimension, [MASS, MASS], &case.state);
+        let system = problem.system();
+        let mut instrument = TensorDefect::new(&system, map.as_ref(), &[MASS, MASS], 1.0, case.time)
+            .expect("a tensor");
+        let defect = instrument.measure(&case.state).expect("finite");
+        let near = case.growth(&whole).max(case.growth(&first));
+        let growth = largest(&defect.tangent).max(1.0) * near * near;
+        let size = largest(&case.state).max(largest(&whole));
+        let error = distance(&second, &whole).max(distance(&back, &case.state));
+        prop_assert!(error <= 64.0 * f64::EPSILON * growth * size, "{:e} of {:e}", error, growth);
+        let bound = 64.0 * f64::EPSILON * defect.scale * growth * largest(&defect.tangent).max(1.0);
+        prop_assert!(defect.norm <= bound, "{:e} > {:e}", defect.norm, bound);
+    }
+}
+
+/// Tangents by central differences, good to (10⁻⁵)² and 10⁻¹¹ of what a unit becomes.
+#[test]
+fn the_tangent_is_that_of_the_flow() {
+    for eccentricity in [0.5, 1.0, 2.0] {
+        let conic = Conic { eccentricity };
+        let start = conic.at(-1.0);
+        let (time, initial) = (conic.at(0.7).time - start.time, start.state(3));
+        let map = one_map(3);
+        let mut stepper = map.stepper(1, &[MASS, MASS], 1.0, time);
+        step(stepper.as_mut(), &initial).expect("finite");
+        let tangent = stepper.tangent(0).expect("a tangent");
+        let size = largest(&tangent);
+        for j in 0..6 {
+            let moved = |by: f64| {
+                let mut x = initial.clone();
+                x[j] += by;
+                step(map.stepper(1, &[MASS, MASS], 1.0, time).as_mut(), &x).expect("finite")
+            };
+            let (more, less) = (moved(1e-5), moved(-1e-5));
+            for i in 0..6 {
+                let difference = (more[i] - less[i]) / 2e-5;
+                let error = (tangent[i * 6 + j] - difference).abs();
+                assert!(
+                    error <= 2e-9 * size * size,
+                    "{eccentricity} {i} {j}: {error:e}"
+                );
+            }
+        }
+    }
+}
+
+/// A repelled body, by Gauss's method.
+#[test]
+fn repulsion_is_another_sign() {
+    for state in [[1.0, -2.0, 0.2, 0.3], [-0.5, 0.1, 0.5, 1.0]] {
+        let problem = body(2, [MASS, -1.5], &state);
+        let system = problem.system();
+        let map = whole(&system).expect("a body about a centre");
+        assert_eq!(map.pieces(), 1);
+        for time in [0.5, 1.5, -2.0] {
+            let end = run(&system, map.as_ref(), &state, time, 1).expect("finite");
+            let exact = gauss(&system, &state, time, 400);
+            let error = distance(&end, &exact) / largest(&exact);
+            assert!(error <= 64.0 * f64::EPSILON, "{time}: {error:e}");
+        }
+    }
+}
+
+/// A fall ends at the centre, a step within a period; what passes close by goes on.
+#[test]
+fn collisions_and_steps_that_are_too_long_are_refused() {
+    // From rest at 1 the fall takes π/√8.
+    for (state, time, expected) in [
+        ([1.0, 0.0, 0.0, 0.0], 1.0, true),
+        ([1.0, 0.0, 0.0, 0.0], 1.2, false),
+        ([1.0, 0.0, 0.0, 0.0], -1.2, false),
+        ([0.6, 0.0, 0.8, 0.0], 1.2, false),
+        ([1.0, 0.0, 0.0, 1e-3], 1.2, true),
+        ([0.0, 1.0, 0.0, 0.0], 0.1, false),
+        ([1.0, 0.0, 0.0, 2.0], 6.2, true),
+        ([1.0, 0.0, 0.0, 2.0], 9.0, false),
+        ([1.0, 0.0, 0.0, 8.0], 1e5, false),
+        ([f64::NAN, 0.0, 0.0, 2.0], 0.1, false),
+    ] {
+        let end = step(
+            one_map(2).stepper(1, &[MASS, MASS], 1.0, time).as_mut(),
+            &state,
+        );
+        assert_eq!(end.is_ok(), expected, "{state:?} {time}: {end:?}");
+    }
+}
+
+#[test]
+fn lanes_have_the_bits_they_have_alone() {
+    let map = one_map(3);
+    let initial = Conic { eccentricity: 0.5 }.at(1.0).state(3);
+    for lanes in [2, 8, 11] {
+        let many = [vec![MASS; lanes], vec![MASS; lanes]].concat();
+        let mut wide = map.stepper(lanes, &many, 1.0, 0.4);
+        let x: Vec<f64> = (0..6 * lanes)
+            .map(|at| initial[at / lanes] + (at % lanes) as f64 / 16.0)
+            .collect();
+        let (mut increment, mut outcome) = (vec![0.0; 6 * lanes], vec![Ok(()); lanes]);
+        wide.increment(&x, &vec![0.0; 6 * lanes], &mut increment, &mut outcome);
+        for lane in 0..lanes {
+            let own: Vec<f64> = x.iter().skip(lane).step_by(lanes).copied().collect();
+            let mut alone = map.stepper(1, &[MASS, MASS], 1.0, 0.4);
+            let end = step(alone.as_mut(), &own).expect("finite");
+            for i in 0..6 {
+                let at = i * lanes + lane;
+                assert_eq!((x[at] + increment[at]).to_bits(), end[i].to_bits());
+            }
+            assert_eq!(alone.tangent(0), wide.tangent(lane));
+        }
+    }
+}
+
+/// Operations of one body's step in space.
+#[test]
+fn the_flow_takes_so_many_operations() {
+    let map = one_map(3);
+    let (_, kernel) = map.abilities().kernels[0];
+    let count = kernel.step_operations();
+    println!("{count:?}");
+    assert_eq!(count.total(), 1313);
+}
+
+/// Kepler's problem of the library, about a centre elsewhere, with a charge that another centre attracts, and beside a body that is free.
+#[test]
+fn bodies_about_centres_are_found() {
+    let kepler = library("kepler");
+    assert_eq!(whole(&kepler.system()).expect("a body").pieces(), 1);
+    let pairs = [["x", "u"], ["y", "v"]].map(|pair| pair.map(str::to_owned));
+    for (hamiltonian, pieces) in [
+        ("(u^2 + v^2)/2 - 1/sqrt((x - c)^2 + (y + 0.3)^2)", 1),
+        ("0.5*(u^2 + v^2) - (x^2 + 2*c*x + y^2 + c^2)^(-1/2)", 1),
+        (
+            "u^2 + v^2 - 1/sqrt(x^2 + y^2) - 0.2/sqrt((x - c)^2 + y^2)",
+            2,
+        ),
+        ("(u^2 + v^2)/2 - 1/sqrt(x^2 + y^2) + c*(x*v - y*u)", 2),
+        ("(u^2 + v^2)/2 - 1/sqrt(x^2 + y^2) + (u + c)^2/8", 2),
+    ] {
+        let initial = vec![0.8, 0.1, 0.2, 1.1];
+        let problem = canonical(&pairs, &[("c", 0.25)], hamiltonian.to_owned(), initial);
+        let system = problem.system();
+        let map = whole(&system).unwrap_or_else(|error| panic!("{hamiltonian}: {error}"));
+        assert_eq!(
+            (map.pieces(), map.properties().structure),
+            (pieces, Structure::Exact),
+            "{hamiltonian}"
+        );
+        let exact = gauss(&system, &problem.initial, 0.5, 200);
+        let composed = Composed::new(map, Scheme::find("suzuki-umeno-8").expect("a scheme"));
+        let end = run(
+            &system,
+            &composed.expect("self-adjoint"),
+            &problem.initial,
+            0.5,
+            40,
+        );
+        let error = distance(&end.expect("finite"), &exact) / largest(&exact);
+        assert!(error <= 1e-13, "{hamiltonian}: {error:e}");
+    }
+}
+
+#[test]
+fn what_is_about_no_centre_is_refused() {
+    let pairs = [["x", "u"], ["y", "v"]].map(|pair| pair.map(str::to_owned));
+    for hamiltonian in [
+        "(u^2 + 2*v^2)/2 - 1/sqrt(x^2 + y^2)",
+        "(u^2 + v^2)/2 - 1/sqrt(x^2 + 2*y^2)",
+        "(u^2 + v^2)/2 - 1/(x^2 + y^2)",
+        "((u + v)^2 + u^2)/2 - 1/sqrt(x^2 + y^2)",
+    ] {
+        let problem = canonical(
+            &pairs,
+            &[],
+            hamiltonian.to_owned(),
+            vec![0.8, 0.1, 0.2, 1.1],
+        );
+        let refusal = whole(&problem.system()).err();
+        assert!(
+            matches!(&refusal, Some(BuildError::DoesNotFit { part: "splitting", reason }) if reason.contains("centre")),
+            "{hamiltonian}: {refusal:?}"
+        );
+    }
+}
+
+/// Sun, Jupiter, Saturn, Uranus, Neptune, Pluto in astronomical units and days: masses over the Sun's, places, velocities (Hairer, Lubich, Wanner,
+/// Geometric Numerical Integration, section I.2.4).
+const MASSES: [f64; 6] = [
+    1.000_005_976_82,
+    0.000_954_786_104_043,
+    0.000_285_583_733_151,
+    0.000_043_727_316_454_6,
+    0.000_051_775_913_844_9,
+    1.0 / 1.3e8,
+];
+const PLACES: [[f64; 3]; 6] = [
+    [0.0; 3],
+    [-3.502_365_3, -3.816_984_7, -1.550_796_3],
+    [9.075_531_4, -3.045_835_3, -1.648_370_8],
+    [8.310_142_0, -16.290_108_6, -7.252_127_8],
+    [11.470_766_6, -25.729_482_9, -10.816_945_6],
+    [-15.538_735_7, -25.222_559_4, -3.190_238_2],
+];
+const VELOCITIES: [[f64; 3]; 6] = [
+    [0.0; 3],
+    [0.005_654_29, -0.004_124_90, -0.001_905_89],
+    [0.001_683_18, 0.004_835_25, 0.001_924_62],
+    [0.003_541_78, 0.001_371_02, 0.000_550_29],
+    [0.002_889_30, 0.001_145_27, 0.000_396_77],
+    [0.002_767_25, -0.001_707_02, -0.001_365_04],
+];
+const GRAVITY: f64 = 2.959_122_082_86e-4;
+
+/// The planets from the Sun and with barycentric momenta, or all six bodies in the frame at rest.
+fn outer_solar_system(is_heliocentric: bool) -> Problem {
+    let total: f64 = MASSES.iter().sum();
+    let drift =
+        [0, 1, 2].map(|k| (0..6).map(|i| MASSES[i] * VELOCITIES[i][k]).sum::<f64>() / total);
+    let first = usize::from(is_heliocentric);
+    let (mut pairs, mut initial) = (Vec::new(), Vec::new());
+    let (mut kinetic, mut potential) = (Vec::new(), Vec::new());
+    for i in first..6 {
+        for k in 0..3 {
+            pairs.push([format!("q{i}{k}"), format!("p{i}{k}")]);
+            initial.push(PLACES[i][k]);
+            let velocity = VELOCITIES[i][k] - if is_heliocentric { drift[k] } else { 0.0 };
+            initial.push(MASSES[i] * velocity);
+            kinetic.push(format!("p{i}{k}^2/(2*m{i})"));
+        }
+        if is_heliocentric {
+            potential.push(format!("G*m0*m{i}/sqrt(q{i}0^2 + q{i}1^2 + q{i}2^2)"));
+        }
+        for j in first..i {
+            let squares = [0, 1, 2].map(|k| format!("(q{i}{k} - q{j}{k})^2"));
+            potential.push(format!("G*m{i}*m{j}/sqrt({})", squares.join(" + ")));
+        }
+    }
+    if is_heliocentric {
+        let sums = [0, 1, 2].map(|k| {
+            let sum: Vec<String> = (1..6).map(|i| format!("p{i}{k}")).collect();
+            format!("({})^2", sum.join(" + "))
+        });
+        kinetic.push(format!("({})/(2*m0)", sums.join(" + ")));
+    }
+    let hamiltonian = format!("{} - ({})", kinetic.join(" + "), potential.join(" + "));
+    let names: Vec<String> = (0..6).map(|i| format!("m{i}")).collect();
+    let mut parameters = vec![("G", GRAVITY)];
+    parameters.extend(names.iter().map(String::as_str).zip(MASSES));
+    canonical(&pairs, &parameters, hamiltonian, initial)
+}
+
+/// The largest change of the energy over 200 000 days, relative to it, looked at as often as the reference does.
+fn energy_error(problem: &Problem, map: &dyn StepMap, days: f64, every: u64) -> f64 {
+    let system = problem.system();
+    let (parameters, steps) = (system.parameter_values(), 200_000.0 / days);
+    let energy = system
+        .expressions()
+        .expect("formulas")
+        .hamiltonian()
+        .clone();
+    let before = energy.evaluate(&problem.initial, &parameters);
+    let mut walk = Walk::new(map, &parameters, 1.0, days, &problem.initial);
+    let mut most = 0.0_f64;
+    for _ in 0..steps as u64 / every {
+        walk.advance(every).expect("no collision");
+        most = most.max((energy.evaluate(walk.state(), &parameters) / before - 1.0).abs());
+    }
+    most
+}
+
+/// The numbers of an independent program (numpy, Kepler's equation by Newton's method to 10⁻¹⁵), to two digits: Strang's product of Kepler's flow
+/// with the rest, and of T + V. Its energy for the first is that of all six bodies in the frame at rest, larger by that of the centre of mass, 2 %.
+#[test]
+fn the_outer_solar_system_by_kepler_and_the_rest() {
+    let problem = outer_solar_system(true);
+    let map = whole(&problem.system()).expect("bodies about a centre");
+    assert_eq!(map.pieces(), 2);
+    for (days, expected) in [(200.0, 3.2e-6), (100.0, 8.5e-7), (50.0, 2.2e-7)] {
+        let error = energy_error(&problem, map.as_ref(), days, 5);
+        println!("Kepler and rest, {days} days: {error:.2e}");
+        assert!((error / expected - 1.0).abs() <= 0.1, "{days}: {error:e}");
+    }
+    let composed =
+        Composed::new(map, Scheme::find("perturbed-8-6-4").expect("a scheme")).expect("two pieces");
+    let error = energy_error(&problem, &composed, 100.0, 1);
+    println!("perturbed-8-6-4, 100 days: {error:.2e}");
+    assert!(error <= 1e-13, "{error:e}");
+}
+
+#[test]
+fn the_outer_solar_system_by_t_and_v() {
+    let problem = outer_solar_system(false);
+    // V, T, V as there.
+    let order = PartParameters::new().with("pieces", "2 1");
+    let map = splitting(&problem.system(), &order).expect("T + V");
+    for (days, expected) in [(200.0, 2.0e-3), (100.0, 7.5e-4), (50.0, 2.1e-4)] {
+        let error = energy_error(&problem, map.as_ref(), days, 1);
+        println!("T + V, {days} days: {error:.2e}");
+        assert!((error / expected - 1.0).abs() <= 0.1, "{days}: {error:e}");
+    }
+}

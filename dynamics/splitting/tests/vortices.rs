@@ -1,0 +1,181 @@
+//! Pairs of point vortices, and quadratic pieces: motions that turn.
+
+#![allow(
+    clippy::print_stdout,
+    reason = "measured numbers, read with --nocapture"
+)]
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use crate::common::{Problem, distance, largest, run, splitting, step};
+use leafwise_composition::{Composed, Scheme};
+use leafwise_core::solver::StepMap;
+use leafwise_core::{Convention, PartParameters, Walk};
+
+/// N point vortices in the plane, x₁, y₁, x₂, y₂, ….
+fn vortices(circulations: &[f64], initial: Vec<f64>) -> Problem {
+    let n = circulations.len();
+    let mut terms = Vec::new();
+    for i in 0..n {
+        terms.extend((0..i).map(|j| format!("g{i}*g{j}*ln((x{i} - x{j})^2 + (y{i} - y{j})^2)")));
+    }
+    Problem {
+        id: "vortices",
+        variables: (0..n)
+            .flat_map(|i| [format!("x{i}"), format!("y{i}")])
+            .collect(),
+        parameters: circulations
+            .iter()
+            .enumerate()
+            .map(|(i, g)| (format!("g{i}"), *g))
+            .collect(),
+        bracket: (0..n)
+            .map(|i| (format!("x{i}"), format!("y{i}"), format!("1/g{i}")))
+            .collect(),
+        hamiltonian: format!("-({})/(4*pi)", terms.join(" + ")),
+        casimirs: Vec::new(),
+        convention: Convention::HamiltonianSecond,
+        initial,
+        time_step: 0.1,
+    }
+}
+
+fn map_of(problem: &Problem) -> Arc<dyn StepMap> {
+    splitting(&problem.system(), &PartParameters::new()).expect("it splits")
+}
+
+/// Both turn about their centre by (Γ₁ + Γ₂)t/(2πd²), or go on straight by Γ₂t/(2πd) across their distance: a few units of the way.
+#[test]
+fn a_pair_of_vortices_turns_about_its_centre_or_goes_straight() {
+    let initial = [0.3, -0.2, 1.1, 0.4];
+    let shift = [initial[2] - initial[0], initial[3] - initial[1]];
+    let square = shift[0] * shift[0] + shift[1] * shift[1];
+    for circulations in [[1.0, 1.0], [1.0, 0.25], [2.0, -0.5], [1.5, -1.5]] {
+        let problem = vortices(&circulations, initial.to_vec());
+        let map = map_of(&problem);
+        assert_eq!(map.pieces(), 1);
+        let [one, other] = circulations;
+        for time in [0.1, 3.0, -20.0] {
+            let end = run(&problem.system(), map.as_ref(), &initial, time, 1).expect("finite");
+            let total = one + other;
+            let exact = if total == 0.0 {
+                // z₁′ = i Γ₂ (z₁ − z₂)/(2πd²).
+                let by = other * time / (2.0 * PI * square);
+                let way = [by * shift[1], -by * shift[0]];
+                [
+                    initial[0] + way[0],
+                    initial[1] + way[1],
+                    initial[2] + way[0],
+                    initial[3] + way[1],
+                ]
+            } else {
+                let centre = [0, 1].map(|k| (one * initial[k] + other * initial[2 + k]) / total);
+                let angle = total * time / (2.0 * PI * square);
+                let (sin, cos) = (libm::sin(angle), libm::cos(angle));
+                let turned = |k: usize| {
+                    let [x, y] = [initial[k] - centre[0], initial[k + 1] - centre[1]];
+                    [centre[0] + cos * x - sin * y, centre[1] + sin * x + cos * y]
+                };
+                let [a, b] = [turned(0), turned(2)];
+                [a[0], a[1], b[0], b[1]]
+            };
+            let error = distance(&end, &exact);
+            let way = largest(exact).max(1.0) * (1.0 + time.abs());
+            assert!(
+                error <= 8.0 * f64::EPSILON * way,
+                "{circulations:?} {time}: {error:e}"
+            );
+        }
+    }
+}
+
+/// A ring of N equal vortices turns at (N − 1)Γ/(4πR²) (J. J. Thomson, 1883), to the order of the composition and the roundings of its steps;
+/// ΣΓz and ΣΓ|z|² to those, of N − 1 flows a vortex in each of 15 stages forth and back.
+#[test]
+fn rings_of_vortices_turn_at_their_rate() {
+    for n in [2, 3, 4, 5, 6] {
+        let (gamma, radius) = (1.5, 0.8);
+        let initial: Vec<f64> = (0..n)
+            .flat_map(|i| {
+                let angle = 2.0 * PI * i as f64 / n as f64;
+                [radius * libm::cos(angle), radius * libm::sin(angle)]
+            })
+            .collect();
+        let problem = vortices(&vec![gamma; n], initial.clone());
+        let system = problem.system();
+        let scheme = Scheme::find("suzuki-umeno-8").expect("a scheme");
+        let map = Composed::new(map_of(&problem), scheme).expect("self-adjoint");
+        let rate = (n - 1) as f64 * gamma / (4.0 * PI * radius * radius);
+        // A quarter of a turn.
+        let steps = 200;
+        let mut walk = Walk::new(
+            &map,
+            &system.parameter_values(),
+            1.0,
+            PI / 2.0 / rate / steps as f64,
+            &initial,
+        );
+        walk.advance(steps).expect("finite");
+        let end = walk.state().to_vec();
+        let turned: Vec<f64> = initial.chunks(2).flat_map(|z| [-z[1], z[0]]).collect();
+        let error = distance(&end, &turned);
+        let flows = steps as f64 * 30.0 * (n - 1) as f64;
+        let sums = |z: &[f64]| {
+            let of = |f: fn(&[f64]) -> f64| z.chunks(2).map(f).sum::<f64>() * gamma;
+            [
+                of(|z| z[0]),
+                of(|z| z[1]),
+                of(|z| z[0] * z[0] + z[1] * z[1]),
+            ]
+        };
+        let drift = distance(&sums(&end), &sums(&initial));
+        println!("{n}: off by {error:.1e}, sums by {drift:.1e}");
+        assert!(error <= 1e-11, "{n}: {error:e}");
+        // Angles of a hundredth or so: units of them.
+        assert!(drift <= flows * f64::EPSILON * 0.1, "{n}: {drift:e}");
+    }
+}
+
+/// p²/2m ± kq²/2 are one piece, which turns or grows by its closed form.
+#[test]
+fn oscillators_turn_and_saddles_grow_by_their_closed_forms() {
+    let pair = |hamiltonian: &str| Problem {
+        id: "oscillator",
+        variables: ["q", "p"].map(str::to_owned).to_vec(),
+        parameters: vec![("m".to_owned(), 2.0), ("k".to_owned(), 3.0)],
+        bracket: vec![("q".to_owned(), "p".to_owned(), "1".to_owned())],
+        hamiltonian: hamiltonian.to_owned(),
+        casimirs: Vec::new(),
+        convention: Convention::HamiltonianSecond,
+        initial: vec![0.7, -0.4],
+        time_step: 0.1,
+    };
+    let (rate, size) = (libm::sqrt(1.5), libm::sqrt(6.0));
+    for (hamiltonian, even, odd, sign) in [
+        (
+            "p^2/(2*m) + k*q^2/2",
+            libm::cos as fn(f64) -> f64,
+            libm::sin as fn(f64) -> f64,
+            -1.0,
+        ),
+        ("p^2/(2*m) - k*q^2/2", libm::cosh, libm::sinh, 1.0),
+    ] {
+        let problem = pair(hamiltonian);
+        let map = map_of(&problem);
+        assert_eq!(map.pieces(), 1, "{hamiltonian}");
+        for time in [0.1, 1.0, -3.0] {
+            let (even, odd) = (even(rate * time), odd(rate * time));
+            let [q, p] = [0.7, -0.4];
+            let exact = [even * q + odd * p / size, even * p + sign * odd * size * q];
+            let mut stepper = map.stepper(1, &[2.0, 3.0], 1.0, time);
+            let end = step(stepper.as_mut(), &problem.initial).expect("finite");
+            let error = distance(&end, &exact);
+            let growth = (even.abs() + odd.abs() * size) * (1.0 + rate * time.abs());
+            assert!(
+                error <= 4.0 * f64::EPSILON * growth,
+                "{hamiltonian} {time}: {error:e}"
+            );
+        }
+    }
+}
