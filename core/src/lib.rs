@@ -23,6 +23,7 @@
 //! - [`lift`]: coordinates with a constant tensor, in which collective integrators step.
 //! - [`lifted_realization`]: realizations that are such coordinates.
 //! - [`lattice`]: long lattices in O(N) time and memory a step.
+//! - [`pairs`]: sums over pairs of sites, in loops.
 //! - [`part`], [`part_description`], [`origin`], [`registry`]: parts by name, built in or loaded.
 //! - [`automatic`]: the choice of a method where a scene leaves it open.
 //! - [`diagnostics`]: realization error, tensor defect, fitted slopes, Jacobi and Casimir checks.
@@ -50,6 +51,7 @@ pub mod noise;
 mod observe;
 pub mod one_form;
 pub mod origin;
+pub mod pairs;
 pub mod part;
 pub mod part_description;
 mod parts;

@@ -38,9 +38,24 @@ pub struct SystemNumbers {
     pub derivatives: Derivatives,
     make: Arc<MakeEvaluator>,
     make_on_trial: Arc<MakeEvaluator>,
+    field: Option<Arc<MakeField>>,
+    has_resting_tensor: bool,
 }
 
 type MakeEvaluator = dyn Fn(&[f64]) -> Box<dyn SystemEvaluator> + Send + Sync;
+/// Makes an evaluator of parameters and of the number of points.
+pub(crate) type MakeField = dyn Fn(&[f64], usize) -> Box<dyn FieldSideBySide> + Send + Sync;
+
+/// One thread's evaluator of X_H = −Π∇H at a number of points side by side, for fixed parameters.
+pub trait FieldSideBySide: Send {
+    /// X_H at the points: coordinate c of point w at `[c*points + w]`. Where there is none, it is no number. A point's
+    /// result has the same bits whatever stands beside it.
+    fn evaluate(&mut self, points: &[f64], field: &mut [f64]);
+    /// The operations of one evaluation at one point, as [`SolverStatistics::operations`] counts them.
+    ///
+    /// [`SolverStatistics::operations`]: crate::SolverStatistics::operations
+    fn work(&self) -> u64;
+}
 
 impl SystemNumbers {
     /// Values whose evaluators `make` makes, one a thread, of values of the parameters.
@@ -53,7 +68,36 @@ impl SystemNumbers {
             derivatives,
             make_on_trial: Arc::clone(&make),
             make,
+            field: None,
+            has_resting_tensor: false,
         }
+    }
+
+    /// The same with evaluators of X_H at points side by side: of parameters, and of the number of points.
+    #[must_use]
+    pub fn with_field(
+        mut self,
+        make: impl Fn(&[f64], usize) -> Box<dyn FieldSideBySide> + Send + Sync + 'static,
+    ) -> Self {
+        self.field = Some(Arc::new(make));
+        self
+    }
+
+    /// The same with a tensor that is constant, or depends on coordinates alone that rest in every motion.
+    #[must_use]
+    pub fn with_resting_tensor(mut self) -> Self {
+        self.has_resting_tensor = true;
+        self
+    }
+
+    /// Whether the tensor is known to be constant, or to depend on coordinates alone that rest.
+    pub fn has_resting_tensor(&self) -> bool {
+        self.has_resting_tensor
+    }
+
+    /// Makes evaluators of X_H at points side by side, where these are offered.
+    pub(crate) fn field(&self) -> Option<Arc<MakeField>> {
+        self.field.clone()
     }
 
     /// The same with evaluators of their own for states that are tried.
