@@ -9,6 +9,7 @@
 //! - `geometry`: the lattice of a scene, its families, axes and ends;
 //! - `instantiate`: templates over families written out at chosen lengths;
 //! - `system`: [`compose_system`], the Poisson system with its initial state;
+//! - `bodies`: sums over pairs of sites, in loops;
 //! - `time`: where a scene names the time;
 //! - `extended`: the phase space with the time as a coordinate;
 //! - `events`: the events that a run watches between its steps; `course`: the course of its walks;
@@ -28,6 +29,7 @@
 //! - `checks`: the Jacobi identity and the Casimirs;
 //! - `shape`: constant, linear, log-canonical, polynomial, general.
 
+mod bodies;
 mod channels;
 mod checks;
 mod course;
