@@ -12,10 +12,12 @@
 //! - `tiles`: the loop over pairs.
 //! - `site_code`: the code of one site, and the loop over sites.
 //! - `values`: values and gradients of functions.
+//! - `shears`: H = T + V in which each part moves what it does not depend on.
 //! - [`system`]: Poisson systems of such functions.
 
 pub mod function;
 mod pair_code;
+mod shears;
 mod site_code;
 pub mod system;
 #[cfg(test)]

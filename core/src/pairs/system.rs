@@ -5,11 +5,14 @@ use std::sync::Arc;
 use leafwise_expression::{Arithmetic, Expression, Graph, Term, Workspace};
 
 use super::function::BodyFunction;
+use super::shears::parts;
 use super::site_code::SiteCode;
 use super::values::{Slopes, SlopesCode, Sums, SumsCode};
 use super::BodyShape;
 use crate::error::{BuildError, StepError};
-use crate::system::numbers::{Derivatives, FieldSideBySide, SystemEvaluator, SystemFunction, vector};
+use crate::system::numbers::{
+    Derivatives, FieldSideBySide, Shear, SystemEvaluator, SystemFunction, vector,
+};
 use crate::system::{OpaqueSystem, Parameter, SystemNumbers};
 
 /// A Poisson system with H and Casimirs of sums, and a tensor whose entries couple coordinates of one site.
@@ -42,13 +45,7 @@ impl BodySystem {
         moving.sort_unstable();
         moving.dedup();
         let all: Vec<usize> = (0..shape.families).collect();
-        let field = SlopesCode::new(
-            &self.hamiltonian,
-            shape,
-            &moving,
-            parameters,
-            |graph, x, gradient| self.applied(graph, x, gradient, true),
-        )?;
+        let field = self.field_of(&moving, &moving)?;
         let gradient = SlopesCode::new(
             &self.hamiltonian,
             shape,
@@ -91,6 +88,7 @@ impl BodySystem {
         });
         if self.rests(&moving) {
             numbers = numbers.with_resting_tensor();
+            numbers = numbers.with_shears(self.shears()?);
         }
         Ok(OpaqueSystem {
             name: "sums over pairs".to_owned(),
@@ -99,6 +97,45 @@ impl BodySystem {
             casimirs: self.casimirs.iter().map(|(name, _)| name.clone()).collect(),
             numbers,
         })
+    }
+
+    /// The families of −Π∇H that `moves` lists, with the gradient by families `by`.
+    fn field_of(&self, moves: &[usize], by: &[usize]) -> Result<SlopesCode, BuildError> {
+        let parameters = self.parameters.len();
+        SlopesCode::new(
+            &self.hamiltonian,
+            self.shape,
+            by,
+            parameters,
+            |graph, x, gradient| {
+                let mut results = self.applied(graph, x, gradient, true)?;
+                results.retain(|(family, _)| moves.contains(family));
+                Ok(results)
+            },
+        )
+    }
+
+    /// The parts of H = T + V whose flows are shears, that of fewer operations first; none where H does not separate.
+    fn shears(&self) -> Result<Vec<Shear>, BuildError> {
+        let entries = self.bracket.iter();
+        let entries: Vec<_> = entries.map(|(at, entry)| (*at, entry.variables())).collect();
+        let Some(parts) = parts(&self.hamiltonian, self.shape, &entries)? else {
+            return Ok(Vec::new());
+        };
+        let mut shears = Vec::new();
+        for part in parts {
+            let code = Arc::new(self.field_of(&part.moves, &part.by)?);
+            let work = code.work();
+            let shear = Shear::new(part.is_affine, move |parameters, points| {
+                Box::new(FieldOfBodies {
+                    slopes: Slopes::new(&code, points, parameters),
+                    work,
+                })
+            });
+            shears.push((work, shear));
+        }
+        shears.sort_by_key(|(work, _)| *work);
+        Ok(shears.into_iter().map(|(_, shear)| shear).collect())
     }
 
     /// Whether the entries of the tensor depend on coordinates that rest alone.

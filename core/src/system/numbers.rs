@@ -40,6 +40,37 @@ pub struct SystemNumbers {
     make_on_trial: Arc<MakeEvaluator>,
     field: Option<Arc<MakeField>>,
     has_resting_tensor: bool,
+    shears: Vec<Shear>,
+}
+
+/// A part H_k of H that moves coordinates which its field X does not depend on: its flow is x + t X(x).
+#[derive(Clone)]
+pub struct Shear {
+    make: Arc<MakeField>,
+    is_affine: bool,
+}
+
+impl Shear {
+    /// Evaluators of X, of parameters and of the number of points; whether X is affine in what moves.
+    pub fn new(
+        is_affine: bool,
+        make: impl Fn(&[f64], usize) -> Box<dyn FieldSideBySide> + Send + Sync + 'static,
+    ) -> Self {
+        Self {
+            make: Arc::new(make),
+            is_affine,
+        }
+    }
+
+    /// One thread's evaluator of X at so many points side by side.
+    pub fn evaluator(&self, parameters: &[f64], points: usize) -> Box<dyn FieldSideBySide> {
+        (self.make)(parameters, points)
+    }
+
+    /// Whether X is affine in the coordinates that move, as that of p²/2m.
+    pub fn is_affine(&self) -> bool {
+        self.is_affine
+    }
 }
 
 type MakeEvaluator = dyn Fn(&[f64]) -> Box<dyn SystemEvaluator> + Send + Sync;
@@ -70,6 +101,7 @@ impl SystemNumbers {
             make,
             field: None,
             has_resting_tensor: false,
+            shears: Vec::new(),
         }
     }
 
@@ -88,6 +120,18 @@ impl SystemNumbers {
     pub fn with_resting_tensor(mut self) -> Self {
         self.has_resting_tensor = true;
         self
+    }
+
+    /// The same with H as a sum of parts whose flows are shears.
+    #[must_use]
+    pub fn with_shears(mut self, shears: Vec<Shear>) -> Self {
+        self.shears = shears;
+        self
+    }
+
+    /// The parts of H whose flows are shears, where H is known to be a sum of such.
+    pub fn shears(&self) -> &[Shear] {
+        &self.shears
     }
 
     /// Whether the tensor is known to be constant, or to depend on coordinates alone that rest.

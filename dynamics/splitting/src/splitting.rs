@@ -23,8 +23,9 @@ use crate::pieces::{Bodies, find_pieces};
 use crate::product::{Product, Splits, evaluations, is_symmetric};
 use crate::rounding::settled;
 use crate::schedule::{STRANG, passes};
+use crate::shears::Shears;
 
-static INFO: PartInfo = PartInfo {
+pub(crate) static INFO: PartInfo = PartInfo {
     name: NAME,
     summary: "Strang's product of exact flows of the Hamiltonian's pieces, found from the formulas",
     declares: "order 2; self-adjoint; exactly Poisson; explicit",
@@ -408,6 +409,9 @@ fn build(
     parameters: &PartParameters,
 ) -> Result<Arc<dyn StepMap>, BuildError> {
     parameters.refuse_unknown(&INFO)?;
+    if let Some(system) = system.opaque() {
+        return Ok(Arc::new(Shears::new(system, parameters)?));
+    }
     Ok(Arc::new(Splitting::with_parameters(system, parameters)?))
 }
 

@@ -3,7 +3,7 @@
 use leafwise_core::lattice::{LatticeGeometry, TemplateReach};
 use leafwise_core::pairs::{BodyFunction, BodyShape, BodySum, BodySystem};
 use leafwise_core::system::Parameter;
-use leafwise_core::{PoissonSystem, Registry};
+use leafwise_core::{PartParameters, PoissonSystem, Registry};
 use leafwise_expression::Expression;
 use leafwise_expression::syntax::Scope;
 
@@ -26,7 +26,7 @@ const FEWEST_SITES: usize = 16;
 
 /// The system of a scene with sums over pairs in loops.
 ///
-/// It is one of numbers, for the steppers that need no formulas. H is a function of sums over sites and pairs that no
+/// It is one of numbers, for a stepper that needs no formulas. H is a function of sums over sites and pairs that no
 /// template makes, and the bracket couples coordinates of one site. `None` for any other scene.
 ///
 /// # Errors
@@ -35,9 +35,11 @@ pub(super) fn many_bodies(
     document: &SceneDocument,
     registry: &Registry,
 ) -> Result<Option<ComposedSystem>, Refusal> {
-    if !may_be_bodies(document) || !serves(document, registry) {
+    let stepper = document.method.stepper.as_ref();
+    let stepper = stepper.and_then(|spec| registry.stepper(&spec.name.value).ok());
+    let Some(stepper) = stepper.filter(|_| may_be_bodies(document)) else {
         return Ok(None);
-    }
+    };
     check_contradictions(document)?;
     check_names(document)?;
     check_sites(document)?;
@@ -82,6 +84,11 @@ pub(super) fn many_bodies(
         document.diagnostic(&place, error.to_string(), "here", None)
     })?;
     let system = PoissonSystem::from(compiled);
+    let serves = stepper.info.serves_numbers.is_some()
+        || stepper.build(&system, &PartParameters::new()).is_ok();
+    if !serves {
+        return Ok(None);
+    }
     let initial = initial_state(document)?;
     let events = events(document, &whole)?;
     events.check(document, &initial, &system.parameter_values())?;
@@ -112,13 +119,6 @@ fn may_be_bodies(document: &SceneDocument) -> bool {
         && system.forces.formulas().is_empty()
         && !has_forms(&system.bracket.value, &system.constraints)
         && wants_time(document).is_none()
-}
-
-/// Whether the scene names a stepper that needs no formulas of the system.
-fn serves(document: &SceneDocument, registry: &Registry) -> bool {
-    let stepper = document.method.stepper.as_ref();
-    let part = stepper.and_then(|spec| registry.stepper(&spec.name.value).ok());
-    part.is_some_and(|part| part.info.serves_numbers.is_some())
 }
 
 /// {x_a, x_b} of the families at one site, in the paper's convention.
