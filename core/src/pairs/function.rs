@@ -60,7 +60,9 @@ impl<'a> Weighted<'a> {
     /// The slopes of F that are weights, functions of the sums.
     pub(super) fn of_sums(&self) -> Vec<&Expression> {
         let pairs = self.slopes.iter().zip(&self.weights);
-        pairs.filter_map(|(slope, weight)| weight.map(|_| slope)).collect()
+        pairs
+            .filter_map(|(slope, weight)| weight.map(|_| slope))
+            .collect()
     }
 
     /// Σ_k ∂F/∂S_k `part`(S_k) as code, of coordinates and weights.
@@ -75,7 +77,8 @@ impl<'a> Weighted<'a> {
         weights: &[Term],
     ) -> Result<Term, BuildError> {
         let mut total = graph.zero();
-        for ((sum, slope), weight) in (self.function.sums.iter().zip(&self.slopes)).zip(&self.weights)
+        for ((sum, slope), weight) in
+            (self.function.sums.iter().zip(&self.slopes)).zip(&self.weights)
         {
             let value = part(sum).evaluate_in(graph, &mut |_, at| Ok(coordinates[at].clone()))?;
             let factor = match weight {

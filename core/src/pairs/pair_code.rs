@@ -6,9 +6,9 @@ use super::BodyShape;
 use super::function::{BodyFunction, BodySum, Weighted, families_of, is_symmetric};
 use crate::error::BuildError;
 
-/// What the code of a pair reads or writes.
+/// Row of numbers that the code of a pair reads or writes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Row {
+pub(super) enum PairRow {
     /// A coordinate of site i, and of site j.
     First(usize),
     Second(usize),
@@ -25,8 +25,8 @@ pub(super) enum Row {
 #[derive(Clone, Debug)]
 pub(super) struct PairCode {
     pub(super) kernel: Kernel,
-    pub(super) inputs: Vec<Row>,
-    pub(super) outputs: Vec<Row>,
+    pub(super) inputs: Vec<PairRow>,
+    pub(super) outputs: Vec<PairRow>,
     /// Whether i and j may change places.
     pub(super) is_symmetric: bool,
 }
@@ -45,7 +45,7 @@ impl PairCode {
     ) -> Result<Option<Self>, BuildError> {
         let pairs = || function.sums.iter().map(|sum| &sum.pair);
         let named = families_of(pairs(), shape.families);
-        let mut inputs = Inputs::new(shape, function.sums.len());
+        let mut inputs = PairInputs::new(shape, function.sums.len());
         let total = weighted.total(
             &mut inputs.graph,
             |sum| &sum.pair,
@@ -57,8 +57,11 @@ impl PairCode {
         let mut terms = Vec::new();
         for family in by.iter().filter(|family| named.contains(family)) {
             for (slope, row) in [
-                (&slopes[*family], Row::FirstSum(*family)),
-                (&slopes[shape.families + family], Row::SecondSum(*family)),
+                (&slopes[*family], PairRow::FirstSum(*family)),
+                (
+                    &slopes[shape.families + family],
+                    PairRow::SecondSum(*family),
+                ),
             ] {
                 terms.push((slope.clone(), row));
             }
@@ -76,13 +79,13 @@ impl PairCode {
         shape: BodyShape,
         parameters: usize,
     ) -> Result<Option<Self>, BuildError> {
-        let mut inputs = Inputs::new(shape, 0);
+        let mut inputs = PairInputs::new(shape, 0);
         let mut terms = Vec::new();
         for (k, sum) in sums.iter().enumerate() {
             let coordinates = &inputs.coordinates;
             let graph = &mut inputs.graph;
             let value = (sum.pair).evaluate_in(graph, &mut |_, at| Ok(coordinates[at].clone()))?;
-            terms.push((graph.multiply(&value, &inputs.mask), Row::FirstSum(k)));
+            terms.push((graph.multiply(&value, &inputs.mask), PairRow::FirstSum(k)));
         }
         let mut pairs = sums.iter().map(|sum| &sum.pair);
         let is_symmetric = pairs.all(|pair| is_symmetric(pair, shape.families));
@@ -90,10 +93,10 @@ impl PairCode {
     }
 
     /// The rows that it reads or writes, each once, in a fixed order.
-    pub(super) fn rows(&self) -> Vec<Row> {
+    pub(super) fn rows(&self) -> Vec<PairRow> {
         let mut rows = self.inputs.clone();
         rows.extend(&self.outputs);
-        rows.push(Row::Mask);
+        rows.push(PairRow::Mask);
         let mut own = Vec::new();
         for row in rows {
             if !own.contains(&row) {
@@ -105,22 +108,22 @@ impl PairCode {
 }
 
 /// The inputs of a graph of one pair, each with its row.
-struct Inputs {
+struct PairInputs {
     graph: Graph,
-    rows: Vec<Row>,
+    rows: Vec<PairRow>,
     coordinates: Vec<Term>,
     weights: Vec<Term>,
     mask: Term,
 }
 
-impl Inputs {
+impl PairInputs {
     fn new(shape: BodyShape, weights: usize) -> Self {
         let mut graph = Graph::compilable();
         let families = 0..shape.families;
-        let mut rows: Vec<Row> = families.clone().map(Row::First).collect();
-        rows.extend(families.map(Row::Second));
-        rows.extend((0..weights).map(Row::Weight));
-        rows.push(Row::Mask);
+        let mut rows: Vec<PairRow> = families.clone().map(PairRow::First).collect();
+        rows.extend(families.map(PairRow::Second));
+        rows.extend((0..weights).map(PairRow::Weight));
+        rows.push(PairRow::Mask);
         let mut terms: Vec<Term> = (0..rows.len()).map(|at| graph.input(at)).collect();
         let mask = terms.pop().unwrap_or_else(|| graph.input(0));
         let weights = terms.split_off(2 * shape.families);
@@ -136,7 +139,7 @@ impl Inputs {
     /// Code that adds these terms to sums.
     fn compile(
         mut self,
-        terms: Vec<(Term, Row)>,
+        terms: Vec<(Term, PairRow)>,
         is_symmetric: bool,
         parameters: usize,
     ) -> Result<Option<PairCode>, BuildError> {

@@ -10,7 +10,7 @@ use crate::error::BuildError;
 
 /// Families that move in one part of H.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Part {
+pub(super) struct ShearPart {
     /// The families that it moves.
     pub(super) moves: Vec<usize>,
     /// Those that it depends on, by which its gradient is taken.
@@ -22,8 +22,8 @@ pub(super) struct Part {
 /// The two parts of H, where there are such.
 ///
 /// Families are coloured: the ends of an entry of the tensor differ, and a family differs from all that its motion
-/// depends on. The motion of one colour alone is that of T(b) = H(a₀, b), b the coordinates of the other: its field
-/// −Π_ab ∂H/∂b does not depend on a, so its flow is x + tX(x).
+/// depends on. The coordinates a of one colour alone move by T(b) = H(a₀, b), b those of the other. Their field
+/// −Π_ab ∂H/∂b does not depend on a. So its flow is x + tX(x).
 ///
 /// # Errors
 /// [`BuildError::Algebra`] where a formula has no derivative.
@@ -31,9 +31,9 @@ pub(super) fn parts(
     function: &BodyFunction,
     shape: BodyShape,
     entries: &[((usize, usize), BTreeSet<usize>)],
-) -> Result<Option<[Part; 2]>, BuildError> {
+) -> Result<Option<[ShearPart; 2]>, BuildError> {
     let moving: BTreeSet<usize> = entries.iter().flat_map(|((a, b), _)| [*a, *b]).collect();
-    let slopes = Slopes::of(function, shape)?;
+    let slopes = Dependences::of(function, shape)?;
     // Families that are of another colour.
     let mut apart: Vec<BTreeSet<usize>> = vec![BTreeSet::new(); shape.families];
     for ((a, b), reads) in entries {
@@ -60,13 +60,15 @@ pub(super) fn parts(
         }
     }
     let of = |colour: usize| -> Vec<usize> {
-        let own = moving.iter().filter(|family| colours[**family] == Some(colour));
+        let own = moving
+            .iter()
+            .filter(|family| colours[**family] == Some(colour));
         own.copied().collect()
     };
     let mut parts = Vec::new();
     for colour in [0, 1] {
         let by = of(1 - colour);
-        parts.push(Part {
+        parts.push(ShearPart {
             moves: of(colour),
             is_affine: slopes.are_affine(&by, &moving)?,
             by,
@@ -77,14 +79,14 @@ pub(super) fn parts(
 }
 
 /// ∂H/∂x_a of one site and one pair as code, to tell what it depends on.
-struct Slopes {
+struct Dependences {
     graph: Graph,
     /// By the coordinates of site i, then of site j.
     gradient: Vec<Term>,
     families: usize,
 }
 
-impl Slopes {
+impl Dependences {
     fn of(function: &BodyFunction, shape: BodyShape) -> Result<Self, BuildError> {
         let weighted = Weighted::of(function)?;
         let mut graph = Graph::compilable();
@@ -129,11 +131,7 @@ impl Slopes {
     }
 
     /// Whether the second derivatives by these families do not depend on what moves.
-    fn are_affine(
-        &self,
-        by: &[usize],
-        moving: &BTreeSet<usize>,
-    ) -> Result<bool, BuildError> {
+    fn are_affine(&self, by: &[usize], moving: &BTreeSet<usize>) -> Result<bool, BuildError> {
         let mut graph = self.graph.clone();
         for family in by {
             for slope in self.of_family(*family) {

@@ -68,7 +68,11 @@ impl SiteCode {
             }
             self.kernel.evaluate_in_place(workspace);
             for output in 0..self.kernel.outputs() {
-                write(output, place, &self.kernel.output(workspace, output)[..count]);
+                write(
+                    output,
+                    place,
+                    &self.kernel.output(workspace, output)[..count],
+                );
             }
         }
     }

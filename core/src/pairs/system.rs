@@ -4,15 +4,14 @@ use std::sync::Arc;
 
 use leafwise_expression::{Arithmetic, Expression, Graph, Term, Workspace};
 
+use super::BodyShape;
 use super::function::BodyFunction;
 use super::shears::parts;
 use super::site_code::SiteCode;
 use super::values::{Slopes, SlopesCode, Sums, SumsCode};
-use super::BodyShape;
 use crate::error::{BuildError, StepError};
-use crate::system::numbers::{
-    Derivatives, FieldSideBySide, Shear, SystemEvaluator, SystemFunction, vector,
-};
+use crate::evaluator::Evaluator;
+use crate::system::numbers::{Derivatives, Shear, SystemEvaluator, SystemFunction, vector};
 use crate::system::{OpaqueSystem, Parameter, SystemNumbers};
 
 /// A Poisson system with H and Casimirs of sums, and a tensor whose entries couple coordinates of one site.
@@ -63,7 +62,7 @@ impl BodySystem {
         let casimirs: Vec<BodyFunction> = (self.casimirs.iter())
             .map(|(_, casimir)| casimir.clone())
             .collect();
-        let code = Arc::new(Code {
+        let code = Arc::new(BodyCode {
             shape,
             field: Arc::new(field),
             gradient: Arc::new(gradient),
@@ -83,7 +82,8 @@ impl BodySystem {
         .with_field(move |parameters, points| {
             Box::new(FieldOfBodies {
                 slopes: Slopes::new(&of_field.field, points, parameters),
-                work: of_field.field.work(),
+                work: of_field.field.work() * points as u64,
+                operations: 0,
             })
         });
         if self.rests(&moving) {
@@ -118,7 +118,9 @@ impl BodySystem {
     /// The parts of H = T + V whose flows are shears, that of fewer operations first; none where H does not separate.
     fn shears(&self) -> Result<Vec<Shear>, BuildError> {
         let entries = self.bracket.iter();
-        let entries: Vec<_> = entries.map(|(at, entry)| (*at, entry.variables())).collect();
+        let entries: Vec<_> = entries
+            .map(|(at, entry)| (*at, entry.variables()))
+            .collect();
         let Some(parts) = parts(&self.hamiltonian, self.shape, &entries)? else {
             return Ok(Vec::new());
         };
@@ -129,7 +131,8 @@ impl BodySystem {
             let shear = Shear::new(part.is_affine, move |parameters, points| {
                 Box::new(FieldOfBodies {
                     slopes: Slopes::new(&code, points, parameters),
-                    work,
+                    work: work * points as u64,
+                    operations: 0,
                 })
             });
             shears.push((work, shear));
@@ -141,7 +144,11 @@ impl BodySystem {
     /// Whether the entries of the tensor depend on coordinates that rest alone.
     fn rests(&self, moving: &[usize]) -> bool {
         let mut entries = self.bracket.iter();
-        entries.all(|(_, entry)| entry.variables().is_disjoint(&moving.iter().copied().collect()))
+        entries.all(|(_, entry)| {
+            entry
+                .variables()
+                .is_disjoint(&moving.iter().copied().collect())
+        })
     }
 
     /// (Πv)_a for each family with an entry, or −Πv.
@@ -153,15 +160,20 @@ impl BodySystem {
         is_negative: bool,
     ) -> Result<Vec<(usize, Term)>, BuildError> {
         let mut results: Vec<(usize, Term)> = Vec::new();
-        let mut add = |graph: &mut Graph, family: usize, term: Term| {
-            match results.iter_mut().find(|(own, _)| *own == family) {
-                Some((_, sum)) => *sum = graph.add(sum, &term),
-                None => results.push((family, term)),
-            }
+        let mut add = |graph: &mut Graph, family: usize, term: Term| match results
+            .iter_mut()
+            .find(|(own, _)| *own == family)
+        {
+            Some((_, sum)) => *sum = graph.add(sum, &term),
+            None => results.push((family, term)),
         };
         for ((a, b), entry) in &self.bracket {
             let entry = entry.evaluate_in(graph, &mut |_, at| Ok(x[at].clone()))?;
-            let entry = if is_negative { graph.negate(&entry) } else { entry };
+            let entry = if is_negative {
+                graph.negate(&entry)
+            } else {
+                entry
+            };
             let row = graph.multiply(&entry, &v[*b]);
             add(graph, *a, row);
             let row = graph.multiply(&entry, &v[*a]);
@@ -173,7 +185,7 @@ impl BodySystem {
 }
 
 /// The code of a system.
-struct Code {
+struct BodyCode {
     shape: BodyShape,
     /// −Π∇H, ∇H and Πv.
     field: Arc<SlopesCode>,
@@ -188,22 +200,30 @@ struct Code {
 /// The field of a system at points side by side.
 struct FieldOfBodies {
     slopes: Slopes,
+    /// Operations of one evaluation, and of all so far.
     work: u64,
+    operations: u64,
 }
 
-impl FieldSideBySide for FieldOfBodies {
-    fn evaluate(&mut self, points: &[f64], field: &mut [f64]) {
+impl Evaluator for FieldOfBodies {
+    fn values(&mut self, points: &[f64], field: &mut [f64]) -> Result<(), StepError> {
         self.slopes.evaluate(points, field);
+        self.operations += self.work;
+        Ok(())
     }
 
-    fn work(&self) -> u64 {
-        self.work
+    fn jacobians(&mut self, _points: &[f64], _out: &mut [f64]) -> Result<(), StepError> {
+        Err(StepError::NoTangent)
+    }
+
+    fn operations(&self) -> Option<u64> {
+        Some(self.operations)
     }
 }
 
 /// One thread's evaluator of a system of bodies, point by point.
 struct BodyEvaluator {
-    code: Arc<Code>,
+    code: Arc<BodyCode>,
     gradient: Slopes,
     tensor: Workspace,
     energy: Sums,
@@ -212,7 +232,7 @@ struct BodyEvaluator {
 }
 
 impl BodyEvaluator {
-    fn new(code: &Arc<Code>, parameters: &[f64]) -> Self {
+    fn new(code: &Arc<BodyCode>, parameters: &[f64]) -> Self {
         Self {
             gradient: Slopes::new(&code.gradient, 1, parameters),
             tensor: code.tensor.workspace(parameters),
@@ -232,10 +252,11 @@ impl BodyEvaluator {
         };
         out.fill(0.0);
         let (code, workspace) = (&self.code, &mut self.tensor);
-        code.tensor.evaluate(workspace, places, row, |result, place, values| {
-            let start = code.tensor_families[result] * places + place;
-            out[start..][..values.len()].copy_from_slice(values);
-        });
+        code.tensor
+            .evaluate(workspace, places, row, |result, place, values| {
+                let start = code.tensor_families[result] * places + place;
+                out[start..][..values.len()].copy_from_slice(values);
+            });
     }
 }
 

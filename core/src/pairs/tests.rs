@@ -19,7 +19,9 @@ const POTENTIALS: [&str; 4] = [
 fn scope(sites: usize) -> Scope {
     let families = FAMILIES.iter().enumerate();
     let scope = Scope::new().with_parameters(&["a"]);
-    families.fold(scope, |scope, (at, name)| scope.with_family(name, at * sites, sites))
+    families.fold(scope, |scope, (at, name)| {
+        scope.with_family(name, at * sites, sites)
+    })
 }
 
 fn function(text: &str, sites: usize) -> BodyFunction {
@@ -30,7 +32,9 @@ fn function(text: &str, sites: usize) -> BodyFunction {
         .map(|at| at / sites + FAMILIES.len() * (at % sites).min(1))
         .collect();
     let own = |formula: &Expression| formula.with_variables(&places);
-    let outer: Vec<usize> = (0..d + sums.sums.len()).map(|at| at.saturating_sub(d)).collect();
+    let outer: Vec<usize> = (0..d + sums.sums.len())
+        .map(|at| at.saturating_sub(d))
+        .collect();
     BodyFunction {
         outer: sums.outer.with_variables(&outer),
         sums: (sums.sums.iter())
@@ -45,7 +49,9 @@ fn function(text: &str, sites: usize) -> BodyFunction {
 fn system(text: &str, sites: usize) -> OpaqueSystem {
     let one = Expression::from(1);
     let entry = Expression::Quotient(Box::new(one), Box::new(Expression::Variable(2)));
-    let all = FAMILIES.iter().flat_map(|name| (0..sites).map(move |i| format!("{name}[{i}]")));
+    let all = FAMILIES
+        .iter()
+        .flat_map(|name| (0..sites).map(move |i| format!("{name}[{i}]")));
     let system = BodySystem {
         shape: BodyShape {
             families: FAMILIES.len(),
@@ -79,7 +85,10 @@ fn loops_have_the_values_of_the_formula_written_out() {
             let system = system(text, sites);
             let x = state(sites);
             let written = Formula::parse(text).expect("a formula");
-            let written = written.resolve(&scope(sites), None).expect("names").expect("all");
+            let written = written
+                .resolve(&scope(sites), None)
+                .expect("names")
+                .expect("all");
             let allowed = 1e-15 * 10.0 * (sites * sites) as f64;
             let mut numbers = system.numbers.evaluator(&[0.3]);
             let mut energy = [0.0];
@@ -92,7 +101,7 @@ fn loops_have_the_values_of_the_formula_written_out() {
             );
             let mut field = vec![0.0; x.len()];
             let make = system.numbers.field().expect("offered");
-            make(&[0.3], 1).evaluate(&x, &mut field);
+            make(&[0.3], 1).values(&x, &mut field).expect("a value");
             let mut gradient = vec![0.0; x.len()];
             numbers.gradient(&x, &mut gradient).expect("a value");
             for i in [0, sites / 2, sites - 1] {
@@ -103,8 +112,14 @@ fn loops_have_the_values_of_the_formula_written_out() {
                     let expected = sign * slope / x[2 * sites + i];
                     let found = field[family * sites + i];
                     let allowed = allowed * (scale + slope.abs());
-                    assert!((found - expected).abs() <= allowed, "{text} {sites} {i}: {found} {expected}");
-                    assert!((gradient[at] - slope).abs() <= allowed, "{text} {sites} {i}");
+                    assert!(
+                        (found - expected).abs() <= allowed,
+                        "{text} {sites} {i}: {found} {expected}"
+                    );
+                    assert!(
+                        (gradient[at] - slope).abs() <= allowed,
+                        "{text} {sites} {i}"
+                    );
                 }
             }
             // Parameters of sites rest.
@@ -128,13 +143,19 @@ fn points_side_by_side_have_the_bits_of_points_alone() {
                     .map(|(point, c)| at(point, c))
                     .collect();
                 let mut together = vec![0.0; rows.len()];
-                make(&[0.3], points).evaluate(&rows, &mut together);
+                make(&[0.3], points)
+                    .values(&rows, &mut together)
+                    .expect("values");
                 for point in 0..points {
                     let own: Vec<f64> = (0..x.len()).map(|c| at(point, c)).collect();
                     let mut alone = vec![0.0; x.len()];
-                    make(&[0.3], 1).evaluate(&own, &mut alone);
+                    make(&[0.3], 1).values(&own, &mut alone).expect("a value");
                     for (c, alone) in alone.iter().enumerate() {
-                        assert_eq!(together[c * points + point], *alone, "{text} {sites} {points}");
+                        assert_eq!(
+                            together[c * points + point],
+                            *alone,
+                            "{text} {sites} {points}"
+                        );
                     }
                 }
             }
@@ -156,5 +177,9 @@ fn what_is_no_sum_of_pairs_is_refused() {
     }
     let function = SystemFunction::Hessian(&[]);
     let mut numbers = system(POTENTIALS[0], 3).numbers.evaluator(&[0.3]);
-    assert!(numbers.evaluate(function, &state(3), &mut [0.0; 9]).is_err());
+    assert!(
+        numbers
+            .evaluate(function, &state(3), &mut [0.0; 9])
+            .is_err()
+    );
 }

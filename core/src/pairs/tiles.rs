@@ -1,10 +1,10 @@
 //! The loop over pairs.
 //!
 //! Sites are cut into tiles of [`TILE`]. For two tiles the code of a pair runs along the sites i of the first, all points
-//! of a site side by side, with j = i + k for k = 0, 1, …; the second tile stands behind itself once more, so that j goes
-//! round. Within one tile half of the k give all pairs where i and j may change places. All that the code reads and
-//! writes stands at constant distances, one machine code for each k: nothing is copied but tiles. Places beyond the last
-//! site repeat others, and a mask of 0 takes what they give away.
+//! of a site side by side, with j = i + k for k = 0, 1, …. The second tile stands behind itself once more, so that j goes
+//! round. Within one tile half of the k give all pairs where i and j may change places. The code reads and writes at
+//! constant distances, with a machine code for each k. Nothing is copied but tiles. Places beyond the last
+//! site repeat others, and a mask of 0 takes away what they give.
 //!
 //! The order of all sums is that of tiles and of k, whatever the number of points and the width of registers.
 
@@ -14,7 +14,7 @@ use std::sync::Arc;
 use leafwise_expression::{Aligned, Execution, Kernel, Workspace};
 
 use super::BodyShape;
-use super::pair_code::{PairCode, Row};
+use super::pair_code::{PairCode, PairRow};
 
 /// The number of sites of a tile.
 const TILE: usize = 32;
@@ -30,8 +30,8 @@ pub(super) struct Tiles {
     /// The number of points.
     points: usize,
     parameters: Vec<f64>,
-    /// What the code reads and writes: each row with its start in `room`.
-    rows: Vec<(Row, usize)>,
+    /// Rows that the code reads and writes, each with its start in `room`.
+    rows: Vec<(PairRow, usize)>,
     room: Aligned,
     /// The code with sites j so many sites behind i.
     shifted: Vec<Option<(Kernel, Workspace)>>,
@@ -78,7 +78,7 @@ impl Tiles {
             }
             let own = first.start * self.points..first.end * self.points;
             for (row, start) in &self.rows {
-                if let Row::FirstSum(sum) = row {
+                if let PairRow::FirstSum(sum) = row {
                     let to = self.row_of(*sum, own.clone());
                     add(&mut sums[to], &self.room[*start..][..own.len()]);
                 }
@@ -104,16 +104,16 @@ impl Tiles {
         for at in 0..self.rows.len() {
             let (row, start) = self.rows[at];
             match row {
-                Row::First(family) => {
+                PairRow::First(family) => {
                     let own = self.row_of(family, first.start * points..first.end * points);
                     repeat(&x[own], &mut self.room[start..][..places]);
                 }
-                Row::Weight(weight) => {
+                PairRow::Weight(weight) => {
                     let own = &weights[weight * points..][..points];
                     repeat(own, &mut self.room[start..][..places]);
                 }
-                Row::FirstSum(_) => self.room[start..][..places].fill(0.0),
-                Row::Mask | Row::Second(_) | Row::SecondSum(_) => {}
+                PairRow::FirstSum(_) => self.room[start..][..places].fill(0.0),
+                PairRow::Mask | PairRow::Second(_) | PairRow::SecondSum(_) => {}
             }
         }
     }
@@ -126,11 +126,11 @@ impl Tiles {
         for at in 0..self.rows.len() {
             let (row, start) = self.rows[at];
             match row {
-                Row::Second(family) => {
+                PairRow::Second(family) => {
                     let own = self.row_of(family, own.clone());
                     repeat(&x[own], &mut self.room[start..][..window]);
                 }
-                Row::SecondSum(_) => self.room[start..][..window].fill(0.0),
+                PairRow::SecondSum(_) => self.room[start..][..window].fill(0.0),
                 _ => {}
             }
         }
@@ -159,7 +159,7 @@ impl Tiles {
             }
         }
         for (row, start) in &self.rows {
-            if let Row::SecondSum(sum) = row {
+            if let PairRow::SecondSum(sum) = row {
                 let to = self.row_of(*sum, own.clone());
                 for part in self.room[*start..][..window].chunks(own.len()) {
                     add(&mut sums[to.start..][..part.len()], part);
@@ -171,7 +171,7 @@ impl Tiles {
     /// Lets the first places count alone, of those of so many sites.
     fn count(&mut self, counted: usize, sites: usize) {
         let places = self.places(sites);
-        let mask = self.rows.iter().find(|(row, _)| *row == Row::Mask);
+        let mask = self.rows.iter().find(|(row, _)| *row == PairRow::Mask);
         if let Some((_, start)) = mask {
             let (ones, zeros) = self.room[*start..][..places].split_at_mut(counted);
             // All places before were 1, and all behind 0.
@@ -193,10 +193,16 @@ impl Tiles {
             return;
         };
         let reached = kernel.evaluate_along(workspace, &mut self.room, 0..places);
-        let at = |row: &Row, place: usize| {
+        let at = |row: &PairRow, place: usize| {
             let found = self.rows.iter().find(|(own, _)| own == row);
             let start = found.map_or(0, |(_, start)| *start);
-            start + place + if is_second(*row) { shift * self.points } else { 0 }
+            start
+                + place
+                + if is_second(*row) {
+                    shift * self.points
+                } else {
+                    0
+                }
         };
         for place in (reached..places).step_by(BLOCK) {
             for (input, row) in self.code.inputs.iter().enumerate() {
@@ -213,10 +219,14 @@ impl Tiles {
 
     /// The code for j so many sites behind i.
     fn shifted_by(&self, shift: usize) -> (Kernel, Workspace) {
-        let distance = |row: &Row| {
+        let distance = |row: &PairRow| {
             let found = self.rows.iter().find(|(own, _)| own == row);
             let start = found.map_or(0, |(_, start)| *start);
-            let behind = if is_second(*row) { shift * self.points } else { 0 };
+            let behind = if is_second(*row) {
+                shift * self.points
+            } else {
+                0
+            };
             (start + behind) as isize
         };
         let inputs: Vec<isize> = self.code.inputs.iter().map(distance).collect();
@@ -236,8 +246,8 @@ impl Tiles {
 }
 
 /// Whether a row is of sites j.
-fn is_second(row: Row) -> bool {
-    matches!(row, Row::Second(_) | Row::SecondSum(_))
+fn is_second(row: PairRow) -> bool {
+    matches!(row, PairRow::Second(_) | PairRow::SecondSum(_))
 }
 
 /// Fills `to` with `from` again and again.

@@ -120,9 +120,10 @@ impl Sums {
         let places = code.shape.sites * points;
         let shares = &mut self.shares;
         let row = |at: usize| &x[at * places..][..places];
-        code.site.evaluate(&mut self.site, places, row, |sum, place, values| {
-            shares[sum * places + place..][..values.len()].copy_from_slice(values);
-        });
+        code.site
+            .evaluate(&mut self.site, places, row, |sum, place, values| {
+                shares[sum * places + place..][..values.len()].copy_from_slice(values);
+            });
         if let Some(tiles) = &mut self.tiles {
             tiles.add(x, &[], shares);
         }
@@ -140,9 +141,10 @@ impl Sums {
         }
         let totals = &self.totals;
         let row = |at: usize| &totals[at * points..][..points];
-        code.outer.evaluate(&mut self.outer, points, row, |outer, place, values| {
-            out[outer * points + place..][..values.len()].copy_from_slice(values);
-        });
+        code.outer
+            .evaluate(&mut self.outer, points, row, |outer, place, values| {
+                out[outer * points + place..][..values.len()].copy_from_slice(values);
+            });
     }
 }
 
@@ -159,7 +161,7 @@ pub(super) struct SlopesCode {
 }
 
 impl SlopesCode {
-    /// What `write` makes of the coordinates and the gradient by the families `by`, at one site: results for families.
+    /// Results for families at one site, which `write` makes of the coordinates and the gradient by the families `by`.
     ///
     /// # Errors
     /// [`BuildError::Algebra`] where a formula or derivative has no code; those of `write`.
@@ -168,11 +170,7 @@ impl SlopesCode {
         shape: BodyShape,
         by: &[usize],
         parameters: usize,
-        write: impl FnOnce(
-            &mut Graph,
-            &[Term],
-            &[Term],
-        ) -> Result<Vec<(usize, Term)>, BuildError>,
+        write: impl FnOnce(&mut Graph, &[Term], &[Term]) -> Result<Vec<(usize, Term)>, BuildError>,
     ) -> Result<Self, BuildError> {
         let weighted = Weighted::of(function)?;
         let of_sums = weighted.of_sums();
@@ -199,7 +197,9 @@ impl SlopesCode {
             families = results.iter().map(|(family, _)| *family).collect();
             Ok(results.into_iter().map(|(_, term)| term).collect())
         })?;
-        let of_pair = pair.as_ref().map_or(0, |pair| pair.kernel.step_operations().work());
+        let of_pair = pair
+            .as_ref()
+            .map_or(0, |pair| pair.kernel.step_operations().work());
         let pairs = shape.sites * (shape.sites - 1) / 2;
         Ok(Self {
             weights,
@@ -258,7 +258,8 @@ impl Slopes {
             weights.evaluate(x, &mut self.of_points);
             let rows = self.spread.chunks_exact_mut(places);
             for (row, own) in rows.zip(self.of_points.chunks_exact(points)) {
-                row.chunks_exact_mut(points).for_each(|to| to.copy_from_slice(own));
+                row.chunks_exact_mut(points)
+                    .for_each(|to| to.copy_from_slice(own));
             }
         }
         if let Some(tiles) = &mut self.tiles {
@@ -272,10 +273,11 @@ impl Slopes {
             rows.nth(at).unwrap_or(&[])
         };
         out.fill(0.0);
-        code.site.evaluate(&mut self.site, places, row, |result, place, values| {
-            let start = code.families[result] * places + place;
-            out[start..][..values.len()].copy_from_slice(values);
-        });
+        code.site
+            .evaluate(&mut self.site, places, row, |result, place, values| {
+                let start = code.families[result] * places + place;
+                out[start..][..values.len()].copy_from_slice(values);
+            });
     }
 }
 

@@ -9,7 +9,6 @@ use super::jacobian::Jacobian;
 use crate::error::{BuildError, StepError};
 use crate::evaluator::Evaluator;
 use crate::point_kernel::PointKernel;
-use crate::system::FieldSideBySide;
 
 /// A map z ↦ F(z), and z ↦ DF(z) where that is offered.
 #[derive(Clone)]
@@ -34,12 +33,12 @@ enum Source {
 }
 
 type MakeMap = dyn Fn(&[f64], f64, f64) -> Box<dyn Evaluator> + Send + Sync;
-type MakeSideBySide = dyn Fn(&[f64], usize) -> Box<dyn FieldSideBySide> + Send + Sync;
+type MakeSideBySide = dyn Fn(&[f64], usize) -> Box<dyn Evaluator> + Send + Sync;
 
 /// F at points side by side: a kernel with its workspace, or numbers.
 pub(super) enum SideBySide {
     Kernel(Arc<Kernel>, Workspace),
-    Numbers(Box<dyn FieldSideBySide>),
+    Numbers(Box<dyn Evaluator>),
 }
 
 impl std::fmt::Debug for SmoothMap {
@@ -154,7 +153,7 @@ impl SmoothMap {
     #[must_use]
     pub fn with_side_by_side(
         mut self,
-        make: impl Fn(&[f64], usize) -> Box<dyn FieldSideBySide> + Send + Sync + 'static,
+        make: impl Fn(&[f64], usize) -> Box<dyn Evaluator> + Send + Sync + 'static,
     ) -> Self {
         if let Source::Numbers { side_by_side, .. } = &mut self.source {
             *side_by_side = Some(Arc::new(make));

@@ -6,7 +6,7 @@ use leafwise_expression::bounded::{Bounded, BoundedNumbers};
 use leafwise_expression::{Arithmetic, Graph, Term};
 use nalgebra::DMatrix;
 
-use super::numbers::{FieldSideBySide, MakeField, OpaqueSystem, SystemEvaluator};
+use super::numbers::{MakeField, OpaqueSystem, SystemEvaluator};
 use super::{Definition, PoissonSystem};
 use crate::error::{BuildError, StepError};
 use crate::evaluator::Evaluator;
@@ -204,7 +204,6 @@ fn map_of(system: &OpaqueSystem, value: Value) -> SmoothMap {
                 parameters: parameters.to_vec(),
                 evaluators: Vec::new(),
                 rows: Default::default(),
-                operations: 0,
             }),
             value,
             dimension: d,
@@ -226,14 +225,13 @@ struct BatchOfField {
     make: Arc<MakeField>,
     parameters: Vec<f64>,
     /// Evaluators by their numbers of points.
-    evaluators: Vec<(usize, Box<dyn FieldSideBySide>)>,
+    evaluators: Vec<(usize, Box<dyn Evaluator>)>,
     /// Points and results in rows.
     rows: [Vec<f64>; 2],
-    operations: u64,
 }
 
 impl BatchOfField {
-    fn values(&mut self, dimension: usize, z: &[f64], out: &mut [f64]) {
+    fn values(&mut self, dimension: usize, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
         let points = z.len() / dimension;
         let known = self.evaluators.iter().position(|(own, _)| *own == points);
         let at = known.unwrap_or_else(|| {
@@ -242,9 +240,8 @@ impl BatchOfField {
             self.evaluators.len() - 1
         });
         let evaluator = &mut self.evaluators[at].1;
-        self.operations += points as u64 * evaluator.work();
         if points == 1 {
-            return evaluator.evaluate(z, out);
+            return evaluator.values(z, out);
         }
         let [rows, results] = &mut self.rows;
         rows.resize(z.len(), 0.0);
@@ -253,11 +250,18 @@ impl BatchOfField {
             let own = rows[point..].iter_mut().step_by(points);
             own.zip(z).for_each(|(row, z)| *row = *z);
         }
-        evaluator.evaluate(rows, results);
+        evaluator.values(rows, results)?;
         for (point, out) in out.chunks_exact_mut(dimension).enumerate() {
             let own = results[point..].iter().step_by(points);
             out.iter_mut().zip(own).for_each(|(out, own)| *out = *own);
         }
+        Ok(())
+    }
+
+    fn operations(&self) -> u64 {
+        let evaluators = self.evaluators.iter();
+        let own = evaluators.filter_map(|(_, evaluator)| evaluator.operations());
+        own.sum()
     }
 }
 
@@ -292,8 +296,7 @@ impl Evaluator for FieldEvaluator {
         let d = self.dimension;
         let count = z.len() / self.inputs();
         if let Some(batch) = &mut self.side_by_side {
-            batch.values(d, z, out);
-            return Ok(());
+            return batch.values(d, z, out);
         }
         match self.value {
             Value::Field => {
@@ -401,7 +404,10 @@ impl Evaluator for FieldEvaluator {
     }
 
     fn operations(&self) -> Option<u64> {
-        let beside = self.side_by_side.as_ref().map_or(0, |batch| batch.operations);
+        let beside = self
+            .side_by_side
+            .as_ref()
+            .map_or(0, BatchOfField::operations);
         Some(self.numbers.operations()? + beside)
     }
 }

@@ -38,8 +38,7 @@ pub use forms::FormError;
 pub use formulas::{SystemFormulas, TensorSource};
 pub use jet::MotionSeries;
 pub use numbers::{
-    Derivatives, FieldSideBySide, OpaqueSystem, Shear, SystemEvaluator, SystemFunction,
-    SystemNumbers,
+    Derivatives, MakeField, OpaqueSystem, Shear, SystemEvaluator, SystemFunction, SystemNumbers,
 };
 pub use observables::{SystemInvariants, SystemObservables};
 pub(crate) use tensor_matrix::TensorMatrix;

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::Parameter;
 use crate::error::{BuildError, StepError};
+use crate::evaluator::Evaluator;
 
 /// A Poisson system known by its values: (M ≅ ℝᵈ, π, H) as functions to call.
 #[derive(Clone, Debug)]
@@ -51,10 +52,10 @@ pub struct Shear {
 }
 
 impl Shear {
-    /// Evaluators of X, of parameters and of the number of points; whether X is affine in what moves.
+    /// Evaluators of X, as [`MakeField`] says of X_H; whether X is affine in what moves.
     pub fn new(
         is_affine: bool,
-        make: impl Fn(&[f64], usize) -> Box<dyn FieldSideBySide> + Send + Sync + 'static,
+        make: impl Fn(&[f64], usize) -> Box<dyn Evaluator> + Send + Sync + 'static,
     ) -> Self {
         Self {
             make: Arc::new(make),
@@ -63,7 +64,7 @@ impl Shear {
     }
 
     /// One thread's evaluator of X at so many points side by side.
-    pub fn evaluator(&self, parameters: &[f64], points: usize) -> Box<dyn FieldSideBySide> {
+    pub fn evaluator(&self, parameters: &[f64], points: usize) -> Box<dyn Evaluator> {
         (self.make)(parameters, points)
     }
 
@@ -74,19 +75,11 @@ impl Shear {
 }
 
 type MakeEvaluator = dyn Fn(&[f64]) -> Box<dyn SystemEvaluator> + Send + Sync;
-/// Makes an evaluator of parameters and of the number of points.
-pub(crate) type MakeField = dyn Fn(&[f64], usize) -> Box<dyn FieldSideBySide> + Send + Sync;
-
-/// One thread's evaluator of X_H = −Π∇H at a number of points side by side, for fixed parameters.
-pub trait FieldSideBySide: Send {
-    /// X_H at the points: coordinate c of point w at `[c*points + w]`. Where there is none, it is no number. A point's
-    /// result has the same bits whatever stands beside it.
-    fn evaluate(&mut self, points: &[f64], field: &mut [f64]);
-    /// The operations of one evaluation at one point, as [`SolverStatistics::operations`] counts them.
-    ///
-    /// [`SolverStatistics::operations`]: crate::SolverStatistics::operations
-    fn work(&self) -> u64;
-}
+/// Maker of evaluators of X_H = −Π∇H at points side by side, of parameters and of the number of points.
+///
+/// Such an evaluator is a map of all points at once: coordinate c of point w stands at `[c*points + w]`, and so does its
+/// velocity. Where there is none, it is no number. A point's result has the same bits whatever stands beside it.
+pub type MakeField = dyn Fn(&[f64], usize) -> Box<dyn Evaluator> + Send + Sync;
 
 impl SystemNumbers {
     /// Values whose evaluators `make` makes, one a thread, of values of the parameters.
@@ -105,11 +98,11 @@ impl SystemNumbers {
         }
     }
 
-    /// The same with evaluators of X_H at points side by side: of parameters, and of the number of points.
+    /// The same with evaluators of X_H at points side by side, as [`MakeField`] says.
     #[must_use]
     pub fn with_field(
         mut self,
-        make: impl Fn(&[f64], usize) -> Box<dyn FieldSideBySide> + Send + Sync + 'static,
+        make: impl Fn(&[f64], usize) -> Box<dyn Evaluator> + Send + Sync + 'static,
     ) -> Self {
         self.field = Some(Arc::new(make));
         self

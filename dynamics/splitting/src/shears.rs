@@ -2,19 +2,18 @@
 
 use std::sync::Arc;
 
-use leafwise_core::part::PartParameters;
+use leafwise_core::part::{PartInfo, PartParameters};
 use leafwise_core::solver::{
     Factored, Lanes, MapAbilities, MapProperties, Pieces, StepMap, StepReport, Stepper, Structure,
     Trajectories,
 };
-use leafwise_core::system::{FieldSideBySide, OpaqueSystem, Shear};
-use leafwise_core::{BuildError, StepError};
+use leafwise_core::system::{OpaqueSystem, Shear};
+use leafwise_core::{BuildError, Evaluator, StepError};
 
 use crate::arrangement::named_order;
 use crate::piece::NAME;
 use crate::product::{Product, Splits, evaluations};
 use crate::schedule::{Flow, STRANG, passes};
-use crate::splitting::INFO;
 
 /// φ¹_{t/2} ∘ φ²_t ∘ φ¹_{t/2} of H = T + V with the flows x + t X_k(x): Störmer and Verlet's method.
 #[derive(Clone)]
@@ -27,6 +26,7 @@ impl Shears {
     /// # Errors
     /// [`BuildError::DoesNotFit`] for a system that names none.
     pub(crate) fn new(
+        info: &'static PartInfo,
         system: &OpaqueSystem,
         parameters: &PartParameters,
     ) -> Result<Self, BuildError> {
@@ -42,7 +42,7 @@ impl Shears {
                 },
             });
         }
-        let order = named_order(&INFO, parameters, shears.len())?;
+        let order = named_order(info, parameters, shears.len())?;
         let order = order.unwrap_or_else(|| (0..shears.len()).collect());
         Ok(Self {
             dimension: system.variables.len(),
@@ -71,7 +71,9 @@ impl Shears {
                 }
             }
             Pieces::Perturbed => {
-                return Err(refused("which part is small is not known of sums over pairs"));
+                return Err(refused(
+                    "which part is small is not known of sums over pairs",
+                ));
             }
         }
         Ok(arranged)
@@ -132,7 +134,6 @@ impl Splits for Shears {
             evaluations: evaluations(parts),
             state: vec![0.0; self.dimension],
             field: vec![0.0; self.dimension],
-            operations: 0,
         };
         Box::new(Lanes::apart(lanes, self.dimension, parameters, make))
     }
@@ -142,14 +143,13 @@ impl Splits for Shears {
 ///
 /// The state between flows is plain doubles; the flows' increments add up apart from it.
 struct ShearFlows {
-    fields: Vec<Box<dyn FieldSideBySide>>,
+    fields: Vec<Box<dyn Evaluator>>,
     flows: Vec<Flow>,
     time: f64,
     /// The number of evaluations that a step counts as.
     evaluations: u64,
     state: Vec<f64>,
     field: Vec<f64>,
-    operations: u64,
 }
 
 impl Trajectories for ShearFlows {
@@ -158,8 +158,10 @@ impl Trajectories for ShearFlows {
         self.state.copy_from_slice(x);
         for flow in &self.flows {
             let field = &mut self.fields[flow.piece];
-            field.evaluate(&self.state, &mut self.field);
-            self.operations += field.work();
+            if let Err(error) = field.values(&self.state, &mut self.field) {
+                taken.iter_mut().for_each(|taken| taken.fail(error.clone()));
+                return;
+            }
             let time = flow.part * self.time;
             let changes = increment.iter_mut().zip(&self.field);
             for ((state, x), (change, slope)) in self.state.iter_mut().zip(x).zip(changes) {
@@ -176,6 +178,7 @@ impl Trajectories for ShearFlows {
     }
 
     fn operations(&self) -> Option<u64> {
-        Some(self.operations)
+        let fields = self.fields.iter();
+        Some(fields.filter_map(|field| field.operations()).sum())
     }
 }

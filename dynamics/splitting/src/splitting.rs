@@ -25,7 +25,7 @@ use crate::rounding::settled;
 use crate::schedule::{STRANG, passes};
 use crate::shears::Shears;
 
-pub(crate) static INFO: PartInfo = PartInfo {
+static INFO: PartInfo = PartInfo {
     name: NAME,
     summary: "Strang's product of exact flows of the Hamiltonian's pieces, found from the formulas",
     declares: "order 2; self-adjoint; exactly Poisson; explicit",
@@ -410,7 +410,7 @@ fn build(
 ) -> Result<Arc<dyn StepMap>, BuildError> {
     parameters.refuse_unknown(&INFO)?;
     if let Some(system) = system.opaque() {
-        return Ok(Arc::new(Shears::new(system, parameters)?));
+        return Ok(Arc::new(Shears::new(&INFO, system, parameters)?));
     }
     Ok(Arc::new(Splitting::with_parameters(system, parameters)?))
 }

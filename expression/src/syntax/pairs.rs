@@ -64,7 +64,7 @@ impl Formula {
         resolver.sums_from = Some(first);
         let outer = resolver.expression(self.root(), None).map_err(stopped)?;
         let sums = sums.into_iter().map(|(index, body)| {
-            let mut terms = Terms {
+            let mut terms = SummandTerms {
                 text,
                 resolver: Resolver::new(text, scope),
                 site: Vec::new(),
@@ -116,14 +116,14 @@ enum Beside<'a> {
 }
 
 /// The terms of a sum over i.
-struct Terms<'a> {
+struct SummandTerms<'a> {
     text: &'a str,
     resolver: Resolver<'a>,
     site: Vec<Expression>,
     pair: Vec<Expression>,
 }
 
-impl<'a> Terms<'a> {
+impl<'a> SummandTerms<'a> {
     /// Takes a summand apart: terms with an inner sum are of pairs, others of sites.
     fn split(&mut self, node: &'a Node, i: Span, beside: &[Beside<'a>]) -> Result<(), Stop> {
         let with = |factor| [beside, &[factor]].concat();

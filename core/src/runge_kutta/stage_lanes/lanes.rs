@@ -7,9 +7,9 @@ use leafwise_expression::{Kernel, Workspace};
 
 use super::solution::Start;
 use super::sums::{Columns, block, block_mut, by_blocks, sum_of_lanes, sums};
+use crate::evaluator::Evaluator;
 use crate::runge_kutta::smooth_map::{MapAt, SideBySide};
 use crate::runge_kutta::tableau::Tableau;
-use crate::system::FieldSideBySide;
 
 /// The start of the stages of a solve.
 #[derive(Clone, Copy, PartialEq)]
@@ -27,7 +27,7 @@ const TOGETHER: usize = 4;
 
 /// W lanes, the first s of which are stages; the others stay at z.
 pub(super) struct Lanes<const W: usize> {
-    pub(super) field: Field<W>,
+    pub(super) field: StageField<W>,
     /// s.
     pub(super) stages: usize,
     /// τ a_ij, and τ ∫₁^{1+c_i} ℓ_j; 0 beyond s.
@@ -51,16 +51,16 @@ pub(super) struct Lanes<const W: usize> {
 }
 
 /// F at the stages, a row a coordinate.
-pub(super) enum Field<const W: usize> {
+pub(super) enum StageField<const W: usize> {
     Kernel(Arc<Kernel>, Workspace),
     Numbers {
-        evaluator: Box<dyn FieldSideBySide>,
+        evaluator: Box<dyn Evaluator>,
         stages: Vec<[f64; W]>,
         slopes: Vec<[f64; W]>,
     },
 }
 
-impl<const W: usize> Field<W> {
+impl<const W: usize> StageField<W> {
     fn of(field: SideBySide, dimension: usize) -> Self {
         match field {
             SideBySide::Kernel(kernel, workspace) => Self::Kernel(kernel, workspace),
@@ -72,11 +72,19 @@ impl<const W: usize> Field<W> {
         }
     }
 
-    /// Operations of one evaluation at one point.
+    /// Operations of one evaluation at one point, where it is a kernel.
     fn work(&self) -> u64 {
         match self {
             Self::Kernel(kernel, _) => kernel.step_operations().work(),
-            Self::Numbers { evaluator, .. } => evaluator.work(),
+            Self::Numbers { .. } => 0,
+        }
+    }
+
+    /// Operations of all evaluations that the numbers count themselves.
+    pub(super) fn operations(&self) -> u64 {
+        match self {
+            Self::Kernel(..) => 0,
+            Self::Numbers { evaluator, .. } => evaluator.operations().unwrap_or(0),
         }
     }
 
@@ -90,7 +98,12 @@ impl<const W: usize> Field<W> {
                 evaluator,
                 stages,
                 slopes,
-            } => evaluator.evaluate(stages.as_flattened(), slopes.as_flattened_mut()),
+            } => {
+                let values = evaluator.values(stages.as_flattened(), slopes.as_flattened_mut());
+                if values.is_err() {
+                    slopes.fill([f64::NAN; W]);
+                }
+            }
         }
     }
 
@@ -109,7 +122,7 @@ impl<const W: usize> Lanes<W> {
         (field, tableau, time_step, count, follows): (MapAt<'_>, &Tableau, f64, usize, bool),
     ) -> Option<Self> {
         let (s, n) = (tableau.stages(), field.map.outputs());
-        let field = Field::of(field.side_by_side(W)?, n);
+        let field = StageField::of(field.side_by_side(W)?, n);
         let columns = |matrix: &[f64]| Columns::of(matrix, s, time_step);
         let mut weights = [0.0; W];
         for (weight, b) in weights.iter_mut().zip(&tableau.weights) {

@@ -158,6 +158,6 @@ impl<const W: usize> StageLanes for Lanes<W> {
     }
 
     fn operations(&self) -> u64 {
-        self.evaluations * self.work
+        self.evaluations * self.work + self.field.operations()
     }
 }

@@ -2,6 +2,7 @@
 
 use leafwise_core::lattice::{LatticeGeometry, TemplateReach};
 use leafwise_core::pairs::{BodyFunction, BodyShape, BodySum, BodySystem};
+use leafwise_core::part::{Family, PartInfo, PartKind};
 use leafwise_core::system::Parameter;
 use leafwise_core::{PartParameters, PoissonSystem, Registry};
 use leafwise_expression::Expression;
@@ -9,13 +10,13 @@ use leafwise_expression::syntax::Scope;
 
 use super::Refusal;
 use super::definitions::scope;
-use super::dense::DENSE_LIMIT;
+use super::dense::{DENSE_LIMIT, WRITTEN_LIMIT};
 use super::events::events;
 use super::geometry::{check_lengths, geometry};
 use super::initial::initial_state;
 use super::lattice::{bracket_reach, has_forms, one_site, reach};
 use super::names::{check_code, check_names, coordinate_names, parse};
-use super::observables::observables;
+use super::observables::{RecordedFormula, expression, observables_in};
 use super::system::{ComposedSystem, check_contradictions, check_sites};
 use super::tensor::entries;
 use super::time::wants_time;
@@ -35,11 +36,9 @@ pub(super) fn many_bodies(
     document: &SceneDocument,
     registry: &Registry,
 ) -> Result<Option<ComposedSystem>, Refusal> {
-    let stepper = document.method.stepper.as_ref();
-    let stepper = stepper.and_then(|spec| registry.stepper(&spec.name.value).ok());
-    let Some(stepper) = stepper.filter(|_| may_be_bodies(document)) else {
+    if !may_be_bodies(document) {
         return Ok(None);
-    };
+    }
     check_contradictions(document)?;
     check_names(document)?;
     check_sites(document)?;
@@ -51,7 +50,7 @@ pub(super) fn many_bodies(
         return Ok(None);
     }
     let whole = scope(document, &lattice, None)?;
-    let sums = Sums {
+    let sums = BodyFormulas {
         document,
         scope: &whole,
         lattice: &lattice,
@@ -79,6 +78,11 @@ pub(super) fn many_bodies(
         hamiltonian,
         casimirs,
     };
+    let named = document.method.stepper.as_ref();
+    let stepper = named.and_then(|spec| registry.stepper(&spec.name.value).ok());
+    let Some(stepper) = stepper else {
+        return unless_too_long(document, registry);
+    };
     let compiled = system.compile().map_err(|error| {
         let place = document.system.hamiltonian.place();
         document.diagnostic(&place, error.to_string(), "here", None)
@@ -87,7 +91,7 @@ pub(super) fn many_bodies(
     let serves = stepper.info.serves_numbers.is_some()
         || stepper.build(&system, &PartParameters::new()).is_ok();
     if !serves {
-        return Ok(None);
+        return unless_too_long(document, registry);
     }
     let initial = initial_state(document)?;
     let events = events(document, &whole)?;
@@ -98,7 +102,17 @@ pub(super) fn many_bodies(
         initial,
         extension: None,
         noise: Vec::new(),
-        observables: observables(document, &whole, None)?,
+        observables: observables_in(document, None, |formula, known| {
+            let parsed = parse(document, formula).ok();
+            let of_sums = match parsed.is_some_and(|parsed| parsed.has_sum()) {
+                true => sums.of(formula)?,
+                false => None,
+            };
+            match of_sums {
+                Some(function) => Ok(RecordedFormula::Sums(sums.shape(), Box::new(function))),
+                None => expression(document, &whole, formula, known).map(RecordedFormula::Written),
+            }
+        })?,
         events,
     }))
 }
@@ -121,6 +135,48 @@ fn may_be_bodies(document: &SceneDocument) -> bool {
         && wants_time(document).is_none()
 }
 
+/// `None`, for a system that is written out.
+///
+/// # Errors
+/// Too many pairs for that.
+fn unless_too_long(
+    document: &SceneDocument,
+    registry: &Registry,
+) -> Result<Option<ComposedSystem>, Refusal> {
+    let system = &document.system;
+    let coordinates = system.coordinates();
+    if coordinates <= WRITTEN_LIMIT {
+        return Ok(None);
+    }
+    let names = |parts: Vec<&'static PartInfo>| -> Vec<&str> {
+        parts.iter().map(|info| info.name).collect()
+    };
+    let splitting = names(registry.family(Family::Splitting));
+    let parts = registry.parts().into_iter();
+    let serving =
+        parts.filter(|info| info.kind == PartKind::Stepper && info.serves_numbers.is_some());
+    let method = &document.method;
+    let named = method.stepper.as_ref().or(method.dynamics.as_ref());
+    let of = match named {
+        Some(spec) => format!("`{}`", spec.name.value),
+        None => "a realization with its dynamics".to_owned(),
+    };
+    let place = named.map_or_else(|| system.hamiltonian.place(), |spec| spec.name.place());
+    Err(Box::new(document.diagnostic(
+        &place,
+        format!(
+            "{of} needs every pair of sites written out, at most {WRITTEN_LIMIT} coordinates, and this system has {coordinates}: \
+             its H couples all of them by a sum over pairs, a sum within a sum, or a function of sums"
+        ),
+        "here",
+        Some(format!(
+            "steppers that take pairs in a loop: {} where H = T + V, {}",
+            splitting.join(", "),
+            names(serving.collect()).join(", ")
+        )),
+    )))
+}
+
 /// {x_a, x_b} of the families at one site, in the paper's convention.
 fn bracket_of_a_site(
     document: &SceneDocument,
@@ -137,13 +193,13 @@ fn bracket_of_a_site(
 }
 
 /// Formulas of a scene as functions of sums over sites and pairs.
-struct Sums<'a> {
+struct BodyFormulas<'a> {
     document: &'a SceneDocument,
     scope: &'a Scope,
     lattice: &'a LatticeGeometry,
 }
 
-impl Sums<'_> {
+impl BodyFormulas<'_> {
     fn shape(&self) -> BodyShape {
         BodyShape {
             families: self.lattice.families.len(),

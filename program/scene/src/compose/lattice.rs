@@ -291,7 +291,10 @@ impl<'a> SceneLattice<'a> {
 ///
 /// # Errors
 /// The first template that couples sites at any distance. A template that cannot be read.
-pub(super) fn reach(document: &SceneDocument, known: TemplateReach) -> Result<TemplateReach, Refusal> {
+pub(super) fn reach(
+    document: &SceneDocument,
+    known: TemplateReach,
+) -> Result<TemplateReach, Refusal> {
     let system = &document.system;
     let mut reach = bracket_reach(document, known)?;
     let refused = |formula, error| refusal(document, formula, &error);
