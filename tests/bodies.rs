@@ -252,12 +252,19 @@ fn mean_fields_move_as_their_pairs() {
     }
 }
 
-/// Vortices do not separate, and beyond a thousand coordinates realizations are refused with what serves.
+/// Beyond a thousand coordinates, and of an order above 2 from 24 sites on, realizations are refused with what serves.
 #[test]
-fn what_has_no_loop_is_refused_with_what_has() {
-    let text = |method: &str| gravity(200, METHODS[0]).replace(METHODS[0], method);
-    for method in ["", "dynamics = { name = \"hamilton-jacobi\", order = 4 }"] {
-        let refusal = compose(&document(&text(method), &[]), &Registry::with_builtin());
+fn what_needs_pairs_written_out_is_refused_with_what_does_not() {
+    let fourth = "dynamics = { name = \"hamilton-jacobi\", order = 4 }";
+    for (sites, method) in [
+        (200, ""),
+        (200, fourth),
+        (200, "stepper = \"sublattices\""),
+        (30, fourth),
+        (30, ""),
+    ] {
+        let text = gravity(sites, METHODS[0]).replace(METHODS[0], method);
+        let refusal = compose(&document(&text, &[]), &Registry::with_builtin());
         let refusal = refusal.map(|_| ()).expect_err("too many pairs");
         let help = refusal.help.clone().unwrap_or_default();
         assert!(
@@ -306,5 +313,57 @@ fn recorded_sums_over_pairs_are_those_of_the_state() {
                 "{sites}: {found} {expected}"
             );
         }
+    }
+}
+
+#[test]
+#[ignore = "timing"]
+fn timing() {
+    for sites in [30, 100, 300, 1000] {
+        for stages in [3, 8] {
+            let begun = std::time::Instant::now();
+            let run = in_loops(&format!(
+                "[system]\nfamilies = {{ x = {sites}, y = {sites} }}\nbracket = {{ \"x[i],y[i]\" = \"1\" }}\nconvention = \"{{x,H}}\"\n\
+                 hamiltonian = \"-sum(i<j, ln((x[i] - x[j])^2 + (y[i] - y[j])^2))/4\"\n\
+                 [method]\nstepper = {{ name = \"gauss\", stages = {stages} }}\ntime-step = {}\n[run]\nsteps = 5\n\
+                 [run.initial]\n\"x[i]\" = \"sqrt(N)*(1 + 0.1*sin(6*pi*i/N))*cos(2*pi*i/N)\"\n\
+                 \"y[i]\" = \"sqrt(N)*(1 + 0.1*sin(6*pi*i/N))*sin(2*pi*i/N)\"\n",
+                if sites < 300 { 0.1 } else { 0.01 }
+            ));
+            let composing = begun.elapsed().as_secs_f64();
+            let mut walk = run.walk();
+            walk.advance(3).expect("steps");
+            let before = walk.statistics();
+            let steps = if sites < 100 {
+                2000
+            } else if sites < 300 {
+                200
+            } else {
+                10
+            };
+            let begun = std::time::Instant::now();
+            walk.advance(steps).expect("steps");
+            let each = begun.elapsed().as_secs_f64() / steps as f64;
+            println!(
+                "{sites} s = {stages}: composing {composing:.3} s, {:.2} us a step, {:?} {:?}",
+                each * 1e6,
+                before,
+                walk.statistics()
+            );
+        }
+    }
+    for sites in [100, 300, 1000] {
+        let begun = std::time::Instant::now();
+        let run = in_loops(&gravity(sites, METHODS[0]));
+        let composing = begun.elapsed().as_secs_f64();
+        let mut walk = run.walk();
+        walk.advance(2).expect("steps");
+        let begun = std::time::Instant::now();
+        walk.advance(10).expect("steps");
+        let each = begun.elapsed().as_secs_f64() / 40.0;
+        println!(
+            "gravity {sites}: composing {composing:.3} s, {:.2} ns a pair",
+            each * 1e9 / (sites * sites) as f64
+        );
     }
 }

@@ -1,6 +1,6 @@
 //! The code of one pair.
 
-use leafwise_expression::{Arithmetic, Graph, Kernel, Term};
+use leafwise_expression::{Arithmetic, Graph, Kernel, Side, Term};
 
 use super::BodyShape;
 use super::function::{BodyFunction, BodySum, Weighted, families_of, is_symmetric};
@@ -52,8 +52,7 @@ impl PairCode {
             &inputs.coordinates,
             &inputs.weights,
         )?;
-        let counted = inputs.graph.multiply(&total, &inputs.mask);
-        let slopes = inputs.graph.gradient(&counted, 2 * shape.families)?;
+        let slopes = inputs.graph.gradient(&total, 2 * shape.families)?;
         let mut terms = Vec::new();
         for family in by.iter().filter(|family| named.contains(family)) {
             for (slope, row) in [
@@ -85,7 +84,7 @@ impl PairCode {
             let coordinates = &inputs.coordinates;
             let graph = &mut inputs.graph;
             let value = (sum.pair).evaluate_in(graph, &mut |_, at| Ok(coordinates[at].clone()))?;
-            terms.push((graph.multiply(&value, &inputs.mask), PairRow::FirstSum(k)));
+            terms.push((value, PairRow::FirstSum(k)));
         }
         let mut pairs = sums.iter().map(|sum| &sum.pair);
         let is_symmetric = pairs.all(|pair| is_symmetric(pair, shape.families));
@@ -146,6 +145,8 @@ impl PairInputs {
         let given = terms.into_iter().filter(|(term, _)| !term.scale.is_zero());
         let (mut sums, mut outputs) = (Vec::new(), Vec::new());
         for (term, row) in given {
+            // What does not count may be no number: a pair in the other order.
+            let term = self.graph.kept(Side::Above, &self.mask, &term)?;
             let before = self.graph.input(self.rows.len());
             self.rows.push(row);
             sums.push(self.graph.add(&before, &term));

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use leafwise_expression::{Arithmetic, Graph, Term};
 
 use super::BodyShape;
-use super::function::{BodyFunction, Weighted};
+use super::function::{BodyFunction, Weighted, families_of};
 use crate::error::BuildError;
 
 /// Families that move in one part of H.
@@ -38,7 +38,7 @@ pub(super) fn parts(
     let mut apart: Vec<BTreeSet<usize>> = vec![BTreeSet::new(); shape.families];
     for ((a, b), reads) in entries {
         for (family, other) in [(*a, *b), (*b, *a)] {
-            let mut read = slopes.reads(function, other);
+            let mut read = slopes.reads(other);
             read.extend(reads);
             read.insert(other);
             for read in read.intersection(&moving) {
@@ -84,6 +84,8 @@ struct Dependences {
     /// By the coordinates of site i, then of site j.
     gradient: Vec<Term>,
     families: usize,
+    /// The families that each weight depends on.
+    of_weights: Vec<BTreeSet<usize>>,
 }
 
 impl Dependences {
@@ -103,6 +105,13 @@ impl Dependences {
             graph,
             gradient,
             families: shape.families,
+            of_weights: (weighted.of_sums().into_iter())
+                .map(|slope| {
+                    let sums = slope.variables().into_iter().map(|k| &function.sums[k]);
+                    let formulas = sums.flat_map(|sum| [&sum.site, &sum.pair]);
+                    families_of(formulas, shape.families)
+                })
+                .collect(),
         })
     }
 
@@ -111,7 +120,7 @@ impl Dependences {
     }
 
     /// The families that ∂H/∂x_a depends on.
-    fn reads(&self, function: &BodyFunction, family: usize) -> BTreeSet<usize> {
+    fn reads(&self, family: usize) -> BTreeSet<usize> {
         let mut read = BTreeSet::new();
         for input in self.graph.inputs_read(&self.of_family(family)) {
             match input < 2 * self.families {
@@ -119,12 +128,7 @@ impl Dependences {
                     read.insert(input % self.families);
                 }
                 // A weight is of sums over all sites.
-                false => {
-                    let sums = function.sums.iter();
-                    let named = sums.flat_map(|sum| [&sum.site, &sum.pair]);
-                    let named = named.flat_map(leafwise_expression::Expression::variables);
-                    read.extend(named.map(|variable| variable % self.families));
-                }
+                false => read.extend(&self.of_weights[input - 2 * self.families]),
             }
         }
         read
@@ -135,7 +139,9 @@ impl Dependences {
         let mut graph = self.graph.clone();
         for family in by {
             for slope in self.of_family(*family) {
-                for at in 0..2 * self.families {
+                let moving_inputs =
+                    (0..2 * self.families).filter(|at| moving.contains(&(at % self.families)));
+                for at in moving_inputs {
                     let second = graph.derivative(&slope, at)?;
                     let mut read = graph.inputs_read(&[second]).into_iter();
                     let moves = |input: usize| {

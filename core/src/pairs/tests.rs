@@ -128,6 +128,37 @@ fn loops_have_the_values_of_the_formula_written_out() {
     }
 }
 
+/// Pairs in the other order, where the formula has no value, do not enter: √(g_j − g_i) with g that grows along the chain.
+#[test]
+fn pairs_in_the_other_order_do_not_count() {
+    for sites in [5, 33] {
+        let system = system("sum(i<j, sqrt(g[j] - g[i])*x[i]*y[j])", sites);
+        let mut x = state(sites);
+        for i in 0..sites {
+            x[2 * sites + i] = 1.0 + i as f64;
+        }
+        let mut field = vec![0.0; x.len()];
+        let make = system.numbers.field().expect("offered");
+        make(&[0.3], 1).values(&x, &mut field).expect("a value");
+        let mut energy = [0.0];
+        let mut numbers = system.numbers.evaluator(&[0.3]);
+        numbers.hamiltonian(&x, &mut energy).expect("a value");
+        let root = |i: usize, j: usize| libm::sqrt((j - i) as f64);
+        let pairs = || (0..sites).flat_map(|j| (0..j).map(move |i| (i, j)));
+        let expected: f64 = pairs().map(|(i, j)| root(i, j) * x[i] * x[sites + j]).sum();
+        assert!((energy[0] - expected).abs() <= 1e-14 * expected);
+        for i in 0..sites {
+            // {x, y} = 1/g in the paper's sign: x' = −∂H/∂y/g.
+            let slope: f64 = (0..i).map(|k| root(k, i) * x[k]).sum();
+            let expected = -slope / x[2 * sites + i];
+            assert!(
+                (field[i] - expected).abs() <= 1e-13 * (1.0 + expected.abs()),
+                "{i}"
+            );
+        }
+    }
+}
+
 /// The field at several points has the bits of each point alone.
 #[test]
 fn points_side_by_side_have_the_bits_of_points_alone() {

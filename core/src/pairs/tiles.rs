@@ -1,10 +1,10 @@
 //! The loop over pairs.
 //!
-//! Sites are cut into tiles of [`TILE`]. For two tiles the code of a pair runs along the sites i of the first, all points
-//! of a site side by side, with j = i + k for k = 0, 1, …. The second tile stands behind itself once more, so that j goes
+//! Sites are cut into tiles. For two of them the code of a pair runs along the sites i of the first, with j = i + k and
+//! k from 0 on. All points of a site stand side by side. The second tile stands behind itself once more, so that j goes
 //! round. Within one tile half of the k give all pairs where i and j may change places. The code reads and writes at
-//! constant distances, with a machine code for each k. Nothing is copied but tiles. Places beyond the last
-//! site repeat others, and a mask of 0 takes away what they give.
+//! constant distances, with a machine code for each k. Nothing is copied but tiles. Places beyond the last site repeat
+//! others, and a mask of 0 takes away what they give.
 //!
 //! The order of all sums is that of tiles and of k, whatever the number of points and the width of registers.
 

@@ -20,10 +20,15 @@ use super::observables::{RecordedFormula, expression, observables_in};
 use super::system::{ComposedSystem, check_contradictions, check_sites};
 use super::tensor::entries;
 use super::time::wants_time;
-use crate::document::{Convention, Located, SceneDocument};
+use crate::document::{Convention, Located, ParameterValue, SceneDocument};
 
 /// The fewest sites whose pairs are evaluated in a loop: those of fewer are written out.
 const FEWEST_SITES: usize = 16;
+
+/// The number of sites from which on pairs are not written out for an order above 2. Hamilton–Jacobi's coefficients of order
+/// 4 are products of forces: for 30 vortices they took minutes to form.
+const MOST_SITES_OF_HIGH_ORDER: usize = 24;
+const HIGH_ORDER: f64 = 2.0;
 
 /// The system of a scene with sums over pairs in loops.
 ///
@@ -135,6 +140,26 @@ fn may_be_bodies(document: &SceneDocument) -> bool {
         && wants_time(document).is_none()
 }
 
+/// Whether the scene steps by realization and dynamics of an order at which terms of H multiply.
+fn has_high_order(document: &SceneDocument, registry: &Registry) -> bool {
+    if document.method.stepper.is_some() {
+        return false;
+    }
+    let Some(dynamics) = &document.method.dynamics else {
+        return true;
+    };
+    let part = registry.dynamics(&dynamics.name.value);
+    let is_of_order =
+        dynamics.name.value == "auto" || part.is_ok_and(|part| part.info.is_of_order());
+    let mut given = dynamics.parameters.iter();
+    let order = given.find(|(key, _)| key.value == "order");
+    let is_low = order.is_some_and(|(_, value)| match &value.value {
+        ParameterValue::Number(number) => number.value <= HIGH_ORDER,
+        _ => true,
+    });
+    is_of_order && !is_low
+}
+
 /// `None`, for a system that is written out.
 ///
 /// # Errors
@@ -144,8 +169,9 @@ fn unless_too_long(
     registry: &Registry,
 ) -> Result<Option<ComposedSystem>, Refusal> {
     let system = &document.system;
-    let coordinates = system.coordinates();
-    if coordinates <= WRITTEN_LIMIT {
+    let (coordinates, sites) = (system.coordinates(), system.families[0].1.value);
+    let is_high = sites >= MOST_SITES_OF_HIGH_ORDER && has_high_order(document, registry);
+    if coordinates <= WRITTEN_LIMIT && !is_high {
         return Ok(None);
     }
     let names = |parts: Vec<&'static PartInfo>| -> Vec<&str> {
@@ -164,10 +190,16 @@ fn unless_too_long(
     let place = named.map_or_else(|| system.hamiltonian.place(), |spec| spec.name.place());
     Err(Box::new(document.diagnostic(
         &place,
-        format!(
-            "{of} needs every pair of sites written out, at most {WRITTEN_LIMIT} coordinates, and this system has {coordinates}: \
-             its H couples all of them by a sum over pairs, a sum within a sum, or a function of sums"
-        ),
+        match coordinates <= WRITTEN_LIMIT {
+            true => format!(
+                "of an order above {HIGH_ORDER} {of} needs the products of all pairs of sites written out, for fewer than \
+                 {MOST_SITES_OF_HIGH_ORDER} sites, and this system has {sites}"
+            ),
+            false => format!(
+                "{of} needs every pair of sites written out, at most {WRITTEN_LIMIT} coordinates, and this system has {coordinates}: \
+                 its H couples all of them by a sum over pairs, a sum within a sum, or a function of sums"
+            ),
+        },
         "here",
         Some(format!(
             "steppers that take pairs in a loop: {} where H = T + V, {}",
