@@ -52,7 +52,12 @@ impl PairCode {
             &inputs.coordinates,
             &inputs.weights,
         )?;
-        let slopes = inputs.graph.gradient(&total, 2 * shape.families)?;
+        let is_symmetric = pairs().all(|pair| is_symmetric(pair, shape.families));
+        let counted = match is_symmetric {
+            true => inputs.graph.multiply(&total, &inputs.mask),
+            false => total,
+        };
+        let slopes = inputs.graph.gradient(&counted, 2 * shape.families)?;
         let mut terms = Vec::new();
         for family in by.iter().filter(|family| named.contains(family)) {
             for (slope, row) in [
@@ -65,7 +70,6 @@ impl PairCode {
                 terms.push((slope.clone(), row));
             }
         }
-        let is_symmetric = pairs().all(|pair| is_symmetric(pair, shape.families));
         inputs.compile(terms, is_symmetric, parameters)
     }
 
@@ -78,16 +82,20 @@ impl PairCode {
         shape: BodyShape,
         parameters: usize,
     ) -> Result<Option<Self>, BuildError> {
+        let mut pairs = sums.iter().map(|sum| &sum.pair);
+        let is_symmetric = pairs.all(|pair| is_symmetric(pair, shape.families));
         let mut inputs = PairInputs::new(shape, 0);
         let mut terms = Vec::new();
         for (k, sum) in sums.iter().enumerate() {
             let coordinates = &inputs.coordinates;
             let graph = &mut inputs.graph;
             let value = (sum.pair).evaluate_in(graph, &mut |_, at| Ok(coordinates[at].clone()))?;
-            terms.push((value, PairRow::FirstSum(k)));
+            let counted = match is_symmetric {
+                true => graph.multiply(&value, &inputs.mask),
+                false => value,
+            };
+            terms.push((counted, PairRow::FirstSum(k)));
         }
-        let mut pairs = sums.iter().map(|sum| &sum.pair);
-        let is_symmetric = pairs.all(|pair| is_symmetric(pair, shape.families));
         inputs.compile(terms, is_symmetric, parameters)
     }
 
@@ -135,7 +143,8 @@ impl PairInputs {
         }
     }
 
-    /// Code that adds these terms to sums.
+    /// Code that adds these terms to sums. What does not count is a pair that does, unless i and j may not change places:
+    /// then it may be no number, and is kept out.
     fn compile(
         mut self,
         terms: Vec<(Term, PairRow)>,
@@ -145,8 +154,10 @@ impl PairInputs {
         let given = terms.into_iter().filter(|(term, _)| !term.scale.is_zero());
         let (mut sums, mut outputs) = (Vec::new(), Vec::new());
         for (term, row) in given {
-            // What does not count may be no number: a pair in the other order.
-            let term = self.graph.kept(Side::Above, &self.mask, &term)?;
+            let term = match is_symmetric {
+                true => term,
+                false => self.graph.kept(Side::Above, &self.mask, &term)?,
+            };
             let before = self.graph.input(self.rows.len());
             self.rows.push(row);
             sums.push(self.graph.add(&before, &term));
