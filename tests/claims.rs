@@ -3,6 +3,7 @@
 mod advice;
 mod at_once;
 mod automatic;
+mod bodies;
 mod branches;
 mod checkpoint;
 mod closed_form;

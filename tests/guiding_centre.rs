@@ -57,7 +57,10 @@ fn follow(run: &ComposedRun) -> (Vec<f64>, [Vec<f64>; 2]) {
         .observables
         .iter()
         .find_map(|observable| match observable {
-            compose::Observable::Formula { expression, .. } => Some(expression),
+            compose::Observable::Formula {
+                formula: compose::RecordedFormula::Written(expression),
+                ..
+            } => Some(expression),
             _ => None,
         });
     let kernel = formulas.observable_kernel(&[formulas.hamiltonian(), momentum.expect("recorded")]);

@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 use leafwise::core::diagnostics::TensorDefect;
 use leafwise::core::{BuildError, NumberArray, Registry, StepError, Walk};
 use leafwise::expression::table::{Lookup, TableAxis, TableFunction};
-use leafwise::scene::compose::Observable;
+use leafwise::scene::compose::{Observable, RecordedFormula};
 use leafwise::scene::{ComposedRun, SceneDocument, compose};
 use leafwise::walk::{Ended, Fault, Look, Watched, Why};
 use leafwise_tests::scenes::end;
@@ -241,7 +241,10 @@ fn steps_are_poisson_maps_whatever_the_table() {
             // ϑ_φ = A_φ + u B_φ/B.
             let mut recorded = plan.observables.iter();
             let momentum = recorded.find_map(|observable| match observable {
-                Observable::Formula { expression, .. } => Some(expression),
+                Observable::Formula {
+                    formula: RecordedFormula::Written(expression),
+                    ..
+                } => Some(expression),
                 _ => None,
             });
             let momentum = momentum.expect("it is recorded");

@@ -24,6 +24,7 @@
 //! - [`lifted_realization`]: realizations that are such coordinates.
 //! - [`lattice`]: long lattices in O(N) time and memory a step.
 //! - [`lattice_method`]: [`LatticeMethod`], realization and dynamics combined over a lattice.
+//! - [`pairs`]: sums over pairs of sites, in loops.
 //! - [`part`], [`part_description`], [`origin`], [`registry`]: parts by name, built in or loaded.
 //! - [`automatic`]: the choice of a method where a scene leaves it open.
 //! - [`diagnostics`]: realization error, tensor defect, fitted slopes, Jacobi and Casimir checks.
@@ -52,6 +53,7 @@ pub mod noise;
 mod observer;
 pub mod one_form;
 pub mod origin;
+pub mod pairs;
 pub mod part;
 pub mod part_description;
 mod parts;

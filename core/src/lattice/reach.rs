@@ -32,6 +32,11 @@ impl TemplateReach {
         sums(self.bracket, self.hamiltonian).map(|each| each.max(1))
     }
 
+    /// Whether the entries of the bracket couple coordinates of one site alone, at its index.
+    pub fn has_sites_apart(&self) -> bool {
+        (self.bracket, self.beside) == ([0; AXES], [0; AXES])
+    }
+
     /// Number of sites that code looks to either side which goes through tensor and dH `times` times. It is at least
     /// what a check of Casimirs looks. Along an axis with ends it includes how far templates stand beside the sites that
     /// they name.

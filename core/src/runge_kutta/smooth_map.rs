@@ -28,10 +28,18 @@ enum Source {
         make: Arc<MakeMap>,
         has_jacobian: bool,
         is_pointwise: bool,
+        side_by_side: Option<Arc<MakeSideBySide>>,
     },
 }
 
 type MakeMap = dyn Fn(&[f64], f64, f64) -> Box<dyn Evaluator> + Send + Sync;
+type MakeSideBySide = dyn Fn(&[f64], usize) -> Box<dyn Evaluator> + Send + Sync;
+
+/// F at points side by side: a kernel with its workspace, or numbers.
+pub(super) enum SideBySide {
+    Kernel(Arc<Kernel>, Workspace),
+    Numbers(Box<dyn Evaluator>),
+}
 
 impl std::fmt::Debug for SmoothMap {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -134,10 +142,23 @@ impl SmoothMap {
                 make: Arc::new(make),
                 has_jacobian,
                 is_pointwise: true,
+                side_by_side: None,
             },
             inputs,
             outputs,
         }
+    }
+
+    /// The same with F at points side by side: of parameters, and of the number of points.
+    #[must_use]
+    pub fn with_side_by_side(
+        mut self,
+        make: impl Fn(&[f64], usize) -> Box<dyn Evaluator> + Send + Sync + 'static,
+    ) -> Self {
+        if let Source::Numbers { side_by_side, .. } = &mut self.source {
+            *side_by_side = Some(Arc::new(make));
+        }
+        self
     }
 
     /// The same where an evaluator's result depends on its earlier ones: no two trajectories share it.
@@ -225,17 +246,21 @@ pub(crate) struct MapAt<'a> {
 }
 
 impl MapAt<'_> {
-    /// The kernel of F, and a workspace of it for so many points side by side; none of a map of numbers.
-    pub(super) fn side_by_side(self, points: usize) -> Option<(Arc<Kernel>, Workspace)> {
-        let Source::Kernels { value, .. } = &self.map.source else {
-            return None;
+    /// F at so many points side by side; `None` of a map of numbers that does not offer it.
+    pub(super) fn side_by_side(self, points: usize) -> Option<SideBySide> {
+        let value = match &self.map.source {
+            Source::Kernels { value, .. } => value,
+            Source::Numbers { side_by_side, .. } => {
+                let make = side_by_side.as_ref()?;
+                return Some(SideBySide::Numbers(make(self.parameters, points)));
+            }
         };
         let mut workspace = value.workspace(points);
         let own = |value: &f64| std::iter::repeat_n(*value, points);
         let parameters: Vec<f64> = self.parameters.iter().flat_map(own).collect();
         let [epsilon, h] = self.steps.map(|step| vec![step; points]);
         value.prepare(&mut workspace, &parameters, &epsilon, &h);
-        Some((Arc::clone(value), workspace))
+        Some(SideBySide::Kernel(Arc::clone(value), workspace))
     }
 }
 

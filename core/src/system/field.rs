@@ -1,10 +1,12 @@
 //! Maps of a system that steppers work on: X_H, (u, w) ↦ −Π(u)w, ∇H, the invariants.
 
+use std::sync::Arc;
+
 use leafwise_expression::bounded::{Bounded, BoundedNumbers};
 use leafwise_expression::{Arithmetic, Graph, Term};
 use nalgebra::DMatrix;
 
-use super::numbers::{OpaqueSystem, SystemEvaluator};
+use super::numbers::{MakeField, OpaqueSystem, SystemEvaluator};
 use super::{Definition, PoissonSystem};
 use crate::error::{BuildError, StepError};
 use crate::evaluator::Evaluator;
@@ -189,9 +191,20 @@ fn map_of(system: &OpaqueSystem, value: Value) -> SmoothMap {
         Value::Invariants => (d, 1 + casimirs, casimirs == 0 || derivatives.casimirs),
     };
     let numbers = system.numbers.clone();
-    SmoothMap::from_numbers(inputs, outputs, has_jacobian, move |parameters, _, _| {
+    let field = match value {
+        Value::Field => numbers.field(),
+        Value::Tensor | Value::Gradient | Value::Invariants => None,
+    };
+    let side_by_side = field.clone();
+    let map = SmoothMap::from_numbers(inputs, outputs, has_jacobian, move |parameters, _, _| {
         Box::new(FieldEvaluator {
             numbers: numbers.evaluator(parameters),
+            side_by_side: field.clone().map(|make| BatchOfField {
+                make,
+                parameters: parameters.to_vec(),
+                evaluators: Vec::new(),
+                rows: Default::default(),
+            }),
             value,
             dimension: d,
             gradients: vec![0.0; d],
@@ -200,11 +213,62 @@ fn map_of(system: &OpaqueSystem, value: Value) -> SmoothMap {
             images: Vec::new(),
             spread: Default::default(),
         })
-    })
+    });
+    match side_by_side {
+        Some(make) => map.with_side_by_side(move |parameters, points| make(parameters, points)),
+        None => map,
+    }
+}
+
+/// X_H at points one behind the other, evaluated side by side.
+struct BatchOfField {
+    make: Arc<MakeField>,
+    parameters: Vec<f64>,
+    /// Evaluators by their numbers of points.
+    evaluators: Vec<(usize, Box<dyn Evaluator>)>,
+    /// Points and results in rows.
+    rows: [Vec<f64>; 2],
+}
+
+impl BatchOfField {
+    fn values(&mut self, dimension: usize, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        let points = z.len() / dimension;
+        let known = self.evaluators.iter().position(|(own, _)| *own == points);
+        let at = known.unwrap_or_else(|| {
+            let made = (self.make)(&self.parameters, points);
+            self.evaluators.push((points, made));
+            self.evaluators.len() - 1
+        });
+        let evaluator = &mut self.evaluators[at].1;
+        if points == 1 {
+            return evaluator.values(z, out);
+        }
+        let [rows, results] = &mut self.rows;
+        rows.resize(z.len(), 0.0);
+        results.resize(z.len(), 0.0);
+        for (point, z) in z.chunks_exact(dimension).enumerate() {
+            let own = rows[point..].iter_mut().step_by(points);
+            own.zip(z).for_each(|(row, z)| *row = *z);
+        }
+        evaluator.values(rows, results)?;
+        for (point, out) in out.chunks_exact_mut(dimension).enumerate() {
+            let own = results[point..].iter().step_by(points);
+            out.iter_mut().zip(own).for_each(|(out, own)| *out = *own);
+        }
+        Ok(())
+    }
+
+    fn operations(&self) -> u64 {
+        let evaluators = self.evaluators.iter();
+        let own = evaluators.filter_map(|(_, evaluator)| evaluator.operations());
+        own.sum()
+    }
 }
 
 struct FieldEvaluator {
     numbers: Box<dyn SystemEvaluator>,
+    /// Of the field, where the system offers it as a whole.
+    side_by_side: Option<BatchOfField>,
     value: Value,
     dimension: usize,
     /// ∇H of each point, contiguous.
@@ -231,6 +295,9 @@ impl Evaluator for FieldEvaluator {
     fn values(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
         let d = self.dimension;
         let count = z.len() / self.inputs();
+        if let Some(batch) = &mut self.side_by_side {
+            return batch.values(d, z, out);
+        }
         match self.value {
             Value::Field => {
                 self.gradients.resize(count * d, 0.0);
@@ -337,7 +404,11 @@ impl Evaluator for FieldEvaluator {
     }
 
     fn operations(&self) -> Option<u64> {
-        self.numbers.operations()
+        let beside = self
+            .side_by_side
+            .as_ref()
+            .map_or(0, BatchOfField::operations);
+        Some(self.numbers.operations()? + beside)
     }
 }
 

@@ -38,7 +38,9 @@ pub use forces::{Damping, Forces, Metric};
 pub use forms::FormError;
 pub use formulas::{SystemFormulas, TensorSource};
 pub use jet::MotionSeries;
-pub use numbers::{Derivatives, OpaqueSystem, SystemEvaluator, SystemFunction, SystemNumbers};
+pub use numbers::{
+    Derivatives, MakeField, OpaqueSystem, Shear, SystemEvaluator, SystemFunction, SystemNumbers,
+};
 pub use observables::{SystemInvariants, SystemObservables};
 pub use smoothness::TableUse;
 pub(crate) use tensor_matrix::TensorMatrix;

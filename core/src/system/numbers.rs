@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::Parameter;
 use crate::error::{BuildError, StepError};
+use crate::evaluator::Evaluator;
 
 /// A Poisson system known by its values: (M ≅ ℝᵈ, π, H) as functions to call.
 #[derive(Clone, Debug)]
@@ -38,9 +39,47 @@ pub struct SystemNumbers {
     pub derivatives: Derivatives,
     make: Arc<MakeEvaluator>,
     make_on_trial: Arc<MakeEvaluator>,
+    field: Option<Arc<MakeField>>,
+    has_resting_tensor: bool,
+    shears: Vec<Shear>,
+}
+
+/// A part H_k of H that moves coordinates which its field X does not depend on: its flow is x + t X(x).
+#[derive(Clone)]
+pub struct Shear {
+    make: Arc<MakeField>,
+    is_affine: bool,
+}
+
+impl Shear {
+    /// Evaluators of X, as [`MakeField`] says of X_H; whether X is affine in what moves.
+    pub fn new(
+        is_affine: bool,
+        make: impl Fn(&[f64], usize) -> Box<dyn Evaluator> + Send + Sync + 'static,
+    ) -> Self {
+        Self {
+            make: Arc::new(make),
+            is_affine,
+        }
+    }
+
+    /// One thread's evaluator of X at so many points side by side.
+    pub fn evaluator(&self, parameters: &[f64], points: usize) -> Box<dyn Evaluator> {
+        (self.make)(parameters, points)
+    }
+
+    /// Whether X is affine in the coordinates that move, as that of p²/2m.
+    pub fn is_affine(&self) -> bool {
+        self.is_affine
+    }
 }
 
 type MakeEvaluator = dyn Fn(&[f64]) -> Box<dyn SystemEvaluator> + Send + Sync;
+/// Maker of evaluators of X_H = −Π∇H at points side by side, of parameters and of the number of points.
+///
+/// Such an evaluator is a map of all points at once: coordinate c of point w stands at `[c*points + w]`, and so does its
+/// velocity. Where there is none, it is no number. A point's result has the same bits whatever stands beside it.
+pub type MakeField = dyn Fn(&[f64], usize) -> Box<dyn Evaluator> + Send + Sync;
 
 impl SystemNumbers {
     /// Values whose evaluators `make` makes, one a thread, of values of the parameters.
@@ -53,7 +92,49 @@ impl SystemNumbers {
             derivatives,
             make_on_trial: Arc::clone(&make),
             make,
+            field: None,
+            has_resting_tensor: false,
+            shears: Vec::new(),
         }
+    }
+
+    /// The same with evaluators of X_H at points side by side, as [`MakeField`] says.
+    #[must_use]
+    pub fn with_field(
+        mut self,
+        make: impl Fn(&[f64], usize) -> Box<dyn Evaluator> + Send + Sync + 'static,
+    ) -> Self {
+        self.field = Some(Arc::new(make));
+        self
+    }
+
+    /// The same with a tensor that is constant, or depends on coordinates alone that rest in every motion.
+    #[must_use]
+    pub fn with_resting_tensor(mut self) -> Self {
+        self.has_resting_tensor = true;
+        self
+    }
+
+    /// The same with H as a sum of parts whose flows are shears.
+    #[must_use]
+    pub fn with_shears(mut self, shears: Vec<Shear>) -> Self {
+        self.shears = shears;
+        self
+    }
+
+    /// The parts of H whose flows are shears, where H is known to be a sum of such.
+    pub fn shears(&self) -> &[Shear] {
+        &self.shears
+    }
+
+    /// Whether the tensor is known to be constant, or to depend on coordinates alone that rest.
+    pub fn has_resting_tensor(&self) -> bool {
+        self.has_resting_tensor
+    }
+
+    /// Makes evaluators of X_H at points side by side, where these are offered.
+    pub(crate) fn field(&self) -> Option<Arc<MakeField>> {
+        self.field.clone()
     }
 
     /// The same with evaluators of their own for states that are tried.

@@ -75,6 +75,7 @@ pub(crate) fn gauss_map(
         let mut entries = tensor.values();
         entries.all(|entry| !entry.variables().iter().any(moves))
     });
+    let is_kept = is_kept || opaque.is_some_and(|system| system.numbers.has_resting_tensor());
     Ok(Arc::new(ReferenceMap {
         dimension: system.dimension(),
         properties: MapProperties {

@@ -20,6 +20,7 @@
 //! - `arrangement`: the order in which the flows follow each other.
 //! - [`splitting`]: Strang's product as a step map.
 //! - `product`: its factors χ and χ*, the flows' product in one order and its adjoint, and products of both.
+//! - `shears`: the same of systems of numbers that name parts with flows x + tX(x).
 //! - [`lattice`]: the same on long lattices, by sweeps.
 //! - `sublattices`: the same for damped spins, each in the field of the others.
 //! - `tensor`: fields of Hamiltonians in exact algebra.
@@ -41,6 +42,7 @@ mod product;
 mod rates;
 mod rounding;
 pub mod schedule;
+mod shears;
 pub mod splitting;
 mod sublattices;
 mod sums;

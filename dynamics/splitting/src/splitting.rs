@@ -23,6 +23,7 @@ use crate::pieces::{Bodies, find_pieces};
 use crate::product::{Product, Splits, evaluations, is_symmetric};
 use crate::rounding::settled;
 use crate::schedule::{STRANG, passes};
+use crate::shears::Shears;
 
 static INFO: PartInfo = PartInfo {
     name: NAME,
@@ -411,6 +412,9 @@ fn build(
     parameters: &PartParameters,
 ) -> Result<Arc<dyn StepMap>, BuildError> {
     parameters.refuse_unknown(&INFO)?;
+    if let Some(system) = system.opaque() {
+        return Ok(Arc::new(Shears::new(&INFO, system, parameters)?));
+    }
     Ok(Arc::new(Splitting::with_parameters(system, parameters)?))
 }
 

@@ -308,6 +308,11 @@ pub enum SyntaxErrorKind {
     /// A lattice's function that is not one term a site.
     #[error("this is no combination of sums over sites, such as `sum(i, x[i]^2)/2`")]
     NotASumOverSites,
+    /// A lattice's function that is not made of the terms of one site and of one pair of sites.
+    #[error(
+        "this is no function of sums over sites and pairs, such as `sum(i, p[i]^2) + sum(i<j, (q[i] - q[j])^2)`"
+    )]
+    NotSumsOfPairs,
     /// A sum within a template, which couples every site with all others.
     #[error(
         "a sum within a sum, or within an entry of a bracket, couples every site with all others"

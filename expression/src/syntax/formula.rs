@@ -70,6 +70,11 @@ impl Formula {
         &self.root
     }
 
+    /// Whether it has a sum over sites.
+    pub fn has_sum(&self) -> bool {
+        self.root.has_sum()
+    }
+
     /// Names of the indices in brackets that no `sum` introduces, one an axis: `i` in `x[i+1]*sum(j, x[j])`, `i` and `j` in
     /// `x[i,j+1]`, an empty name and `j` in `x[1,j]`. Each is the first that stands along its axis.
     ///

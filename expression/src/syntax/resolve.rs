@@ -69,6 +69,8 @@ pub(super) struct Resolver<'a> {
     terms: usize,
     /// Whether an index stands for its number, as in values of parameters.
     pub(super) has_numbers: bool,
+    /// The variable that the next sum outside of others stands for, where sums are variables.
+    pub(super) sums_from: Option<usize>,
     /// The terms of summands that reach outside.
     pub(super) dropped: Vec<Span>,
 }
@@ -80,6 +82,7 @@ impl<'a> Resolver<'a> {
             scope,
             terms: 0,
             has_numbers: false,
+            sums_from: None,
             dropped: Vec::new(),
         }
     }
@@ -141,9 +144,13 @@ impl<'a> Resolver<'a> {
                     SyntaxError::new(node.span, SyntaxErrorKind::NoDerivative { reason }).into()
                 })
             }
-            Kind::SumOver { index, above, body } => {
-                self.sum_over(node.span, (*index, *above), body, bound)
-            }
+            Kind::SumOver { index, above, body } => match &mut self.sums_from {
+                Some(next) => {
+                    *next += 1;
+                    Ok(Expression::Variable(*next - 1))
+                }
+                None => self.sum_over(node.span, (*index, *above), body, bound),
+            },
             Kind::Sum(terms) => self.expressions(terms, bound).map(Expression::Sum),
             Kind::Product(factors) => self.expressions(factors, bound).map(even_powers::product),
             Kind::Negate(operand) => self.expression(operand, bound).map(negated),

@@ -7,7 +7,8 @@ use leafwise_expression::{Kernel, Workspace};
 
 use super::solution::Start;
 use super::sums::{Columns, block, block_mut, by_blocks, sum_of_lanes, sums};
-use crate::runge_kutta::smooth_map::MapAt;
+use crate::evaluator::Evaluator;
+use crate::runge_kutta::smooth_map::{MapAt, SideBySide};
 use crate::runge_kutta::tableau::Tableau;
 
 /// The start of the stages of a solve.
@@ -26,8 +27,7 @@ const TOGETHER: usize = 4;
 
 /// W lanes, the first s of which are stages; the others stay at z.
 pub(super) struct Lanes<const W: usize> {
-    pub(super) kernel: Arc<Kernel>,
-    pub(super) workspace: Workspace,
+    pub(super) field: StageField<W>,
     /// s.
     pub(super) stages: usize,
     /// τ a_ij, and τ ∫₁^{1+c_i} ℓ_j; 0 beyond s.
@@ -50,12 +50,79 @@ pub(super) struct Lanes<const W: usize> {
     pub(super) work: u64,
 }
 
+/// F at the stages, a row a coordinate.
+pub(super) enum StageField<const W: usize> {
+    Kernel(Arc<Kernel>, Workspace),
+    Numbers {
+        evaluator: Box<dyn Evaluator>,
+        stages: Vec<[f64; W]>,
+        slopes: Vec<[f64; W]>,
+    },
+}
+
+impl<const W: usize> StageField<W> {
+    fn of(field: SideBySide, dimension: usize) -> Self {
+        match field {
+            SideBySide::Kernel(kernel, workspace) => Self::Kernel(kernel, workspace),
+            SideBySide::Numbers(evaluator) => Self::Numbers {
+                evaluator,
+                stages: vec![[0.0; W]; dimension],
+                slopes: vec![[0.0; W]; dimension],
+            },
+        }
+    }
+
+    /// Operations of one evaluation at one point, where it is a kernel.
+    fn work(&self) -> u64 {
+        match self {
+            Self::Kernel(kernel, _) => kernel.step_operations().work(),
+            Self::Numbers { .. } => 0,
+        }
+    }
+
+    /// Operations of all evaluations that the numbers count themselves.
+    pub(super) fn operations(&self) -> u64 {
+        match self {
+            Self::Kernel(..) => 0,
+            Self::Numbers { evaluator, .. } => evaluator.operations().unwrap_or(0),
+        }
+    }
+
+    #[inline(always)]
+    fn evaluate(&mut self) {
+        match self {
+            Self::Kernel(kernel, workspace) => {
+                kernel.evaluate_own_rows::<W>(workspace);
+            }
+            Self::Numbers {
+                evaluator,
+                stages,
+                slopes,
+            } => {
+                let values = evaluator.values(stages.as_flattened(), slopes.as_flattened_mut());
+                if values.is_err() {
+                    slopes.fill([f64::NAN; W]);
+                }
+            }
+        }
+    }
+
+    /// The rows of the stages, those of what is read beside them, and of the slopes of the last evaluation.
+    #[inline(always)]
+    pub(super) fn rows_mut(&mut self) -> (&mut [[f64; W]], &[[f64; W]]) {
+        match self {
+            Self::Kernel(kernel, workspace) => kernel.rows_mut::<W>(workspace),
+            Self::Numbers { stages, slopes, .. } => (stages, slopes),
+        }
+    }
+}
+
 impl<const W: usize> Lanes<W> {
     pub(super) fn new(
         (field, tableau, time_step, count, follows): (MapAt<'_>, &Tableau, f64, usize, bool),
     ) -> Option<Self> {
         let (s, n) = (tableau.stages(), field.map.outputs());
-        let (kernel, workspace) = field.side_by_side(W)?;
+        let field = StageField::of(field.side_by_side(W)?, n);
         let columns = |matrix: &[f64]| Columns::of(matrix, s, time_step);
         let mut weights = [0.0; W];
         for (weight, b) in weights.iter_mut().zip(&tableau.weights) {
@@ -74,25 +141,24 @@ impl<const W: usize> Lanes<W> {
             follows,
             evaluations: 0,
             work: {
-                let of_stage = kernel.step_operations().work() + (2 * s * n + 6 * n) as u64;
+                let of_stage = field.work() + (2 * s * n + 6 * n) as u64;
                 (s as u64 * of_stage).div_ceil(TOGETHER.min(W) as u64)
             },
-            kernel,
-            workspace,
+            field,
         })
     }
 
     /// Evaluates F at the stages.
     #[inline(always)]
     pub(super) fn evaluate(&mut self) {
-        self.kernel.evaluate_own_rows::<W>(&mut self.workspace);
+        self.field.evaluate();
     }
 
     /// Writes the stages that a solve begins at.
     #[inline(always)]
     pub(super) fn begin<R: Register>(&mut self, at: usize, from: From, start: Start<'_>) {
         let (z, n) = (start.point, start.point.len());
-        let (rows, _) = self.kernel.rows_mut::<W>(&mut self.workspace);
+        let (rows, _) = self.field.rows_mut();
         let (stages, beside) = rows.split_at_mut(n);
         for c in 0..beside.len() {
             beside[c] = [start.beside[c]; W];
@@ -124,7 +190,7 @@ impl<const W: usize> Lanes<W> {
     #[inline(always)]
     pub(super) fn end(&mut self, at: usize, change: &mut [f64]) -> bool {
         let n = change.len();
-        let (_, slopes) = self.kernel.rows_mut::<W>(&mut self.workspace);
+        let (_, slopes) = self.field.rows_mut();
         let (slopes, own) = (&slopes[..n], &mut self.slopes[at * n..][..n]);
         let mut zero = 0.0;
         for c in 0..n {
@@ -143,7 +209,7 @@ impl<const W: usize> Lanes<W> {
     /// Corrects the stages by the slopes, of a z that may be 0; returns the largest component in units of its coordinate.
     #[inline(always)]
     pub(super) fn correct<R: Register, const IS_ZERO: bool>(&mut self, z: &[f64]) -> f64 {
-        let (stages, slopes) = self.kernel.rows_mut::<W>(&mut self.workspace);
+        let (stages, slopes) = self.field.rows_mut();
         let n = z.len();
         let mut most = R::splat(0.0);
         by_blocks!(R, n, c, K => {
@@ -169,7 +235,7 @@ impl<const W: usize> Lanes<W> {
         start: Start<'_>,
         whole: &mut f64,
     ) -> f64 {
-        let (stages, slopes) = self.kernel.rows_mut::<W>(&mut self.workspace);
+        let (stages, slopes) = self.field.rows_mut();
         let n = start.point.len();
         let mut most = R::splat(0.0);
         by_blocks!(R, n, c, K => {

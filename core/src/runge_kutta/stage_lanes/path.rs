@@ -79,7 +79,7 @@ impl<const W: usize> Lanes<W> {
             }
             if done > 0.0 {
                 // Where the last part has come to, farther in proportion.
-                let (stages, _) = self.kernel.rows_mut::<W>(&mut self.workspace);
+                let (stages, _) = self.field.rows_mut();
                 for ((stage, kept), z) in stages.iter_mut().zip(&self.ways).zip(z) {
                     *stage = kept.map(|way| z + to / done * way);
                 }
@@ -158,6 +158,6 @@ impl<const W: usize> StageLanes for Lanes<W> {
     }
 
     fn operations(&self) -> u64 {
-        self.evaluations * self.work
+        self.evaluations * self.work + self.field.operations()
     }
 }

@@ -1,7 +1,7 @@
 //! Long lattices: templates with offsets near and far move as they do written out, to the same bits by both kernels.
 
 use leafwise::core::{Observer, Registry, Walk};
-use leafwise::scene::compose::{Observable, Stepping};
+use leafwise::scene::compose::{Observable, RecordedFormula, Stepping};
 use leafwise::scene::{ComposedRun, SceneDocument, compose};
 
 use crate::Reached;
@@ -143,7 +143,10 @@ fn observes_the_same(lattice: &RandomLattice, run: &ComposedRun) -> Result<(), S
                 .observables
                 .iter()
                 .filter_map(|observable| match observable {
-                    Observable::Formula { expression, .. } => Some(expression),
+                    Observable::Formula {
+                        formula: RecordedFormula::Written(expression),
+                        ..
+                    } => Some(expression),
                     _ => None,
                 });
             let formulas: Vec<_> = formulas.collect();

@@ -5,9 +5,10 @@ use leafwise_core::{BuildError, Observer};
 use leafwise_expression::Expression;
 use leafwise_walk::{Course, Event, Pace, StateFunctions};
 
+use super::body_columns::BodyColumns;
 use super::extended::Extension;
 use super::lattice_functions::{LatticeFunctions, RecordedColumn, of_coordinates};
-use super::observables::Observable;
+use super::observables::{Observable, RecordedFormula};
 use super::run::ComposedRun;
 use super::stepping::Stepping;
 
@@ -59,9 +60,24 @@ impl ComposedRun {
         let observables = self.plan.observables.iter();
         let formulas = observables.filter_map(|observable| match observable {
             Observable::Invariant { .. } | Observable::Coordinate { .. } => None,
-            Observable::Formula { expression, .. } => Some(expression),
+            Observable::Formula { formula, .. } => Some(formula.clone()),
         });
-        Ok(self.observables(&formulas.collect::<Vec<_>>())?.into())
+        self.functions_of(formulas.collect())
+    }
+
+    /// Functions of the state, those of sums evaluated in loops.
+    fn functions_of(&self, formulas: Vec<RecordedFormula>) -> Result<StateFunctions, BuildError> {
+        let written = formulas.iter().filter_map(|formula| match formula {
+            RecordedFormula::Written(expression) => Some(expression),
+            RecordedFormula::Sums(..) => None,
+        });
+        let written = self.observables(&written.collect::<Vec<_>>())?;
+        match BodyColumns::of(&self.system, &formulas, written.clone())? {
+            None => Ok(written.into()),
+            Some(columns) => Ok(StateFunctions::each(formulas.len(), move |parameters| {
+                Ok(Box::new(columns.at(parameters)))
+            })),
+        }
     }
 
     /// The formulas and coordinates that the scene records, in their order.
@@ -73,14 +89,13 @@ impl ComposedRun {
         let recorded = observables.filter(|o| !matches!(o, Observable::Invariant { .. }));
         let Stepping::Lattice(lattice) = &self.method else {
             let formulas = recorded.map(|observable| match observable {
-                Observable::Coordinate { index, .. } => Expression::Variable(*index),
-                Observable::Formula { expression, .. } => expression.clone(),
-                Observable::Invariant { .. } => Expression::from(0),
+                Observable::Coordinate { index, .. } => {
+                    RecordedFormula::Written(Expression::Variable(*index))
+                }
+                Observable::Formula { formula, .. } => formula.clone(),
+                Observable::Invariant { .. } => RecordedFormula::Written(0.into()),
             });
-            let formulas: Vec<Expression> = formulas.collect();
-            return Ok(self
-                .observables(&formulas.iter().collect::<Vec<_>>())?
-                .into());
+            return self.functions_of(formulas.collect());
         };
         let mut formulas = 0..lattice.formulas.observables();
         let column = |observable: &Observable| match observable {

@@ -291,7 +291,10 @@ impl<'a> SceneLattice<'a> {
 ///
 /// # Errors
 /// The first template that couples sites at any distance. A template that cannot be read.
-fn reach(document: &SceneDocument, known: TemplateReach) -> Result<TemplateReach, Refusal> {
+pub(super) fn reach(
+    document: &SceneDocument,
+    known: TemplateReach,
+) -> Result<TemplateReach, Refusal> {
     let system = &document.system;
     let mut reach = bracket_reach(document, known)?;
     let refused = |formula, error| refusal(document, formula, &error);
@@ -380,7 +383,7 @@ fn force_reach(
 }
 
 /// The same of the bracket alone, or of a summand's.
-fn bracket_reach(
+pub(super) fn bracket_reach(
     document: &SceneDocument,
     mut reach: TemplateReach,
 ) -> Result<TemplateReach, Refusal> {
@@ -462,7 +465,7 @@ pub(super) fn has_forms(bracket: &BracketSpec, constraints: &[Located<String>]) 
 }
 
 /// A scene's lattice with a single site.
-fn one_site(document: &SceneDocument) -> LatticeGeometry {
+pub(super) fn one_site(document: &SceneDocument) -> LatticeGeometry {
     let whole = geometry(document);
     let axes = whole.axes.iter().map(|axis| Axis { length: 1, ..*axis });
     LatticeGeometry::along(

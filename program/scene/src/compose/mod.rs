@@ -9,6 +9,7 @@
 //! - `geometry`: the lattice of a scene, its families, axes and ends;
 //! - `instantiate`: templates over families written out at chosen lengths;
 //! - `system`: [`compose_system`], the Poisson system with its initial state;
+//! - `bodies`: sums over pairs of sites, in loops; `body_columns`: those that a run records;
 //! - `time`: where a scene names the time;
 //! - `extended`: the phase space with the time as a coordinate;
 //! - `events`: the events that a run watches between its steps; `course`: the course of its walks;
@@ -28,6 +29,8 @@
 //! - `checks`: the Jacobi identity and the Casimirs;
 //! - `shape`: constant, linear, log-canonical, polynomial, general.
 
+mod bodies;
+mod body_columns;
 mod channels;
 mod checks;
 mod course;
@@ -88,7 +91,7 @@ pub use lattice_functions::LatticeFunctions;
 pub use lie_algebra::{LIE_ALGEBRAS, LieAlgebra, StructureEntry};
 pub use motion::Motion;
 pub use noise::refuse_noise;
-pub use observables::Observable;
+pub use observables::{Observable, RecordedFormula};
 pub use part_choice::PartChoice;
 pub use parts::exact_realization;
 pub use run::{ComposedRun, RunPlan, compose};

@@ -1,6 +1,7 @@
 //! Observables that a run records: the energy, Casimirs, or any formula of the state.
 
 use leafwise_core::lattice::LatticeGeometry;
+use leafwise_core::pairs::{BodyFunction, BodyShape};
 use leafwise_expression::Expression;
 use leafwise_expression::syntax::Scope;
 
@@ -27,7 +28,7 @@ pub enum Observable {
         /// The text.
         name: String,
         /// The function.
-        expression: Expression,
+        formula: RecordedFormula,
     },
     /// A coordinate of a long lattice by its place.
     Coordinate {
@@ -36,6 +37,15 @@ pub enum Observable {
         /// Its place.
         index: usize,
     },
+}
+
+/// A recorded function of the state.
+#[derive(Clone, Debug)]
+pub enum RecordedFormula {
+    /// A formula of the coordinates.
+    Written(Expression),
+    /// A function of sums over sites and pairs, evaluated in a loop.
+    Sums(BodyShape, Box<BodyFunction>),
 }
 
 impl Observable {
@@ -55,6 +65,22 @@ pub(super) fn observables(
     document: &SceneDocument,
     scope: &Scope,
     lattice: Option<(&LatticeGeometry, &Scope)>,
+) -> Result<Vec<Observable>, Refusal> {
+    observables_in(document, lattice, |formula, known| {
+        let whole = match lattice {
+            // Where a single site is named, the short lattice may have none.
+            Some((_, whole)) if is_written_out(document, formula) => whole,
+            _ => scope,
+        };
+        expression(document, whole, formula, known).map(RecordedFormula::Written)
+    })
+}
+
+/// The same with formulas as `read` makes them, of the text and of the names of invariants.
+pub(super) fn observables_in(
+    document: &SceneDocument,
+    lattice: Option<(&LatticeGeometry, &Scope)>,
+    read: impl Fn(&Located<String>, &[&str]) -> Result<RecordedFormula, Refusal>,
 ) -> Result<Vec<Observable>, Refusal> {
     let mut known = vec!["energy"];
     known.extend(
@@ -91,13 +117,7 @@ pub(super) fn observables(
                 Some(index) => Observable::Coordinate { name, index },
                 None => Observable::Formula {
                     name,
-                    expression: match lattice {
-                        // Where a single site is named, the short lattice may have none.
-                        Some((_, whole)) if is_written_out(document, formula) => {
-                            expression(document, whole, formula, &known)?
-                        }
-                        _ => expression(document, scope, formula, &known)?,
-                    },
+                    formula: read(formula, &known)?,
                 },
             },
         });
@@ -147,7 +167,11 @@ pub(super) fn shadow_order(text: &str) -> Option<Option<usize>> {
     order.trim().parse().ok().map(Some)
 }
 
-fn expression(
+/// A formula of the state by its text.
+///
+/// # Errors
+/// A text that is neither one of the known names nor a formula.
+pub(super) fn expression(
     document: &SceneDocument,
     scope: &Scope,
     asked: &Located<String>,

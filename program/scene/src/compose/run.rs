@@ -14,6 +14,7 @@ use leafwise_expression::{Expression, TableFunction};
 use leafwise_walk::{Direction, SampleTimes, Section};
 
 use super::Refusal;
+use super::bodies::many_bodies;
 use super::events::{Events, check_axes, section_of};
 use super::extended::{Extension, PaceFormula};
 use super::fit::{check_exactness, check_first_order, check_tensor};
@@ -141,8 +142,10 @@ fn compose_at_its_values(
     registry: &Registry,
 ) -> Result<ComposedRun, Refusal> {
     check_times(document)?;
-    let mut composed = compose_system(document)?;
-    let lattice = SceneLattice::of(document)?;
+    let (mut composed, lattice) = match many_bodies(document, registry)? {
+        Some(bodies) => (bodies, None),
+        None => (compose_system(document)?, SceneLattice::of(document)?),
+    };
     let channels = std::mem::take(&mut composed.noise);
     let noise = NoisySteps::of(document, &composed.system, channels, lattice.as_ref())?;
     let moved = stepped(noise.as_ref(), &composed);

@@ -5,7 +5,7 @@ use leafwise_expression::Expression;
 
 use super::Refusal;
 use super::dense::DENSE_LIMIT;
-use super::observables::{Observable, SHADOW_ENERGY, shadow_order};
+use super::observables::{Observable, RecordedFormula, SHADOW_ENERGY, shadow_order};
 use super::stepping::Stepping;
 use crate::document::{Located, SceneDocument};
 
@@ -243,7 +243,7 @@ pub(super) fn with_shadows(
         });
         *observable = Observable::Formula {
             name: asked.heading().to_owned(),
-            expression: shadow.value,
+            formula: RecordedFormula::Written(shadow.value),
         };
     }
     Ok(recorded)

@@ -104,7 +104,7 @@ pub(super) fn check_contradictions(document: &SceneDocument) -> Result<(), Refus
 
 /// Refuses parameters of sites beside a bracket that is an inverse, which would have none with them, and those that an
 /// ensemble would have to form anew for each member.
-fn check_sites(document: &SceneDocument) -> Result<(), Refusal> {
+pub(super) fn check_sites(document: &SceneDocument) -> Result<(), Refusal> {
     let system = &document.system;
     let Some((key, _)) = system.sites.first() else {
         return Ok(());

@@ -1,0 +1,216 @@
+//! Sums over pairs against sums written out.
+
+use leafwise_expression::Expression;
+use leafwise_expression::syntax::{Formula, Scope};
+
+use super::{BodyFunction, BodyShape, BodySum, BodySystem};
+use crate::system::{OpaqueSystem, Parameter, SystemFunction};
+
+const FAMILIES: [&str; 3] = ["x", "y", "g"];
+
+/// H of vortices of strengths g at (x, y), or of terms that i and j may not exchange.
+const POTENTIALS: [&str; 4] = [
+    "-sum(i<j, g[i]*g[j]*ln((x[i] - x[j])^2 + (y[i] - y[j])^2))/4 + a*sum(i, x[i]^2*y[i])",
+    "sum(i<j, g[i]*x[i]*y[j]^2) - sum(i, y[i]^3)",
+    "sum(i, g[i]*sum(j, cos(x[i] - 2*y[j]))/N) + 2",
+    "sum(i, cos(x[i]))^2/N + a*sum(i<j, x[i]*x[j])^2 + sqrt(1 + sum(i, y[i]^2))",
+];
+
+fn scope(sites: usize) -> Scope {
+    let families = FAMILIES.iter().enumerate();
+    let scope = Scope::new().with_parameters(&["a"]);
+    families.fold(scope, |scope, (at, name)| {
+        scope.with_family(name, at * sites, sites)
+    })
+}
+
+fn function(text: &str, sites: usize) -> BodyFunction {
+    let (scope, d) = (scope(sites), FAMILIES.len() * sites);
+    let sums = (Formula::parse(text).expect("a formula")).pair_sums(&scope, d);
+    let sums = sums.expect("sums over pairs");
+    let places: Vec<usize> = (0..d)
+        .map(|at| at / sites + FAMILIES.len() * (at % sites).min(1))
+        .collect();
+    let own = |formula: &Expression| formula.with_variables(&places);
+    let outer: Vec<usize> = (0..d + sums.sums.len())
+        .map(|at| at.saturating_sub(d))
+        .collect();
+    BodyFunction {
+        outer: sums.outer.with_variables(&outer),
+        sums: (sums.sums.iter())
+            .map(|sum| BodySum {
+                site: own(&sum.site),
+                pair: own(&sum.pair),
+            })
+            .collect(),
+    }
+}
+
+fn system(text: &str, sites: usize) -> OpaqueSystem {
+    let one = Expression::from(1);
+    let entry = Expression::Quotient(Box::new(one), Box::new(Expression::Variable(2)));
+    let all = FAMILIES
+        .iter()
+        .flat_map(|name| (0..sites).map(move |i| format!("{name}[{i}]")));
+    let system = BodySystem {
+        shape: BodyShape {
+            families: FAMILIES.len(),
+            sites,
+        },
+        variables: all.collect(),
+        parameters: vec![Parameter {
+            name: "a".to_owned(),
+            value: 0.3,
+        }],
+        bracket: vec![((0, 1), entry)],
+        hamiltonian: function(text, sites),
+        casimirs: Vec::new(),
+    };
+    system.compile().expect("code")
+}
+
+/// A state without symmetry.
+fn state(sites: usize) -> Vec<f64> {
+    let numbers = 0..FAMILIES.len() * sites;
+    let number = |at: usize| 1.5 + libm::sin(1.7 * at as f64 + 0.3 * (at * at) as f64);
+    numbers.map(number).collect()
+}
+
+/// H and −Π∇H at few sites, at those of one tile and of several, against the formula written out: sums of N² terms of size
+/// 10 at most, off by N² roundings of them each.
+#[test]
+fn loops_have_the_values_of_the_formula_written_out() {
+    for text in POTENTIALS {
+        for sites in [2, 3, 9, 32, 33, 64, 75] {
+            let system = system(text, sites);
+            let x = state(sites);
+            let written = Formula::parse(text).expect("a formula");
+            let written = written
+                .resolve(&scope(sites), None)
+                .expect("names")
+                .expect("all");
+            let allowed = 1e-15 * 10.0 * (sites * sites) as f64;
+            let mut numbers = system.numbers.evaluator(&[0.3]);
+            let mut energy = [0.0];
+            numbers.hamiltonian(&x, &mut energy).expect("a value");
+            let expected = written.evaluate(&x, &[0.3]);
+            let scale = 1.0 + expected.abs();
+            assert!(
+                (energy[0] - expected).abs() <= allowed * scale,
+                "{text} {sites}: {energy:?} {expected}"
+            );
+            let mut field = vec![0.0; x.len()];
+            let make = system.numbers.field().expect("offered");
+            make(&[0.3], 1).values(&x, &mut field).expect("a value");
+            let mut gradient = vec![0.0; x.len()];
+            numbers.gradient(&x, &mut gradient).expect("a value");
+            for i in [0, sites / 2, sites - 1] {
+                for (family, other, sign) in [(0, 1, -1.0), (1, 0, 1.0)] {
+                    let at = other * sites + i;
+                    let slope = written.derivative(leafwise_expression::Quantity::Variable(at));
+                    let slope = slope.expect("a derivative").evaluate(&x, &[0.3]);
+                    let expected = sign * slope / x[2 * sites + i];
+                    let found = field[family * sites + i];
+                    let allowed = allowed * (scale + slope.abs());
+                    assert!(
+                        (found - expected).abs() <= allowed,
+                        "{text} {sites} {i}: {found} {expected}"
+                    );
+                    assert!(
+                        (gradient[at] - slope).abs() <= allowed,
+                        "{text} {sites} {i}"
+                    );
+                }
+            }
+            // Parameters of sites rest.
+            assert!(field[2 * sites..].iter().all(|v| *v == 0.0));
+        }
+    }
+}
+
+/// Pairs in the other order, where the formula has no value, do not enter: √(g_j − g_i) with g that grows along the chain.
+#[test]
+fn pairs_in_the_other_order_do_not_count() {
+    for sites in [5, 33] {
+        let system = system("sum(i<j, sqrt(g[j] - g[i])*x[i]*y[j])", sites);
+        let mut x = state(sites);
+        for i in 0..sites {
+            x[2 * sites + i] = 1.0 + i as f64;
+        }
+        let mut field = vec![0.0; x.len()];
+        let make = system.numbers.field().expect("offered");
+        make(&[0.3], 1).values(&x, &mut field).expect("a value");
+        let mut energy = [0.0];
+        let mut numbers = system.numbers.evaluator(&[0.3]);
+        numbers.hamiltonian(&x, &mut energy).expect("a value");
+        let root = |i: usize, j: usize| libm::sqrt((j - i) as f64);
+        let pairs = || (0..sites).flat_map(|j| (0..j).map(move |i| (i, j)));
+        let expected: f64 = pairs().map(|(i, j)| root(i, j) * x[i] * x[sites + j]).sum();
+        assert!((energy[0] - expected).abs() <= 1e-14 * expected);
+        for i in 0..sites {
+            // {x, y} = 1/g in the paper's sign: x' = −∂H/∂y/g.
+            let slope: f64 = (0..i).map(|k| root(k, i) * x[k]).sum();
+            let expected = -slope / x[2 * sites + i];
+            assert!(
+                (field[i] - expected).abs() <= 1e-13 * (1.0 + expected.abs()),
+                "{i}"
+            );
+        }
+    }
+}
+
+/// The field at several points has the bits of each point alone.
+#[test]
+fn points_side_by_side_have_the_bits_of_points_alone() {
+    for text in POTENTIALS {
+        for sites in [3, 30, 45] {
+            let system = system(text, sites);
+            let make = system.numbers.field().expect("offered");
+            let x = state(sites);
+            for points in [2, 3, 4, 8] {
+                let at = |point: usize, c: usize| x[c] * (1.0 + 0.01 * point as f64);
+                let rows: Vec<f64> = (0..x.len())
+                    .flat_map(|c| (0..points).map(move |point| (point, c)))
+                    .map(|(point, c)| at(point, c))
+                    .collect();
+                let mut together = vec![0.0; rows.len()];
+                make(&[0.3], points)
+                    .values(&rows, &mut together)
+                    .expect("values");
+                for point in 0..points {
+                    let own: Vec<f64> = (0..x.len()).map(|c| at(point, c)).collect();
+                    let mut alone = vec![0.0; x.len()];
+                    make(&[0.3], 1).values(&own, &mut alone).expect("a value");
+                    for (c, alone) in alone.iter().enumerate() {
+                        assert_eq!(
+                            together[c * points + point],
+                            *alone,
+                            "{text} {sites} {points}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_no_sum_of_pairs_is_refused() {
+    for text in [
+        "sum(i, x[i]*x[i+1])",
+        "sum(i<j, x[i]*x[3])",
+        "x[0] + sum(i, x[i])",
+        "sum(i, sum(j, x[i]*x[j])^2)",
+        "sum(i, sum(j, sum(k, x[i]*x[j]*x[k])))",
+    ] {
+        let formula = Formula::parse(text).expect("a formula");
+        assert!(formula.pair_sums(&scope(9), 27).is_err(), "{text}");
+    }
+    let function = SystemFunction::Hessian(&[]);
+    let mut numbers = system(POTENTIALS[0], 3).numbers.evaluator(&[0.3]);
+    assert!(
+        numbers
+            .evaluate(function, &state(3), &mut [0.0; 9])
+            .is_err()
+    );
+}

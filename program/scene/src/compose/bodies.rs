@@ -1,0 +1,272 @@
+//! A scene of many bodies: sums over pairs of sites, evaluated in loops.
+
+use leafwise_core::lattice::{LatticeGeometry, TemplateReach};
+use leafwise_core::pairs::{BodyFunction, BodyShape, BodySum, BodySystem};
+use leafwise_core::part::{Family, PartInfo, PartKind};
+use leafwise_core::system::Parameter;
+use leafwise_core::{PartParameters, PoissonSystem, Registry};
+use leafwise_expression::Expression;
+use leafwise_expression::syntax::Scope;
+
+use super::Refusal;
+use super::definitions::scope;
+use super::dense::{DENSE_LIMIT, WRITTEN_LIMIT};
+use super::events::events;
+use super::geometry::{check_lengths, geometry};
+use super::initial::initial_state;
+use super::lattice::{bracket_reach, has_forms, one_site, reach};
+use super::names::{check_code, check_names, coordinate_names, parse};
+use super::observables::{RecordedFormula, expression, observables_in};
+use super::system::{ComposedSystem, check_contradictions, check_sites};
+use super::tensor::entries;
+use super::time::wants_time;
+use crate::document::{Convention, Located, ParameterValue, SceneDocument};
+
+/// The fewest sites whose pairs are evaluated in a loop: those of fewer are written out.
+const FEWEST_SITES: usize = 16;
+
+/// The number of sites from which on pairs are not written out for an order above 2. Hamilton–Jacobi's coefficients of order
+/// 4 are products of forces: for 30 vortices they took minutes to form.
+const MOST_SITES_OF_HIGH_ORDER: usize = 24;
+const HIGH_ORDER: f64 = 2.0;
+
+/// The system of a scene with sums over pairs in loops.
+///
+/// It is one of numbers, for a stepper that needs no formulas. H is a function of sums over sites and pairs that no
+/// template makes, and the bracket couples coordinates of one site. `None` for any other scene.
+///
+/// # Errors
+/// The first thing wrong, underlined in the scene.
+pub(super) fn many_bodies(
+    document: &SceneDocument,
+    registry: &Registry,
+) -> Result<Option<ComposedSystem>, Refusal> {
+    if !may_be_bodies(document) {
+        return Ok(None);
+    }
+    check_contradictions(document)?;
+    check_names(document)?;
+    check_sites(document)?;
+    check_lengths(document)?;
+    let lattice = geometry(document);
+    let of_bracket = bracket_reach(document, TemplateReach::default());
+    let is_local = of_bracket.is_ok_and(|reach| reach.has_sites_apart());
+    if !is_local || reach(document, TemplateReach::default()).is_ok() {
+        return Ok(None);
+    }
+    let whole = scope(document, &lattice, None)?;
+    let sums = BodyFormulas {
+        document,
+        scope: &whole,
+        lattice: &lattice,
+    };
+    let Some(hamiltonian) = sums.of(&document.system.hamiltonian)? else {
+        return Ok(None);
+    };
+    let mut casimirs = Vec::new();
+    for (name, formula) in &document.system.casimirs {
+        let Some(casimir) = sums.of(formula)? else {
+            return Ok(None);
+        };
+        casimirs.push((name.value.clone(), casimir));
+    }
+    let system = BodySystem {
+        shape: sums.shape(),
+        variables: coordinate_names(document, &lattice),
+        parameters: (document.system.parameters.iter())
+            .map(|(name, value)| Parameter {
+                name: name.value.clone(),
+                value: value.value.value,
+            })
+            .collect(),
+        bracket: bracket_of_a_site(document)?,
+        hamiltonian,
+        casimirs,
+    };
+    let named = document.method.stepper.as_ref();
+    let stepper = named.and_then(|spec| registry.stepper(&spec.name.value).ok());
+    let Some(stepper) = stepper else {
+        return unless_too_long(document, registry);
+    };
+    let compiled = system.compile().map_err(|error| {
+        let place = document.system.hamiltonian.place();
+        document.diagnostic(&place, error.to_string(), "here", None)
+    })?;
+    let system = PoissonSystem::from(compiled);
+    let serves = stepper.info.serves_numbers.is_some()
+        || stepper.build(&system, &PartParameters::new()).is_ok();
+    if !serves {
+        return unless_too_long(document, registry);
+    }
+    let initial = initial_state(document)?;
+    let events = events(document, &whole)?;
+    events.check(document, &initial, &system.parameter_values())?;
+    Ok(Some(ComposedSystem {
+        system,
+        near: initial.clone(),
+        initial,
+        extension: None,
+        noise: Vec::new(),
+        observables: observables_in(document, None, |formula, known| {
+            let parsed = parse(document, formula).ok();
+            let of_sums = match parsed.is_some_and(|parsed| parsed.has_sum()) {
+                true => sums.of(formula)?,
+                false => None,
+            };
+            match of_sums {
+                Some(function) => Ok(RecordedFormula::Sums(sums.shape(), Box::new(function))),
+                None => expression(document, &whole, formula, known).map(RecordedFormula::Written),
+            }
+        })?,
+        events,
+    }))
+}
+
+/// Whether a scene is a chain of more than a few sites that nothing moves but its H.
+fn may_be_bodies(document: &SceneDocument) -> bool {
+    let system = &document.system;
+    let Some(((_, length), rest)) = system.families.split_first() else {
+        return false;
+    };
+    system.numbers.is_none()
+        && system.variables.is_empty()
+        && system.axes.is_empty()
+        && rest.iter().all(|(_, own)| own.value == length.value)
+        && length.value >= FEWEST_SITES
+        && system.coordinates() > DENSE_LIMIT
+        && system.noise.is_empty()
+        && system.forces.formulas().is_empty()
+        && !has_forms(&system.bracket.value, &system.constraints)
+        && wants_time(document).is_none()
+}
+
+/// Whether the scene steps by realization and dynamics of an order at which terms of H multiply.
+fn has_high_order(document: &SceneDocument, registry: &Registry) -> bool {
+    if document.method.stepper.is_some() {
+        return false;
+    }
+    let Some(dynamics) = &document.method.dynamics else {
+        return true;
+    };
+    let part = registry.dynamics(&dynamics.name.value);
+    let is_of_order =
+        dynamics.name.value == "auto" || part.is_ok_and(|part| part.info.is_of_order());
+    let mut given = dynamics.parameters.iter();
+    let order = given.find(|(key, _)| key.value == "order");
+    let is_low = order.is_some_and(|(_, value)| match &value.value {
+        ParameterValue::Number(number) => number.value <= HIGH_ORDER,
+        _ => true,
+    });
+    is_of_order && !is_low
+}
+
+/// `None`, for a system that is written out.
+///
+/// # Errors
+/// Too many pairs for that.
+fn unless_too_long(
+    document: &SceneDocument,
+    registry: &Registry,
+) -> Result<Option<ComposedSystem>, Refusal> {
+    let system = &document.system;
+    let (coordinates, sites) = (system.coordinates(), system.families[0].1.value);
+    let is_high = sites >= MOST_SITES_OF_HIGH_ORDER && has_high_order(document, registry);
+    if coordinates <= WRITTEN_LIMIT && !is_high {
+        return Ok(None);
+    }
+    let names = |parts: Vec<&'static PartInfo>| -> Vec<&str> {
+        parts.iter().map(|info| info.name).collect()
+    };
+    let splitting = names(registry.family(Family::Splitting));
+    let parts = registry.parts().into_iter();
+    let serving =
+        parts.filter(|info| info.kind == PartKind::Stepper && info.serves_numbers.is_some());
+    let method = &document.method;
+    let named = method.stepper.as_ref().or(method.dynamics.as_ref());
+    let of = match named {
+        Some(spec) => format!("`{}`", spec.name.value),
+        None => "a realization with its dynamics".to_owned(),
+    };
+    let place = named.map_or_else(|| system.hamiltonian.place(), |spec| spec.name.place());
+    Err(Box::new(document.diagnostic(
+        &place,
+        match coordinates <= WRITTEN_LIMIT {
+            true => format!(
+                "of an order above {HIGH_ORDER} {of} needs the products of all pairs of sites written out, for fewer than \
+                 {MOST_SITES_OF_HIGH_ORDER} sites, and this system has {sites}"
+            ),
+            false => format!(
+                "{of} needs every pair of sites written out, at most {WRITTEN_LIMIT} coordinates, and this system has {coordinates}: \
+                 its H couples all of them by a sum over pairs, a sum within a sum, or a function of sums"
+            ),
+        },
+        "here",
+        Some(format!(
+            "steppers that take pairs in a loop: {} where H = T + V, {}",
+            splitting.join(", "),
+            names(serving.collect()).join(", ")
+        )),
+    )))
+}
+
+/// {x_a, x_b} of the families at one site, in the paper's convention.
+fn bracket_of_a_site(
+    document: &SceneDocument,
+) -> Result<Vec<((usize, usize), Expression)>, Refusal> {
+    let lattice = one_site(document);
+    let scope = scope(document, &lattice, None)?;
+    let names = coordinate_names(document, &lattice);
+    let entries = entries(document, &scope, &names, &lattice)?.into_iter();
+    let entries = entries.map(|(at, entry)| match document.system.convention {
+        Convention::HamiltonFirst => (at, entry),
+        Convention::HamiltonSecond => (at, Expression::Negate(Box::new(entry))),
+    });
+    Ok(entries.collect())
+}
+
+/// Formulas of a scene as functions of sums over sites and pairs.
+struct BodyFormulas<'a> {
+    document: &'a SceneDocument,
+    scope: &'a Scope,
+    lattice: &'a LatticeGeometry,
+}
+
+impl BodyFormulas<'_> {
+    fn shape(&self) -> BodyShape {
+        BodyShape {
+            families: self.lattice.families.len(),
+            sites: self.lattice.length(),
+        }
+    }
+
+    /// A formula as such a function; `None` where it is none.
+    ///
+    /// # Errors
+    /// A formula that cannot be read, or has no code.
+    fn of(&self, formula: &Located<String>) -> Result<Option<BodyFunction>, Refusal> {
+        let BodyShape { families, sites } = self.shape();
+        let d = families * sites;
+        let Ok(sums) = parse(self.document, formula)?.pair_sums(self.scope, d) else {
+            return Ok(None);
+        };
+        let second = |at: usize| if at % sites == 1 { families } else { 0 };
+        let places: Vec<usize> = (0..d).map(|at| at / sites + second(at)).collect();
+        let outer: Vec<usize> = (0..d + sums.sums.len())
+            .map(|at| at.saturating_sub(d))
+            .collect();
+        let function = BodyFunction {
+            outer: sums.outer.with_variables(&outer),
+            sums: (sums.sums.iter())
+                .map(|sum| BodySum {
+                    site: sum.site.with_variables(&places),
+                    pair: sum.pair.with_variables(&places),
+                })
+                .collect(),
+        };
+        for sum in &function.sums {
+            check_code(self.document, formula, &sum.site)?;
+            check_code(self.document, formula, &sum.pair)?;
+        }
+        Ok(Some(function))
+    }
+}
