@@ -45,6 +45,14 @@ impl Failure {
             }
             Fault::Undefined(text) => Self::of_observable(&format!("`{text}`"), steps, time, state),
             Fault::Outside => Self::of_observable(invariant_name(run, 0), steps, time, state),
+            Fault::Leaf => Self {
+                message: fault.to_string(),
+                step: steps + 1,
+                time,
+                state: state.to_vec(),
+                hint: "record fewer exponents, no `sali` in a leaf of one direction, and none at a state where the bracket vanishes"
+                    .to_owned(),
+            },
             fault => Self {
                 message: fault.to_string(),
                 step: steps + 1,

@@ -58,7 +58,9 @@ impl ComposedRun {
         }
         let observables = self.plan.observables.iter();
         let formulas = observables.filter_map(|observable| match observable {
-            Observable::Invariant { .. } | Observable::Coordinate { .. } => None,
+            Observable::Invariant { .. }
+            | Observable::Coordinate { .. }
+            | Observable::Indicator { .. } => None,
             Observable::Formula { expression, .. } => Some(expression),
         });
         Ok(self.observables(&formulas.collect::<Vec<_>>())?.into())
@@ -70,12 +72,17 @@ impl ComposedRun {
     /// [`BuildError::Algebra`] where a formula has no code.
     pub fn recorded_columns(&self) -> Result<StateFunctions, BuildError> {
         let observables = self.plan.observables.iter();
-        let recorded = observables.filter(|o| !matches!(o, Observable::Invariant { .. }));
+        let recorded = observables.filter(|observable| {
+            matches!(
+                observable,
+                Observable::Formula { .. } | Observable::Coordinate { .. }
+            )
+        });
         let Stepping::Lattice(lattice) = &self.method else {
             let formulas = recorded.map(|observable| match observable {
                 Observable::Coordinate { index, .. } => Expression::Variable(*index),
                 Observable::Formula { expression, .. } => expression.clone(),
-                Observable::Invariant { .. } => Expression::from(0),
+                Observable::Invariant { .. } | Observable::Indicator { .. } => Expression::from(0),
             });
             let formulas: Vec<Expression> = formulas.collect();
             return Ok(self
@@ -141,6 +148,7 @@ impl ComposedRun {
             events: events.collect::<Result<_, _>>()?,
             invariants: self.invariant_functions()?,
             invariants_every: 1,
+            indicators: self.indicators(),
         })
     }
 }
