@@ -125,7 +125,10 @@ impl Deviation {
                 let v = &self.vectors[..d];
                 let w = &self.vectors[self.growth.len() * d..][..d];
                 let size = |sign: f64| {
-                    let squares = v.iter().zip(w).map(|(v, w)| (v + sign * w) * (v + sign * w));
+                    let squares = v
+                        .iter()
+                        .zip(w)
+                        .map(|(v, w)| (v + sign * w) * (v + sign * w));
                     libm::sqrt(squares.sum())
                 };
                 size(1.0).min(size(-1.0))

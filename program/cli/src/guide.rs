@@ -9,7 +9,7 @@ macro_rules! pages {
 }
 
 /// Names and texts of the pages, in the order of the guide's contents.
-pub const PAGES: [(&str, &str); 30] = pages![
+pub const PAGES: [(&str, &str); 31] = pages![
     "start",
     "from-scipy",
     "from-julia",
@@ -35,6 +35,7 @@ pub const PAGES: [(&str, &str); 30] = pages![
     "sweeps",
     "clusters",
     "shadow",
+    "indicators",
     "gradients",
     "own-parts",
     "theory",

@@ -7,6 +7,7 @@ use leafwise_walk::{Ended, Fault};
 use serde::Serialize;
 
 use crate::advice::Advice;
+use crate::chaos::ChaosVerdict;
 use crate::columns::invariant_name;
 use crate::seam::crossed;
 use crate::shadow::ShadowVerdict;
@@ -257,6 +258,8 @@ pub struct RunReport {
     pub is_repeated: bool,
     /// How the energy of the map's shadow was kept, where it is recorded.
     pub shadow: Option<ShadowVerdict>,
+    /// Whether the motion is regular or chaotic, where MEGNO is recorded.
+    pub chaos: Option<ChaosVerdict>,
     /// Advice on what to change in the scene.
     pub advice: Vec<Advice>,
 }

@@ -9,6 +9,7 @@ mod failing_runs;
 mod found;
 mod gallery;
 mod guide;
+mod indicators;
 mod invalid_scenes;
 mod kills;
 mod motion;

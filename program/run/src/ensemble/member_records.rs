@@ -68,11 +68,7 @@ impl<'a> MemberRecords<'a> {
     }
 
     /// The same of other members in as many lanes, behind those that have been [handed over](Self::finish).
-    pub fn start_again(
-        &mut self,
-        begun: Begun,
-        initial: [&[f64]; 2],
-    ) -> Result<(), BuildError> {
+    pub fn start_again(&mut self, begun: Begun, initial: [&[f64]; 2]) -> Result<(), BuildError> {
         self.invariants.set_parameters(&begun.parameters)?;
         self.formulas.set_parameters(&begun.parameters)?;
         self.deviations.fill(0.0);

@@ -109,7 +109,9 @@ fn compose_from(
     let column = |observable: &Observable| match observable {
         Observable::Invariant { index, .. } => Column::Invariant(*index),
         Observable::Indicator { index, .. } => Column::Indicator(*index),
-        Observable::Formula { .. } | Observable::Coordinate { .. } => Column::Recorded(recorded.next().unwrap_or_default()),
+        Observable::Formula { .. } | Observable::Coordinate { .. } => {
+            Column::Recorded(recorded.next().unwrap_or_default())
+        }
     };
     let columns = run.plan.observables.iter().map(column).collect();
     let formulas = run.recorded_columns().map_err(without_code)?;

@@ -61,7 +61,7 @@ pub(super) fn indicators(
     if method.lattice().is_some() {
         return refuse(
             format!("`{name}` is not offered on a lattice of more than {DENSE_LIMIT} coordinates"),
-            "follow tangents yourself: Scene.tangent in Python",
+            "take a shorter lattice, or tangents in Python: `scene.trajectory().jvp`",
         );
     }
     if method.noise().is_some() {
@@ -82,7 +82,10 @@ pub(super) fn indicators(
             "take hamilton-jacobi over a realization in closed form, splitting, or a composition of one of them",
         );
     }
-    Ok(asked.iter().filter_map(|text| indicator(&text.value)).collect())
+    Ok(asked
+        .iter()
+        .filter_map(|text| indicator(&text.value))
+        .collect())
 }
 
 /// Whether a step from a state has no tangent. Where the step fails nobody knows, and the run will say why.

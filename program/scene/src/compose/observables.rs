@@ -94,7 +94,9 @@ pub(super) fn observables(
             continue;
         }
         if indicator(&formula.value).is_some() && !is_declared(document, scope, formula) {
-            let earlier = chosen.iter().filter(|o| matches!(o, Observable::Indicator { .. }));
+            let earlier = chosen
+                .iter()
+                .filter(|o| matches!(o, Observable::Indicator { .. }));
             let index = earlier.count();
             chosen.push(Observable::Indicator { name, index });
             continue;
