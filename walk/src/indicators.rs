@@ -1,16 +1,16 @@
 //! Indicators of chaos along a trajectory, from vectors that the exact tangent DΦ of each step carries.
 //!
-//! v_0 = Π(x_0)a lies in the symplectic leaf of x_0, and v_k = DΦ v_{k−1} in that of x_k. With g_k = |v_k|/|v_{k−1}|, over n
-//! steps and the time t = n ε h:
+//! The vector v_0 = Π(x_0)a lies in the symplectic leaf of x_0, and v_k = DΦ v_{k−1} in that of x_k. Over n steps and the time
+//! t = n ε h, g_k = |v_k|/|v_{k−1}| gives:
 //!
-//! - λ = Σ_k ln g_k / |t|, which tends to the largest Lyapunov exponent; further exponents by orthogonalising each step
+//! - λ = Σ_k ln g_k / |t|, which tends to the largest Lyapunov exponent. Vectors kept at right angles give the others
 //!   (G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn, Meccanica 15 (1980)).
-//! - MEGNO, Ȳ_n = (1/n) Σ_{m≤n} (2/m) Σ_{k≤m} k ln g_k: 2 on tori, λ|t|/2 along chaotic motion (P. Cincotta, C. Simó,
+//! - MEGNO, Ȳ_n = (1/n) Σ_{m≤n} (2/m) Σ_{k≤m} k ln g_k. It is 2 on tori and λ|t|/2 along chaotic motion (P. Cincotta, C. Simó,
 //!   Astronomy and Astrophysics Supplement 147 (2000)).
-//! - SALI = min(|v̂ + ŵ|, |v̂ − ŵ|) of two vectors at right angles at first: it falls as e^{−(λ_1 − λ_2) t} along chaotic motion (Ch. Skokos,
-//!   Journal of Physics A 34 (2001)).
+//! - SALI = min(|v̂ + ŵ|, |v̂ − ŵ|) of two vectors at right angles at first. Along chaotic motion it falls as e^{−(λ_1 − λ_2) t}
+//!   (Ch. Skokos, Journal of Physics A 34 (2001)).
 //!
-//! Vectors have length 1 between steps: nothing overflows.
+//! Between steps vectors have length 1, so that nothing overflows.
 
 use leafwise_core::walk::column;
 use leafwise_core::{BuildError, StepError};

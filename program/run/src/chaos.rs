@@ -1,7 +1,7 @@
 //! Verdict on a run that records MEGNO: regular, chaotic, or not yet known.
 //!
-//! Ȳ tends to 2 on tori and to 0 where neighbours do not part (isochronous motion); along chaotic motion it grows like λt/2. Over the
-//! second half of a run, the motion is called
+//! Ȳ tends to 2 on tori and to 0 where neighbours do not part (isochronous motion). Along chaotic motion it grows like λt/2.
+//! Judged by the second half of a run, the motion is
 //!
 //! - regular, where Ȳ stays at or below 2.2 and changes by 0.2 at most: e-folding times below a quarter of the run would
 //!   have shown;
@@ -45,7 +45,7 @@ pub enum MotionKind {
     NotYetKnown,
 }
 
-/// What MEGNO says of a run.
+/// Verdict of MEGNO on a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ChaosVerdict {
     /// Regular, chaotic or not yet known.

@@ -73,7 +73,8 @@ fn members_and_settings_have_the_indicators_of_runs() {
 
     let sweep = "[sweep]\ngrid = { \"system.parameters.I2\" = [0.7, 0.8] }\n";
     let here = Place::with(&format!("{BODY}{sweep}"));
-    let said = here.leafwise(&["sweep", "scene.toml", "--set", RECORD]);
+    let record = RECORD.replace("run.record", "sweep.record");
+    let said = here.leafwise(&["sweep", "scene.toml", "--set", &record]);
     assert_eq!(said.code, Some(0), "{}", said.err);
     let table = here.read("runs/scene-sweep/sweep.csv");
     let said = run(&here, &["system.parameters.I2=0.8", RECORD]);
@@ -109,7 +110,7 @@ fn they_are_refused_where_steps_have_no_tangent() {
         ),
     ] {
         let said = run(&here, &set);
-        assert_eq!(said.code, Some(2), "{set:?} {}", said.err);
+        assert_eq!(said.code, Some(3), "{set:?} {}", said.err);
         said.says(&pieces);
     }
     // The leaves of so(3)* have two dimensions.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use leafwise_core::system::LeafDirections;
-use leafwise_core::{PoissonSystem, Stepper};
+use leafwise_core::{PoissonSystem, Walk};
 use leafwise_walk::{Indicator, Indicators, StateFunctions};
 
 use super::Refusal;
@@ -72,8 +72,9 @@ pub(super) fn indicators(
     }
     let map = method.map();
     let (epsilon, h) = step;
-    let mut stepper = map.stepper(1, &system.parameter_values(), epsilon, h);
-    if has_no_tangent(stepper.as_mut(), initial) {
+    let mut walk = Walk::new(map, &system.parameter_values(), epsilon, h, initial);
+    // Where the step fails nobody knows, and the run will say why.
+    if walk.advance(1).is_ok() && walk.tangent(0).is_none() {
         return refuse(
             format!(
                 "`{name}` follows the exact tangent of each step, which `{}` does not offer",
@@ -86,15 +87,6 @@ pub(super) fn indicators(
         .iter()
         .filter_map(|text| indicator(&text.value))
         .collect())
-}
-
-/// Whether a step from a state has no tangent. Where the step fails nobody knows, and the run will say why.
-fn has_no_tangent(stepper: &mut dyn Stepper, initial: &[f64]) -> bool {
-    let low = vec![0.0; initial.len()];
-    let (mut increment, mut outcome) = (low.clone(), [Ok(())]);
-    stepper.increment(initial, &low, &mut increment, &mut outcome);
-    let [outcome] = outcome;
-    outcome.is_ok() && stepper.tangent(0).is_none()
 }
 
 impl ComposedRun {
