@@ -27,7 +27,8 @@ const APART: f64 = 1e-10;
 pub enum Indicator {
     /// Ȳ, the mean exponential growth of nearby orbits.
     Megno,
-    /// λ_k, the k-th largest Lyapunov exponent, from 1 on.
+    /// λ_k, the k-th largest Lyapunov exponent, from 1 on, to half of the leaf's dimension. Of a Poisson map the others are their
+    /// negatives. Vectors that shrink would not stay in the leaf: round-off across it, which does not, would outgrow them.
     Lyapunov(usize),
     /// The smaller alignment index.
     Sali,
@@ -38,14 +39,15 @@ pub enum Indicator {
 pub struct Indicators {
     /// Which ones.
     pub which: Vec<Indicator>,
-    /// [`vectors`](Self::vectors_of) vectors in the leaf of a state, d numbers each, one after the other.
+    /// So many [vectors](Self::vectors_of) in the leaf of a state, d numbers each, one after the other.
     pub directions: StateFunctions,
 }
 
 impl Indicators {
-    /// The number of vectors that indicators need: one for each exponent up to the last, one more for SALI.
+    /// The number of vectors that indicators are begun with: two for each exponent up to the last, since exponents come in pairs, one
+    /// more for SALI.
     pub fn vectors_of(which: &[Indicator]) -> usize {
-        spectrum(which) + usize::from(which.contains(&Indicator::Sali))
+        2 * spectrum(which) + usize::from(which.contains(&Indicator::Sali))
     }
 }
 
@@ -177,12 +179,15 @@ impl<'a> Deviations<'a> {
         let mut flat = Vec::new();
         for (lane, own) in self.own.iter_mut().enumerate() {
             let count = spectrum(&self.of.which);
-            let begun = begin(column(all, lane, lanes), d, count);
+            let begun = begin(column(all, lane, lanes), d, 2 * count);
             if begun.is_none() {
                 flat.push(lane);
             }
+            let mut vectors = begun.unwrap_or_else(|| column(all, lane, lanes));
+            // The other exponent of each pair belongs to the leaf's other directions.
+            vectors.drain(count * d..2 * count * d);
             *own = Deviation {
-                vectors: begun.unwrap_or_else(|| column(all, lane, lanes)),
+                vectors,
                 growth: vec![0.0; count],
                 ..Deviation::default()
             };

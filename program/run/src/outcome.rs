@@ -51,7 +51,7 @@ impl Failure {
                 step: steps + 1,
                 time,
                 state: state.to_vec(),
-                hint: "record fewer exponents, no `sali` in a leaf of one direction, and none at a state where the bracket vanishes"
+                hint: "record fewer exponents: the others are their negatives; and none at a state where the bracket vanishes"
                     .to_owned(),
             },
             fault => Self {

@@ -10,7 +10,7 @@ use crate::{MotionKind, Quiet, RunOutcome};
 fn an_interrupted_run_has_the_indicators_of_a_whole_one() {
     let scene = SCENE.replace(
         "observables = [\"energy\", \"x1*x2\"]",
-        "observables = [\"megno\", \"energy\", \"lyapunov 2\", \"x1*x2\", \"sali\"]",
+        "observables = [\"megno\", \"energy\", \"lyapunov 1\", \"x1*x2\", \"sali\"]",
     );
     let root = tempfile::tempdir().expect("a directory");
     let (whole, pieces) = (root.path().join("whole"), root.path().join("pieces"));
@@ -28,5 +28,5 @@ fn an_interrupted_run_has_the_indicators_of_a_whole_one() {
     assert!(read(&whole).expect("rows") == read(&pieces).expect("rows"));
     let text = fs::read_to_string(whole.join("samples.csv")).expect("rows");
     let heading = text.lines().next().expect("a line");
-    assert_eq!(heading, "t,x1,x2,x3,megno,energy,lyapunov 2,x1*x2,sali");
+    assert_eq!(heading, "t,x1,x2,x3,megno,energy,lyapunov 1,x1*x2,sali");
 }
