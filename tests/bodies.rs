@@ -136,7 +136,7 @@ fn energy(run: &ComposedRun, x: &[f64]) -> f64 {
     let mut invariants =
         leafwise::core::system::SystemInvariants::new(&run.system, &parameters).expect("code");
     let mut values = [0.0];
-    leafwise::core::Observe::evaluate(&mut invariants, x, &mut values);
+    invariants.evaluate(x, &mut values);
     values[0]
 }
 

@@ -18,6 +18,7 @@ mod forces;
 mod functions;
 mod gradients;
 mod guiding_centre;
+mod indicators;
 mod jacobi;
 mod kernels;
 mod library_orbits;

@@ -38,7 +38,7 @@ SUBJECTS = {
     "Spins": ["damped_spin", "langevin_spin", "spin_chain", "heisenberg_chain", "hot_spin_chain", "spin_waves_2d", "hot_ferromagnet"],
     "Lattices": ["toda", "volterra_lattice", "ablowitz_ladik"],
     "A tensor of functions": ["gradient"],
-    "Many runs": ["rigid_body_ensemble", "rigid_body_sweep"],
+    "Many runs": ["rigid_body_ensemble", "rigid_body_sweep", "chaos_map"],
 }
 
 #: How the heading of the figure begins, and settings that make a picture of what the text describes. By default the section, the
@@ -46,6 +46,7 @@ SUBJECTS = {
 VIEWS: dict[str, tuple[str, list[str]]] = {
     "attitude": ("Orbit", ["run.steps=300", "run.record.every=1"]),
     "camassa_holm": ("Phase plane", ['run.record.states=["q1","p1"]']),
+    "chaos_map": ("megno", []),
     "driven_oscillator": ("Phase plane", ["run.record.every=1"]),
     "gradient": ("Orbit", ["run.steps=300", "run.record.every=1"]),
     "gravity": ("Phase plane", ['run.record.states=["q.x[0]","q.y[0]"]', "run.record.every=1"]),

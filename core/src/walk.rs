@@ -177,6 +177,11 @@ impl Walk {
         self.stepper.statistics().evaluations
     }
 
+    /// DΦ of the last step of a lane that goes on, row-major d × d; `None` where the map offers none.
+    pub fn tangent(&mut self, lane: usize) -> Option<Vec<f64>> {
+        self.stepper.tangent(lane)
+    }
+
     /// Whether a lane goes on.
     pub fn lives(&self, lane: usize) -> bool {
         self.rests[lane].is_none()

@@ -70,6 +70,9 @@ pub(crate) struct Recorded {
     /// Advice: changes to make in the scene.
     #[pyo3(get)]
     advice: Vec<String>,
+    /// Whether the motion is regular or chaotic, in words, where MEGNO is recorded.
+    #[pyo3(get)]
+    motion: Option<String>,
     page: ReportData,
 }
 
@@ -134,6 +137,7 @@ impl Recorded {
                 .iter()
                 .map(|one| format!("{}; {}", one.message, one.change))
                 .collect(),
+            motion: report.chaos.map(|chaos| chaos.text()),
             page,
         })
     }

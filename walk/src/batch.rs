@@ -39,7 +39,8 @@ impl Batch {
         (lanes, parameters): (usize, &[f64]),
     ) -> Result<Option<Self>, BuildError> {
         let most = (COORDINATES / dimension.max(1)).min(MOST);
-        let is_watched = course.looks_between() || course.invariants_every != 1;
+        let is_watched =
+            course.looks_between() || course.indicators.is_some() || course.invariants_every != 1;
         if lanes > 1 || is_watched || most < LEAST || !course.invariants.is_code() {
             return Ok(None);
         }

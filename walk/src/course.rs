@@ -2,6 +2,7 @@
 
 use crate::events::{Event, Stop};
 use crate::functions::StateFunctions;
+use crate::indicators::Indicators;
 use crate::pace::Pace;
 use crate::times::SampleTimes;
 
@@ -29,6 +30,8 @@ pub struct Course {
     pub invariants: StateFunctions,
     /// Steps between two looks at the invariants.
     pub invariants_every: u64,
+    /// Indicators of chaos that are followed, if any.
+    pub indicators: Option<Indicators>,
 }
 
 impl Course {

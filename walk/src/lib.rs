@@ -3,7 +3,7 @@
 //! [`Watched`] advances the lanes of a [`Walk`](leafwise_core::Walk) by what a [`Course`] says and hands each [`Look`] over to who
 //! takes it. After each step it looks, in this order, at
 //!
-//! 1. the step itself: a lane whose step fails ends at its last good state;
+//! 1. the step itself: a lane whose step fails ends at its last good state; with [`Indicators`], the step's tangent;
 //! 2. the [`Pace`]: a lane whose time does not advance as it should ends at the state before;
 //! 3. the condition of [`Stop`]: a lane ends at the first state at which it holds, between two steps;
 //! 4. [`Event`]s in the order of their times, up to one that ends the lane;
@@ -22,6 +22,7 @@ mod domain;
 mod events;
 mod fault;
 mod functions;
+mod indicators;
 mod look;
 mod pace;
 mod step;
@@ -33,6 +34,7 @@ pub use domain::outside;
 pub use events::{Direction, Event, Section, Side, Stop};
 pub use fault::{Ended, Fault, Why};
 pub use functions::{FunctionValues, StateFunctions};
+pub use indicators::{Deviation, Indicator, Indicators};
 pub use look::{At, Look, Steps};
 pub use pace::{NoPace, Pace, PacedSteps};
 pub use step::{LastStep, StepEnd, StepStart};

@@ -16,6 +16,8 @@ pub struct At<'a> {
     pub state: &'a [f64],
     /// Evaluations so far, those of the solver's statistics.
     pub evaluations: u64,
+    /// The course's indicators of chaos: indicator i of lane w at `[i*lanes + w]`.
+    pub indicators: &'a [f64],
 }
 
 /// Steps of one lane that are looked at together, as if one by one: each is inside of the energy's domain.
@@ -40,6 +42,8 @@ impl Steps<'_> {
             time: steps as f64 * self.time_step + 0.0,
             state: self.batch.state(at),
             evaluations: self.batch.evaluations[at],
+            // They are followed step by step.
+            indicators: &[],
         }
     }
 

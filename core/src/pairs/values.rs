@@ -11,7 +11,7 @@ use super::pair_code::PairCode;
 use super::site_code::SiteCode;
 use super::tiles::Tiles;
 use crate::error::BuildError;
-use crate::observe::Observe;
+use crate::observer::Observer;
 
 /// The code of sums, and of functions of them.
 #[derive(Debug)]
@@ -309,15 +309,22 @@ impl BodyObservables {
         Self {
             sums: Sums::new(&self.sums.code, 1, parameters),
         }
-    }
-}
 
-impl Observe for BodyObservables {
-    fn observables(&self) -> usize {
+    /// The number of functions.
+    pub fn observables(&self) -> usize {
         self.sums.code.outers
     }
 
-    fn evaluate(&mut self, state: &[f64], values: &mut [f64]) {
+    /// Writes their values at a state.
+    pub fn evaluate(&mut self, state: &[f64], values: &mut [f64]) {
         self.sums.evaluate(state, values);
+    }
+}
+
+impl From<BodyObservables> for Observer {
+    fn from(mut own: BodyObservables) -> Self {
+        Self::new(own.observables(), move |state, values| {
+            own.evaluate(state, values);
+        })
     }
 }

@@ -10,6 +10,7 @@
 //! - [`energy_casimir`]: H less multiples of Casimirs, which has the motion of H.
 //! - [`compiled`]: the values of a system of formulas, by kernels.
 //! - [`observables`]: energy, Casimirs and other functions of the state.
+//! - [`LeafDirections`]: vectors within a symplectic leaf.
 
 pub mod agreement;
 pub mod builder;
@@ -20,6 +21,7 @@ pub mod forces;
 pub mod forms;
 pub mod formulas;
 mod jet;
+mod leaf_directions;
 pub mod numbers;
 pub mod observables;
 mod perturbation;
@@ -38,6 +40,7 @@ pub use forces::{Damping, Forces, Metric};
 pub use forms::FormError;
 pub use formulas::{SystemFormulas, TensorSource};
 pub use jet::MotionSeries;
+pub use leaf_directions::LeafDirections;
 pub use numbers::{
     Derivatives, MakeField, OpaqueSystem, Shear, SystemEvaluator, SystemFunction, SystemNumbers,
 };

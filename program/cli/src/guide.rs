@@ -36,6 +36,7 @@ pub const PAGES: [(&str, &str); 31] = pages![
     "sweeps",
     "clusters",
     "shadow",
+    "indicators",
     "gradients",
     "own-parts",
     "theory",

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use leafwise_core::SolverStatistics;
 use leafwise_core::walk::Checkpoint as IntegratorState;
-use leafwise_walk::{PacedSteps, Side, StepStart};
+use leafwise_walk::{Deviation, PacedSteps, Side, StepStart};
 use serde::{Deserialize, Serialize};
 
 use super::appended::Vouched;
@@ -22,7 +22,7 @@ use crate::job::SceneDigest;
 /// Format of the checkpoint of a run: the name of its content, and its number.
 const FORMAT: Format = Format {
     name: b"leafwis",
-    number: b'E',
+    number: b'F',
 };
 
 /// A run between two steps. Another field, order or type is another format.
@@ -62,6 +62,8 @@ pub(super) struct Checkpoint {
     pub side: Side,
     /// The state before the last step.
     pub start: StepStart,
+    /// Vectors of indicators of chaos.
+    pub deviation: Deviation,
 }
 
 impl Checkpoint {
@@ -182,6 +184,7 @@ mod tests {
                 state: vec![0.1, 0.2],
                 compensation: vec![0.0, -1e-18],
             },
+            deviation: Deviation::default(),
         }
     }
 

@@ -33,7 +33,9 @@ pub(super) fn headings(run: &ComposedRun, has_states: bool) -> Headings {
     for observable in &run.plan.observables {
         let kind = match observable {
             Observable::Invariant { index, .. } => invariant_kind(*index),
-            Observable::Formula { .. } | Observable::Coordinate { .. } => "observable",
+            Observable::Formula { .. }
+            | Observable::Coordinate { .. }
+            | Observable::Indicator { .. } => "observable",
         };
         headings.push(observable.name(), kind);
     }

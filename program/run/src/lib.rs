@@ -21,6 +21,7 @@
 //! - `retraced`: states at any times, from the nearest one that was kept;
 //! - `replaced`: a file that is replaced as a whole;
 //! - `sealed`: files that are read back to every bit, or refused;
+//! - `chaos`: whether a run that records MEGNO is regular or chaotic;
 //! - `shadow`: a map's step judged by the energy of its shadow; `shadow_step`: the step that keeps it as well as asked;
 //! - `checkpoint`: everything later steps depend on, written atomically;
 //! - `watch`: states that the method is judged at, whatever is recorded;
@@ -32,6 +33,7 @@
 
 pub mod advice;
 mod appended;
+mod chaos;
 mod checkpoint;
 mod columns;
 mod crossing;
@@ -70,6 +72,7 @@ mod watch;
 
 pub use advice::{Advice, AdviceKind, advise};
 pub(crate) use appended::{Appended, Vouched};
+pub use chaos::{ChaosVerdict, MotionKind};
 pub(crate) use checkpoint::StatisticsFields;
 pub use crossing::Crossing;
 pub use error::RunError;

@@ -7,6 +7,7 @@ use leafwise_walk::{Ended, Fault};
 use serde::Serialize;
 
 use crate::advice::Advice;
+use crate::chaos::ChaosVerdict;
 use crate::columns::invariant_name;
 use crate::invariants::InvariantDrift;
 use crate::seam::crossed;
@@ -46,6 +47,14 @@ impl Failure {
             }
             Fault::Undefined(text) => Self::of_observable(&format!("`{text}`"), steps, time, state),
             Fault::Outside => Self::of_observable(invariant_name(run, 0), steps, time, state),
+            Fault::Leaf => Self {
+                message: fault.to_string(),
+                step: steps + 1,
+                time,
+                state: state.to_vec(),
+                hint: "record fewer exponents: the others are their negatives; and none at a state where the bracket vanishes"
+                    .to_owned(),
+            },
             fault => Self {
                 message: fault.to_string(),
                 step: steps + 1,
@@ -234,6 +243,8 @@ pub struct RunReport {
     pub is_repeated: bool,
     /// How the energy of the map's shadow was kept, where it is recorded.
     pub shadow: Option<ShadowVerdict>,
+    /// Whether the motion is regular or chaotic, where MEGNO is recorded.
+    pub chaos: Option<ChaosVerdict>,
     /// Advice on what to change in the scene.
     pub advice: Vec<Advice>,
 }

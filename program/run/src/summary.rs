@@ -347,6 +347,11 @@ fn facts(run: &ComposedRun, session: &Session<'_>, report: &RunReport) -> Vec<(S
             .shadow
             .map(|shadow| ("Shadow energy".to_owned(), shadow.text())),
     );
+    facts.extend(
+        report
+            .chaos
+            .map(|chaos| ("Motion".to_owned(), chaos.text())),
+    );
     facts.extend(run.work_of_forces().map(|text| ("Energy".to_owned(), text)));
     if let Some([least, most]) = report.step_times {
         let text = format!("{} to {}", rounded(least, 4), rounded(most, 4));

@@ -116,6 +116,7 @@ class Recorded:
     scene: str
     method: list[str]
     advice: list[str]
+    motion: str | None
     def page(self) -> str: ...
 
 @final

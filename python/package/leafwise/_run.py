@@ -127,6 +127,11 @@ class Run:
         """What to change in the scene."""
         return self._recorded.advice
 
+    @property
+    def motion(self) -> str | None:
+        """Whether the motion is regular, chaotic with its e-folding time, or not yet known, where `megno` is recorded; None elsewhere."""
+        return self._recorded.motion
+
     def report(self) -> str:
         """The report as a page that needs nothing else."""
         return self._recorded.page()

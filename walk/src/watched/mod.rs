@@ -1,6 +1,7 @@
 //! The step loop: one step of all lanes, and the looks at it in their order.
 
 mod at_once;
+mod deviations;
 mod looks;
 
 use leafwise_core::walk::Checkpoint;
@@ -12,6 +13,7 @@ use crate::course::Course;
 use crate::events::{Event, Side};
 use crate::fault::{Ended, Fault, Why};
 use crate::functions::FunctionValues;
+use crate::indicators::{Deviation, Deviations};
 use crate::look::{At, Look};
 use crate::pace::PacedSteps;
 use crate::step::StepStart;
@@ -43,6 +45,10 @@ pub struct Watched<'a> {
     batch: Option<Batch>,
     /// The work of a stepper that was given up.
     earlier: SolverStatistics,
+    /// Vectors that indicators of chaos follow.
+    deviations: Option<Deviations<'a>>,
+    /// Lanes whose leaf has too few dimensions for them.
+    flat: Vec<usize>,
 }
 
 /// An event in all lanes.
@@ -68,6 +74,8 @@ pub struct Memory {
     pub events: Vec<(Side, u64)>,
     /// Samples taken at times.
     pub samples: u64,
+    /// Vectors of indicators of chaos; empty without one.
+    pub deviation: Deviation,
 }
 
 impl<'a> Watched<'a> {
@@ -116,6 +124,10 @@ impl<'a> Watched<'a> {
             map,
             members: Vec::new(),
             earlier: SolverStatistics::default(),
+            deviations: (course.indicators.as_ref())
+                .map(|of| Deviations::new(of, map.dimension(), (lanes, parameters)))
+                .transpose()?,
+            flat: Vec::new(),
         };
         watched.stand();
         Ok(watched)
@@ -145,6 +157,9 @@ impl<'a> Watched<'a> {
         if let Some(batch) = &mut self.batch {
             batch.set_parameters(parameters)?;
         }
+        if let Some(deviations) = &mut self.deviations {
+            deviations.set_parameters(parameters)?;
+        }
         self.alones.set_parameters(parameters);
         self.paced.fill(PacedSteps::default());
         self.next.fill(1);
@@ -172,6 +187,9 @@ impl<'a> Watched<'a> {
         for event in &mut self.events {
             let sides = event.sides.iter_mut().zip(event.values.at(state));
             sides.for_each(|(side, value)| *side = Side::begin(*value));
+        }
+        if let Some(deviations) = &mut self.deviations {
+            self.flat = deviations.begin(state);
         }
         self.mark_moved();
     }
@@ -251,6 +269,8 @@ impl<'a> Watched<'a> {
                 .map(|event| (event.sides[0], event.counts[0]))
                 .collect(),
             samples: self.next[0],
+            deviation: (self.deviations.as_ref())
+                .map_or_else(Deviation::default, Deviations::memory),
         }
     }
 
@@ -267,6 +287,12 @@ impl<'a> Watched<'a> {
             return Err(events);
         }
         self.walk.restore(&memory.walk)?;
+        let time = self.time(0);
+        match &mut self.deviations {
+            Some(deviations) => deviations.restore(&memory.deviation, time)?,
+            None if memory.deviation == Deviation::default() => {}
+            None => return Err(0),
+        }
         self.mark_moved();
         self.start.clone_from(&memory.start);
         self.paced[0].clone_from(&memory.paced);
@@ -306,6 +332,7 @@ impl<'a> Watched<'a> {
             }
         }
         if steps == 0 {
+            self.end_flat();
             self.look_at_initial_states();
         } else {
             self.look_for_events(take)?;
@@ -352,6 +379,7 @@ impl<'a> Watched<'a> {
             self.look_for_stops_on_the_way()?;
             self.take_failures();
         }
+        self.follow_deviations();
         if self.walk.living() > 0 {
             take(Look::Made(self.here()))?;
             self.look(looks_between, take)?;
@@ -402,6 +430,7 @@ impl<'a> Watched<'a> {
             time: self.time(0),
             state: self.walk.state(),
             evaluations: self.earlier.evaluations + self.walk.evaluations(),
+            indicators: self.indicators(),
         }
     }
 

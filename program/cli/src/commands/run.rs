@@ -7,8 +7,9 @@ use std::time::{Duration, Instant};
 
 use leafwise::core::{Registry, SolverStatistics};
 use leafwise::run::{
-    Advice, Failure as StepFailure, InvariantDrift, Kind, NoStateError, RunJob, RunOptions,
-    RunOutcome, RunReport, ShadowVerdict, SolverFields, StateError, default_directory, perform,
+    Advice, ChaosVerdict, Failure as StepFailure, InvariantDrift, Kind, NoStateError, RunJob,
+    RunOptions, RunOutcome, RunReport, ShadowVerdict, SolverFields, StateError, default_directory,
+    perform,
 };
 use leafwise::scene::SceneDocument;
 use leafwise::scene::compose::{ComposedRun, WIDEST_STATE, compose};
@@ -253,6 +254,11 @@ fn summary(
             .map(|shadow| format!("  shadow   {}", shadow.text())),
     );
     lines.extend(
+        report
+            .chaos
+            .map(|chaos| format!("  motion   {}", chaos.text())),
+    );
+    lines.extend(
         composed
             .work_of_forces()
             .map(|text| format!("  energy   {text}")),
@@ -360,6 +366,8 @@ struct RunJson<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     shadow: Option<ShadowVerdict>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    chaos: Option<ChaosVerdict>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     state_error: Option<StateError>,
     #[serde(skip_serializing_if = "Option::is_none")]
     no_state_error: Option<String>,
@@ -388,6 +396,7 @@ impl<'a> RunJson<'a> {
             invariants: report.named_invariants(),
             solver: report.statistics,
             shadow: report.shadow,
+            chaos: report.chaos,
             no_state_error: (error.as_ref())
                 .and_then(|error| error.as_ref().err())
                 .map(ToString::to_string),

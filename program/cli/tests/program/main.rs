@@ -10,6 +10,7 @@ mod found;
 mod gallery;
 mod guide;
 mod imported;
+mod indicators;
 mod invalid_scenes;
 mod kills;
 mod motion;

@@ -90,6 +90,7 @@ impl<'a> Session<'a> {
                 .into_iter()
                 .collect(),
             samples: checkpoint.samples,
+            deviation: checkpoint.deviation.clone(),
         };
         let restored = session.watched.restore(&memory);
         restored
@@ -107,6 +108,7 @@ impl<'a> Session<'a> {
                 asked,
             });
         }
+        records.indicators = session.watched.indicators().to_vec();
         records.windows = checkpoint.windows.clone();
         records.watch = checkpoint.watch.clone();
         records.snapshots = checkpoint.snapshots.clone();
@@ -130,7 +132,8 @@ impl<'a> Session<'a> {
         let parameters = run.system.parameter_values();
         let start = (parameters.as_slice(), run.plan.initial.as_slice());
         let mut watched = Watched::new(course, run.method.map(), 1, start)?;
-        let records = Records::new(run, course, watched.invariants(), samples)?;
+        let mut records = Records::new(run, course, watched.invariants(), samples)?;
+        records.indicators = watched.indicators().to_vec();
         Ok(Self {
             run,
             folder: folder.cloned(),

@@ -22,6 +22,8 @@ pub(super) struct Records<'a> {
     shown: Vec<f64>,
     /// The invariants at one of many steps.
     values: Vec<f64>,
+    /// The indicators of chaos after the last step.
+    pub indicators: Vec<f64>,
     pub samples: Samples,
     /// States that are too wide for samples.
     pub states: Option<StateTable>,
@@ -47,6 +49,7 @@ enum Column {
     Invariant(usize),
     Formula(usize),
     Coordinate(usize),
+    Indicator(usize),
 }
 
 impl<'a> Records<'a> {
@@ -72,6 +75,7 @@ impl<'a> Records<'a> {
                     Column::Formula(formula - 1)
                 }
                 Observable::Coordinate { index, .. } => Column::Coordinate(*index),
+                Observable::Indicator { index, .. } => Column::Indicator(*index),
             });
         }
         let own = usize::from(run.plan.events.section.is_some());
@@ -82,6 +86,7 @@ impl<'a> Records<'a> {
             columns,
             shown: Vec::new(),
             values: Vec::new(),
+            indicators: Vec::new(),
             samples,
             states: None,
             crossings: None,
@@ -161,6 +166,7 @@ impl<'a> Records<'a> {
                 Column::Invariant(index) => invariants[index],
                 Column::Formula(index) => formulas[index],
                 Column::Coordinate(index) => state[index],
+                Column::Indicator(index) => self.indicators[index],
             };
         }
         self.shown.clear();
@@ -184,7 +190,11 @@ impl<'a> Records<'a> {
     /// Takes in what the walk comes to.
     pub fn take(&mut self, look: Look<'_>) -> Result<(), RunError> {
         match look {
-            Look::Made(at) => self.watch.take(at.state, at.steps, at.evaluations),
+            Look::Made(at) => {
+                self.watch.take(at.state, at.steps, at.evaluations);
+                self.indicators.clear();
+                self.indicators.extend_from_slice(at.indicators);
+            }
             Look::Step {
                 at,
                 invariants,

@@ -57,7 +57,8 @@ impl<'a> Tools<'a> {
                 watched.leave_out(lane);
             }
         }
-        let initial = watched.invariants();
+        let invariants = watched.invariants().to_vec();
+        let initial = [&invariants[..], watched.indicators()];
         let records = match records {
             Some(mut records) => {
                 records.start_again(begun, initial)?;

@@ -22,6 +22,8 @@ pub(super) struct MemberRecords<'a> {
     /// In all lanes.
     invariants: FunctionValues,
     formulas: FunctionValues,
+    /// The indicators of chaos of all lanes after the last step.
+    indicators: Vec<f64>,
     /// In one lane: one for all where they have the same parameters.
     rows: Vec<Option<[FunctionValues; 2]>>,
     /// Origins that H + e is measured from, beside a pace.
@@ -38,17 +40,18 @@ pub(super) struct MemberRecords<'a> {
 }
 
 impl<'a> MemberRecords<'a> {
-    /// The initial states recorded; `initial` are the invariants there.
+    /// The initial states recorded; `initial` are the invariants and the indicators of chaos there.
     pub fn new(
         ensemble: &'a ComposedEnsemble,
         directory: &'a Path,
         begun: Begun,
-        initial: &[f64],
+        initial: [&[f64]; 2],
     ) -> Result<Self, BuildError> {
         let (lanes, parameters) = (begun.members.len(), &begun.parameters);
         let mut records = Self {
             invariants: ensemble.course.invariants.values(lanes, parameters)?,
             formulas: ensemble.formulas.values(lanes, parameters)?,
+            indicators: Vec::new(),
             rows: Vec::new(),
             origins: Vec::new(),
             next: 0,
@@ -65,7 +68,7 @@ impl<'a> MemberRecords<'a> {
     }
 
     /// The same of other members in as many lanes, behind those that have been [handed over](Self::finish).
-    pub fn start_again(&mut self, begun: Begun, initial: &[f64]) -> Result<(), BuildError> {
+    pub fn start_again(&mut self, begun: Begun, initial: [&[f64]; 2]) -> Result<(), BuildError> {
         self.invariants.set_parameters(&begun.parameters)?;
         self.formulas.set_parameters(&begun.parameters)?;
         self.deviations.fill(0.0);
@@ -75,7 +78,7 @@ impl<'a> MemberRecords<'a> {
         Ok(())
     }
 
-    fn begin(&mut self, begun: Begun, initial: &[f64]) {
+    fn begin(&mut self, begun: Begun, [initial, indicators]: [&[f64]; 2]) {
         let (ensemble, shape) = (self.ensemble, self.ensemble.shape());
         let lanes = begun.members.len();
         let differ = !ensemble.population.varied().is_empty();
@@ -106,6 +109,7 @@ impl<'a> MemberRecords<'a> {
             crossings: (0..lanes).map(|_| MemberCrossings::default()).collect(),
             statistics: SolverStatistics::default(),
         };
+        self.take_indicators(indicators);
         self.take_sample(&begun.states, Some(initial));
     }
 
@@ -120,10 +124,16 @@ impl<'a> MemberRecords<'a> {
             let (all, at) = match column {
                 Column::Invariant(at) => (invariants, at),
                 Column::Recorded(at) => (formulas, at),
+                Column::Indicator(at) => (&self.indicators[..], at),
             };
             values.copy_from_slice(&all[at * lanes..][..lanes]);
         }
         self.next += 1;
+    }
+
+    fn take_indicators(&mut self, indicators: &[f64]) {
+        self.indicators.clear();
+        self.indicators.extend_from_slice(indicators);
     }
 
     /// Hands over what the members leave behind, with the solver's statistics. Crossings of failed members are left out.
@@ -165,6 +175,7 @@ impl<'a> MemberRecords<'a> {
         let value = |column: &Column| match *column {
             Column::Invariant(at) => invariants[at],
             Column::Recorded(at) => formulas[at],
+            Column::Indicator(at) => self.indicators[at * self.record.lanes + lane],
         };
         Ok(ensemble.columns.iter().map(value).collect())
     }
@@ -232,7 +243,10 @@ impl<'a> MemberRecords<'a> {
     /// Takes in what the walk of the block comes to.
     pub fn take(&mut self, look: Look<'_>) -> Result<(), RunError> {
         match look {
-            Look::Made(_) => Ok(()),
+            Look::Made(at) => {
+                self.take_indicators(at.indicators);
+                Ok(())
+            }
             Look::Steps(steps) => {
                 let count = self.record.initial.len();
                 for k in 0..steps.count {

@@ -45,6 +45,7 @@ pub(super) enum Column {
     Invariant(usize),
     /// A formula or a coordinate.
     Recorded(usize),
+    Indicator(usize),
 }
 
 /// Builds the system, the method and the members of a scene with an `[ensemble]` table. Its files are in `directory`.
@@ -107,7 +108,10 @@ fn compose_from(
     let mut recorded = 0..;
     let column = |observable: &Observable| match observable {
         Observable::Invariant { index, .. } => Column::Invariant(*index),
-        _ => Column::Recorded(recorded.next().unwrap_or_default()),
+        Observable::Indicator { index, .. } => Column::Indicator(*index),
+        Observable::Formula { .. } | Observable::Coordinate { .. } => {
+            Column::Recorded(recorded.next().unwrap_or_default())
+        }
     };
     let columns = run.plan.observables.iter().map(column).collect();
     let formulas = run.recorded_columns().map_err(without_code)?;

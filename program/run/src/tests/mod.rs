@@ -4,6 +4,7 @@ mod between;
 mod damage;
 mod directories;
 mod in_memory;
+mod indicators;
 mod recorded;
 mod resuming;
 

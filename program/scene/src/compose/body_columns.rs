@@ -2,7 +2,7 @@
 
 use leafwise_core::pairs::{BodyFunction, BodyObservables};
 use leafwise_core::system::SystemObservables;
-use leafwise_core::{BuildError, Observe, PoissonSystem};
+use leafwise_core::{BuildError, Observer, PoissonSystem};
 
 use super::observables::RecordedFormula;
 
@@ -58,11 +58,15 @@ impl BodyColumns {
     }
 }
 
-impl Observe for BodyColumns {
-    fn observables(&self) -> usize {
-        self.are_sums.len()
+impl From<BodyColumns> for Observer {
+    fn from(mut own: BodyColumns) -> Self {
+        Self::new(own.are_sums.len(), move |state, values| {
+            own.evaluate(state, values);
+        })
     }
+}
 
+impl BodyColumns {
     fn evaluate(&mut self, state: &[f64], values: &mut [f64]) {
         self.sums.evaluate(state, &mut self.of_sums);
         self.written.evaluate(state, &mut self.of_formulas);

@@ -59,7 +59,9 @@ impl ComposedRun {
         }
         let observables = self.plan.observables.iter();
         let formulas = observables.filter_map(|observable| match observable {
-            Observable::Invariant { .. } | Observable::Coordinate { .. } => None,
+            Observable::Invariant { .. }
+            | Observable::Coordinate { .. }
+            | Observable::Indicator { .. } => None,
             Observable::Formula { formula, .. } => Some(formula.clone()),
         });
         self.functions_of(formulas.collect())
@@ -75,7 +77,7 @@ impl ComposedRun {
         match BodyColumns::of(&self.system, &formulas, written.clone())? {
             None => Ok(written.into()),
             Some(columns) => Ok(StateFunctions::each(formulas.len(), move |parameters| {
-                Ok(Box::new(columns.at(parameters)))
+                Ok(columns.at(parameters).into())
             })),
         }
     }
@@ -86,14 +88,21 @@ impl ComposedRun {
     /// [`BuildError::Algebra`] where a formula has no code.
     pub fn recorded_columns(&self) -> Result<StateFunctions, BuildError> {
         let observables = self.plan.observables.iter();
-        let recorded = observables.filter(|o| !matches!(o, Observable::Invariant { .. }));
+        let recorded = observables.filter(|observable| {
+            matches!(
+                observable,
+                Observable::Formula { .. } | Observable::Coordinate { .. }
+            )
+        });
         let Stepping::Lattice(lattice) = &self.method else {
             let formulas = recorded.map(|observable| match observable {
                 Observable::Coordinate { index, .. } => {
                     RecordedFormula::Written(Expression::Variable(*index))
                 }
                 Observable::Formula { formula, .. } => formula.clone(),
-                Observable::Invariant { .. } => RecordedFormula::Written(0.into()),
+                Observable::Invariant { .. } | Observable::Indicator { .. } => {
+                    RecordedFormula::Written(0.into())
+                }
             });
             return self.functions_of(formulas.collect());
         };
@@ -156,6 +165,7 @@ impl ComposedRun {
             events: events.collect::<Result<_, _>>()?,
             invariants: self.invariant_functions()?,
             invariants_every: 1,
+            indicators: self.indicators(),
         })
     }
 }

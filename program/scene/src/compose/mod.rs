@@ -14,7 +14,7 @@
 //! - `extended`: the phase space with the time as a coordinate;
 //! - `events`: the events that a run watches between its steps; `course`: the course of its walks;
 //! - `initial`: the initial state;
-//! - `observables`: the quantities that a run watches and those that it records;
+//! - `observables`: the quantities that a run watches and those that it records; `indicators`: those that follow tangents;
 //! - `parts`: realization and dynamic approximation by name;
 //! - `lattice`, `stepping`: families too long to be written out;
 //! - `fit`: whether a part of a library fits the system;
@@ -46,6 +46,7 @@ mod forms;
 mod fragment;
 mod functions;
 mod geometry;
+mod indicators;
 mod initial;
 mod instantiate;
 mod lattice;

@@ -6,6 +6,7 @@ use leafwise_expression::Expression;
 use leafwise_expression::syntax::Scope;
 
 use super::Refusal;
+use super::indicators::{INDICATORS, indicator};
 use super::names::{function, is_a_sum, parse_text, refusal};
 use super::time::TIME;
 use crate::document::{Located, SceneDocument, nearest};
@@ -37,6 +38,13 @@ pub enum Observable {
         /// Its place.
         index: usize,
     },
+    /// An indicator of chaos by its place among those of the run.
+    Indicator {
+        /// Its name.
+        name: String,
+        /// Its place.
+        index: usize,
+    },
 }
 
 /// A recorded function of the state.
@@ -54,7 +62,8 @@ impl Observable {
         match self {
             Self::Invariant { name, .. }
             | Self::Formula { name, .. }
-            | Self::Coordinate { name, .. } => name,
+            | Self::Coordinate { name, .. }
+            | Self::Indicator { name, .. } => name,
         }
     }
 }
@@ -110,6 +119,14 @@ pub(super) fn observables_in(
             chosen.push(Observable::Invariant { name, index: 0 });
             continue;
         }
+        if indicator(&formula.value).is_some() && !is_declared(document, scope, formula) {
+            let earlier = chosen
+                .iter()
+                .filter(|o| matches!(o, Observable::Indicator { .. }));
+            let index = earlier.count();
+            chosen.push(Observable::Indicator { name, index });
+            continue;
+        }
         let coordinate = lattice.and_then(|(lattice, _)| coordinate(lattice, &formula.value));
         chosen.push(match known.iter().position(|name| *name == formula.value) {
             Some(index) => Observable::Invariant { name, index },
@@ -123,6 +140,13 @@ pub(super) fn observables_in(
         });
     }
     Ok(chosen)
+}
+
+/// Whether the scene has a name for a text of its own.
+fn is_declared(document: &SceneDocument, scope: &Scope, formula: &Located<String>) -> bool {
+    let own = (document.system.casimirs.iter()).any(|(name, _)| name.value == formula.value);
+    let parsed = parse_text(document, &formula.value);
+    own || parsed.is_ok_and(|parsed| parsed.resolve(scope, None).is_ok())
 }
 
 /// Whether a formula is no sum over sites.
@@ -187,12 +211,14 @@ pub(super) fn expression(
         if !is_name || is_constant || asked.value == TIME {
             return Err(refusal(document, asked, &error));
         }
-        let names = known.iter().copied().chain([SHADOW_ENERGY]);
+        let names = known.iter().copied();
+        let names = names.chain([SHADOW_ENERGY]).chain(INDICATORS);
         let help = match nearest(&asked.value, names) {
             Some(name) => format!("did you mean `{name}`?"),
             None => format!(
-                "record {}, {SHADOW_ENERGY}, or a formula of the variables",
-                known.join(", ")
+                "record {}, {SHADOW_ENERGY}, {}, or a formula of the variables",
+                known.join(", "),
+                INDICATORS.join(", ")
             ),
         };
         return Err(Box::new(document.diagnostic(

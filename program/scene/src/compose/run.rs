@@ -11,7 +11,7 @@ use leafwise_core::{
     WithoutPoles,
 };
 use leafwise_expression::{Expression, TableFunction};
-use leafwise_walk::{Direction, SampleTimes, Section};
+use leafwise_walk::{Direction, Indicator, SampleTimes, Section};
 
 use super::Refusal;
 use super::bodies::many_bodies;
@@ -19,6 +19,7 @@ use super::events::{Events, check_axes, section_of};
 use super::extended::{Extension, PaceFormula};
 use super::fit::{check_exactness, check_first_order, check_tensor};
 use super::functions::CompiledFunctions;
+use super::indicators::indicators;
 use super::lattice::{SceneLattice, has_room, shortened};
 use super::noise::NoisySteps;
 use super::observables::Observable;
@@ -53,6 +54,8 @@ pub struct RunPlan {
     pub observables: Vec<Observable>,
     /// Which of them is the energy of the map's shadow.
     pub shadow: Option<RecordedShadow>,
+    /// Indicators of chaos among them, in their order.
+    pub indicators: Vec<Indicator>,
     /// Events watched between the steps.
     pub events: Events,
     /// The number of the scene's own coordinates, the first of a state: behind them stand parameters of sites, the time
@@ -205,6 +208,13 @@ fn compose_at_its_values(
     }
     let system = &composed.system;
     let shadow = with_shadows(document, system, &method, &mut composed.observables)?;
+    let indicators = indicators(
+        document,
+        &composed.observables,
+        &method,
+        (step.epsilon(), step.h()),
+        (system, &composed.initial),
+    )?;
     let states = recorded_states(document)?;
     check_axes(document, &states, &composed.observables)?;
     let plan = RunPlan {
@@ -219,6 +229,7 @@ fn compose_at_its_values(
         tables: tables(document)?,
         observables: composed.observables,
         shadow,
+        indicators,
         events: composed.events,
         states,
         parts: choices,

@@ -129,10 +129,11 @@ static TIMES_BESIDE: [Beside; 3] = [
     Beside::Note("a pace with `run.steps`"),
 ];
 
-/// Scenes without a shadow energy.
-static SHADOW_BESIDE: [Beside; 1] = [Beside::Note(
-    "as `shadow-energy`: noise, a pace, forces, a long lattice",
-)];
+/// Scenes without a shadow energy, and without indicators of chaos.
+static OBSERVABLES_BESIDE: [Beside; 2] = [
+    Beside::Note("as `shadow-energy`: noise, a pace, forces, a long lattice"),
+    Beside::Note("as `megno`, `lyapunov`, `sali`: noise, a long lattice"),
+];
 
 /// The key of [`MethodSection::chosen_at`](super::MethodSection::chosen_at).
 pub const CHOSEN_AT: &str = "chosen-at";
@@ -286,10 +287,10 @@ pub(super) static RECORD: [Key; 5] = [
     key(
         "observables",
         OBSERVABLES,
-        "`energy`, names of Casimirs, formulas, or { name = \"formula\" }",
+        "`energy`, names of Casimirs, `megno`, `lyapunov`, `sali`, formulas, or { name = \"formula\" }",
     )
     .otherwise("`energy` and every Casimir")
-    .not_beside(&SHADOW_BESIDE),
+    .not_beside(&OBSERVABLES_BESIDE),
     key(
         "states",
         Shape::Either(&[Shape::Text, Shape::List(&Shape::Text)]),
@@ -422,10 +423,10 @@ pub(super) static ENSEMBLE_RECORD: [Key; 6] = [
     key(
         "observables",
         OBSERVABLES,
-        "`energy`, names of Casimirs, formulas, or { name = \"formula\" }",
+        "`energy`, names of Casimirs, `megno`, `lyapunov`, `sali`, formulas, or { name = \"formula\" }",
     )
     .otherwise("`energy` and every Casimir")
-    .not_beside(&SHADOW_BESIDE),
+    .not_beside(&OBSERVABLES_BESIDE),
     key("quantiles", NUMBERS, "Numbers between 0 and 1").default("[]"),
     key(
         "drift-every",
@@ -469,7 +470,7 @@ pub(super) static SWEEP: [Key; 5] = [
 pub(super) static SWEEP_RECORD: [Key; 1] = [key(
     "observables",
     OBSERVABLES,
-    "`energy`, names of Casimirs, formulas, or { name = \"formula\" }",
+    "`energy`, names of Casimirs, `megno`, `lyapunov`, `sali`, formulas, or { name = \"formula\" }",
 )
 .otherwise("`energy` and every Casimir")];
 

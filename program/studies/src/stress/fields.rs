@@ -85,7 +85,7 @@ pub const SCENES_WITH_EVERY_KEY: [&str; 24] = [
     [run]
     initial = [1, 3.0, 3]
     steps   = 10
-    record  = { every = 1, observables = ["energy"], states = ["x1"] }
+    record  = { every = 1, observables = ["energy", "megno", "lyapunov", "sali"], states = ["x1"] }
     out     = "runs/case"
     "#,
     r#"

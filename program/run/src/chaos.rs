@@ -1,0 +1,169 @@
+//! Verdict on a run that records MEGNO: regular, chaotic, or not yet known.
+//!
+//! Ȳ tends to 2 on tori and to 0 where neighbours do not part (isochronous motion). Along chaotic motion it grows like λt/2.
+//! Judged by the second half of a run, the motion is
+//!
+//! - regular, where Ȳ stays at or below 2.2 and changes by 0.2 at most: e-folding times below a quarter of the run would
+//!   have shown;
+//! - chaotic, where Ȳ ends at 4 or more and at 1.5 times or more of its value in the middle;
+//! - not yet known elsewhere, and where fewer than 8 samples lie there.
+
+use leafwise_walk::Indicator;
+use serde::Serialize;
+
+use crate::drive::Session;
+use crate::error::RunError;
+use crate::outcome::RunReport;
+use crate::sampled::columns_of_states;
+use crate::summary::rounded;
+use leafwise_scene::compose::{ComposedRun, Observable};
+use leafwise_scene::json::{double, optional};
+
+/// The most samples that are looked at.
+const MOST_SAMPLES: u64 = 50_000;
+
+/// Samples in the second half, at least.
+const LEAST_SAMPLES: usize = 8;
+
+/// The largest Ȳ of regular motion, and its largest change.
+const REGULAR: f64 = 2.2;
+const STEADY: f64 = 0.2;
+
+/// The smallest Ȳ of chaotic motion at the end, and its smallest growth from the middle on.
+const CHAOTIC: f64 = 4.0;
+const GROWTH: f64 = 1.5;
+
+/// How a motion looks so far.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum MotionKind {
+    /// Neighbours part as on a torus, or not at all.
+    Regular,
+    /// Neighbours part exponentially.
+    Chaotic,
+    /// Neither yet.
+    NotYetKnown,
+}
+
+/// Verdict of MEGNO on a run.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ChaosVerdict {
+    /// Regular, chaotic or not yet known.
+    pub motion: MotionKind,
+    /// Ȳ at the end.
+    #[serde(serialize_with = "double")]
+    pub megno: f64,
+    /// 1/λ of chaotic motion, λ from `lyapunov` where that is recorded, else from the growth of Ȳ.
+    #[serde(serialize_with = "optional", skip_serializing_if = "Option::is_none")]
+    pub e_folding_time: Option<f64>,
+    /// |t| at the end.
+    #[serde(skip)]
+    time: f64,
+}
+
+impl ChaosVerdict {
+    /// Of samples (t, Ȳ), with the largest exponent at the end where it is recorded.
+    pub(crate) fn new(samples: &[(f64, f64)], exponent: Option<f64>) -> Option<Self> {
+        let &(end, megno) = samples.last()?;
+        let is_late = |(time, _): &&(f64, f64)| time.abs() >= 0.5 * end.abs();
+        let late: Vec<(f64, f64)> = samples.iter().filter(is_late).copied().collect();
+        let &(middle, half) = late.first()?;
+        let (least, most) = late.iter().fold((half, half), |(least, most), (_, value)| {
+            (least.min(*value), most.max(*value))
+        });
+        let is_known = late.len() >= LEAST_SAMPLES && late.iter().all(|(_, y)| y.is_finite());
+        let motion = if is_known && most <= REGULAR && most - least <= STEADY {
+            MotionKind::Regular
+        } else if is_known && megno >= CHAOTIC && megno >= GROWTH * half {
+            MotionKind::Chaotic
+        } else {
+            MotionKind::NotYetKnown
+        };
+        let grown = 2.0 * (megno - half) / (end - middle).abs();
+        let e_folding_time = 1.0 / exponent.unwrap_or(grown);
+        Some(Self {
+            motion,
+            megno,
+            e_folding_time: (motion == MotionKind::Chaotic).then_some(e_folding_time),
+            time: end.abs(),
+        })
+    }
+
+    /// Of a run that has ended, where it records MEGNO.
+    pub(crate) fn of(
+        run: &ComposedRun,
+        session: &Session<'_>,
+        report: &RunReport,
+    ) -> Result<Option<Self>, RunError> {
+        let first = 1 + columns_of_states(session, run);
+        let column = |which: Indicator| {
+            let is_it = |observable: &Observable| {
+                matches!(observable, Observable::Indicator { index, .. }
+                    if run.plan.indicators[*index] == which)
+            };
+            let at = run.plan.observables.iter().position(is_it);
+            at.map(|at| first + at)
+        };
+        let Some(megno) = column(Indicator::Megno) else {
+            return Ok(None);
+        };
+        let stride = usize::try_from(report.samples.div_ceil(MOST_SAMPLES)).unwrap_or(usize::MAX);
+        let rows = session.samples().read(stride)?;
+        let samples: Vec<(f64, f64)> = rows.iter().map(|row| (row[0], row[megno])).collect();
+        let exponent = column(Indicator::Lyapunov(1)).zip(rows.last());
+        Ok(Self::new(&samples, exponent.map(|(at, row)| row[at])))
+    }
+
+    /// In a sentence.
+    pub fn text(&self) -> String {
+        let megno = format!("MEGNO {:.3}", self.megno);
+        match (self.motion, self.e_folding_time) {
+            (MotionKind::Chaotic, Some(time)) => {
+                let time = rounded(time, 3);
+                format!("chaotic, e-folding time {time}: {megno}, and growing")
+            }
+            (MotionKind::Regular, _) => format!(
+                "regular: {megno}, and steady; an e-folding time below {} would have shown",
+                rounded(0.25 * self.time, 2)
+            ),
+            _ => format!(
+                "not yet known: {megno}; regular motion tends to 2 or stays below, chaotic motion grows; take more steps"
+            ),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{ChaosVerdict, MotionKind};
+
+    fn of(megno: impl Fn(f64) -> f64, count: usize) -> ChaosVerdict {
+        let times = (0..=count).map(|k| 1000.0 * k as f64 / count as f64);
+        let samples: Vec<(f64, f64)> = times.map(|t| (t, megno(t))).collect();
+        ChaosVerdict::new(&samples, None).expect("samples")
+    }
+
+    #[test]
+    fn tori_and_isochronous_motion_are_regular_and_linear_growth_is_chaotic() {
+        assert_eq!(
+            of(|t| 2.0 - 2.0 / (1.0 + t), 40).motion,
+            MotionKind::Regular
+        );
+        assert_eq!(of(|t| 1.0 / (1.0 + t), 40).motion, MotionKind::Regular);
+        let chaotic = of(|t| 0.05 * t, 40);
+        assert_eq!(chaotic.motion, MotionKind::Chaotic);
+        // Ȳ = λt/2.
+        let time = chaotic.e_folding_time.expect("a time");
+        assert!((time * 0.1 - 1.0).abs() < 1e-12, "{time}");
+    }
+
+    #[test]
+    fn what_is_neither_is_not_yet_known() {
+        // On its way to 2, above 4 and not growing, too few samples, no samples.
+        assert_eq!(of(|t| 0.002 * t, 40).motion, MotionKind::NotYetKnown);
+        assert_eq!(of(|_| 5.0, 40).motion, MotionKind::NotYetKnown);
+        assert_eq!(of(|_| 2.0, 4).motion, MotionKind::NotYetKnown);
+        assert_eq!(of(|_| f64::NAN, 40).motion, MotionKind::NotYetKnown);
+        assert_eq!(ChaosVerdict::new(&[], None), None);
+    }
+}

@@ -1,0 +1,122 @@
+//! Observables that follow tangents along a run: indicators of chaos.
+
+use std::sync::Arc;
+
+use leafwise_core::system::LeafDirections;
+use leafwise_core::{PoissonSystem, Walk};
+use leafwise_walk::{Indicator, Indicators, StateFunctions};
+
+use super::Refusal;
+use super::dense::DENSE_LIMIT;
+use super::observables::Observable;
+use super::run::ComposedRun;
+use super::stepping::Stepping;
+use crate::document::{Located, SceneDocument};
+
+/// Their names; a number k may stand behind the second, for the k-th largest exponent.
+pub(super) const INDICATORS: [&str; 3] = ["megno", "lyapunov", "sali"];
+
+/// The indicator that a text names.
+pub(super) fn indicator(text: &str) -> Option<Indicator> {
+    let text = text.trim();
+    match text {
+        "megno" => Some(Indicator::Megno),
+        "sali" => Some(Indicator::Sali),
+        "lyapunov" => Some(Indicator::Lyapunov(1)),
+        _ => {
+            let number = text.strip_prefix("lyapunov ")?.trim_start();
+            let number: usize = number.parse().ok()?;
+            (number > 0).then_some(Indicator::Lyapunov(number))
+        }
+    }
+}
+
+/// The indicators among a scene's observables, in their order.
+///
+/// # Errors
+/// A method whose steps offer no exact tangent, one with noise, and a long lattice.
+pub(super) fn indicators(
+    document: &SceneDocument,
+    observables: &[Observable],
+    method: &Stepping,
+    step: (f64, f64),
+    (system, initial): (&PoissonSystem, &[f64]),
+) -> Result<Vec<Indicator>, Refusal> {
+    let pairs = document.run.record.observables.iter().zip(observables);
+    let asked = pairs.filter(|(_, own)| matches!(own, Observable::Indicator { .. }));
+    let asked: Vec<&Located<String>> = asked.map(|(asked, _)| &asked.formula).collect();
+    let Some(first) = asked.first() else {
+        return Ok(Vec::new());
+    };
+    let refuse = |message: String, help: &str| {
+        let place = document.place_in_formula(first, 0..first.value.len());
+        Err(Box::new(document.diagnostic(
+            &place,
+            message,
+            "here",
+            Some(help.to_owned()),
+        )))
+    };
+    let name = &first.value;
+    if method.lattice().is_some() {
+        return refuse(
+            format!("`{name}` is not offered on a lattice of more than {DENSE_LIMIT} coordinates"),
+            "take a shorter lattice, or tangents in Python: `scene.trajectory().jvp`",
+        );
+    }
+    if method.noise().is_some() {
+        return refuse(
+            format!("`{name}` is not offered with noise: every step is of another map"),
+            "take the noise out, or record `energy`",
+        );
+    }
+    let map = method.map();
+    let (epsilon, h) = step;
+    let mut walk = Walk::new(map, &system.parameter_values(), epsilon, h, initial);
+    // Where the step fails nobody knows, and the run will say why.
+    if walk.advance(1).is_ok() && walk.tangent(0).is_none() {
+        return refuse(
+            format!(
+                "`{name}` follows the exact tangent of each step, which `{}` does not offer",
+                map.describe()
+            ),
+            "take hamilton-jacobi over a realization in closed form, splitting, or a composition of one of them",
+        );
+    }
+    Ok(asked
+        .iter()
+        .filter_map(|text| indicator(&text.value))
+        .collect())
+}
+
+impl ComposedRun {
+    /// The indicators that its walks follow, where any are recorded.
+    pub(super) fn indicators(&self) -> Option<Indicators> {
+        let which = self.plan.indicators.clone();
+        let count = Indicators::vectors_of(&which);
+        if count == 0 {
+            return None;
+        }
+        let (system, d) = (Arc::new(self.system.clone()), self.dimension());
+        let directions = StateFunctions::each(count * d, move |parameters| {
+            Ok(Box::new(LeafDirections::new(&system, parameters, count)?))
+        });
+        Some(Indicators { which, directions })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use leafwise_walk::Indicator;
+
+    use super::indicator;
+
+    #[test]
+    fn a_number_may_stand_behind_the_exponent() {
+        assert_eq!(indicator("lyapunov"), Some(Indicator::Lyapunov(1)));
+        assert_eq!(indicator(" lyapunov  4"), Some(Indicator::Lyapunov(4)));
+        for none in ["lyapunov 0", "lyapunov4", "lyapunov -1", "Megno", "energy"] {
+            assert_eq!(indicator(none), None, "{none}");
+        }
+    }
+}

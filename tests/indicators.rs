@@ -1,0 +1,329 @@
+//! Indicators of chaos, against closed forms, other theorems and variational equations integrated apart.
+
+#![allow(
+    clippy::print_stdout,
+    reason = "measured numbers, read with --nocapture"
+)]
+
+use leafwise::core::{BuildError, Registry};
+use leafwise::scene::{ComposedRun, SceneDocument, compose};
+use leafwise::walk::{Ended, Fault, Look, Watched, Why};
+use leafwise_tests::scenes::composed;
+use proptest::prelude::*;
+
+/// Indicators after a number of steps, one after the other as they are recorded.
+type Rows = Vec<(u64, Vec<f64>)>;
+
+/// The indicators after every so many steps of each lane at these initial states, and how the lanes end.
+fn followed(run: &ComposedRun, starts: &[Vec<f64>], every: u64) -> (Vec<Rows>, Vec<Ended>) {
+    let course = run.course(&[]).expect("code");
+    let lanes = starts.len();
+    let spread = |rows: &[f64]| -> Vec<f64> {
+        let each = |value: &f64| std::iter::repeat_n(*value, lanes);
+        rows.iter().flat_map(each).collect()
+    };
+    let parameters = spread(&run.system.parameter_values());
+    let initial = leafwise::core::walk::side_by_side(starts);
+    let start = (parameters.as_slice(), initial.as_slice());
+    let mut walk = Watched::new(&course, run.method.map(), lanes, start).expect("a walk");
+    let mut rows = vec![Rows::new(); lanes];
+    let mut ends = Vec::new();
+    let mut take = |look: Look<'_>| -> Result<(), BuildError> {
+        match look {
+            Look::Made(at) if at.steps.is_multiple_of(every) => {
+                for (lane, rows) in rows.iter_mut().enumerate() {
+                    let own = at.indicators.iter().skip(lane).step_by(lanes);
+                    rows.push((at.steps, own.copied().collect()));
+                }
+            }
+            Look::Ended { ended, .. } => ends.push(ended.clone()),
+            _ => {}
+        }
+        Ok(())
+    };
+    walk.begin(&mut take).expect("a beginning");
+    walk.advance(run.plan.steps, &mut take).expect("steps");
+    (rows, ends)
+}
+
+/// The same of a run alone.
+fn alone(text: &str, every: u64) -> Rows {
+    let run = composed(text);
+    let (mut rows, ends) = followed(&run, std::slice::from_ref(&run.plan.initial), every);
+    assert_eq!(ends[0].why, Why::Done);
+    rows.remove(0)
+}
+
+fn canonical(hamiltonian: &str, (step, order): (f64, u32), run: &str) -> String {
+    format!(
+        "[system]\nvariables = [\"q\", \"p\"]\nbracket = {{ \"q,p\" = \"1\" }}\nconvention = \"{{x,H}}\"\n\
+         hamiltonian = \"{hamiltonian}\"\n[method]\nrealization = \"auto\"\n\
+         dynamics = {{ name = \"hamilton-jacobi\", order = {order} }}\ntime-step = {step:?}\n[run]\n{run}\n"
+    )
+}
+
+/// H = p²/2: v_k = (v_q + k h v_p, v_p) in closed form. With v_q/(h v_p) = c, |k ln g_k − 1| ≤ K/k for a K of c and h alone,
+/// hence |Ȳ_n − 2| ≤ K (1 + ln n)²/n.
+#[test]
+fn the_free_particle_is_that_of_its_formula_and_tends_to_two() {
+    let n = 10_000_u64;
+    let text = canonical(
+        "p^2/2",
+        (0.5, 2),
+        &format!(
+            "initial = [0.3, 1.1]\nsteps = {n}\nrecord = {{ observables = [\"megno\", \"lyapunov\"] }}"
+        ),
+    );
+    let rows = alone(&text, 1);
+    let run = composed(&text);
+    let course = run.course(&[]).expect("code");
+    let own = course.indicators.expect("some").directions;
+    let mut own = own.values(1, &[]).expect("a tensor");
+    let v = own.at(&run.plan.initial).to_vec();
+    let norm = |k: f64| libm::hypot(v[0] + k * 0.5 * v[1], v[1]);
+    let (mut weighted, mut sum, mut largest) = (0.0, 0.0, 0.0_f64);
+    for k in 1..=n {
+        let growth = libm::log(norm(k as f64) / norm(k as f64 - 1.0));
+        weighted += k as f64 * growth;
+        sum += 2.0 * weighted / k as f64;
+        largest = largest.max(k as f64 * (k as f64 * growth - 1.0).abs());
+        let [megno, lyapunov] = rows[k as usize - 1].1[..] else {
+            panic!("two")
+        };
+        // k logarithms, each of a number with some roundings.
+        let roundings = 1e2 * f64::EPSILON * k as f64;
+        assert!((megno - sum / k as f64).abs() < roundings, "{k}: {megno}");
+        let exponent = libm::log(norm(k as f64) / norm(0.0)) / (0.5 * k as f64);
+        assert!((lyapunov - exponent).abs() < roundings, "{k}: {lyapunov}");
+    }
+    let (megno, n) = (rows[n as usize - 1].1[0], n as f64);
+    let bound = largest * (1.0 + libm::log(n)) * (1.0 + libm::log(n)) / n;
+    println!("MEGNO {megno}, K {largest:.3}, bound {bound:.1e}");
+    assert!((megno - 2.0).abs() < bound);
+}
+
+/// H = p²/2 + cos q rests at its saddle q = p = 0, where neighbours part as eᵗ: the growth between two times is e^{t₂ − t₁} up to
+/// e^{−2 t₁} and the method's error.
+#[test]
+fn the_saddle_of_the_pendulum_has_the_exponent_one() {
+    let text = canonical(
+        "p^2/2 + cos(q)",
+        (0.1, 8),
+        "initial = [0, 0]\nsteps = 2000\nrecord = { observables = [\"lyapunov\"] }",
+    );
+    let rows = alone(&text, 100);
+    let growth = |at: usize| rows[at].1[0] * rows[at].0 as f64 * 0.1;
+    let [first, last] = [0, 19];
+    let time = (rows[last].0 - rows[first].0) as f64 * 0.1;
+    let found = (growth(last) - growth(first)) / time;
+    println!("exponent {found}");
+    assert!((found - 1.0).abs() < 1e-6, "{found}");
+}
+
+const BODY: &str = "[system]\nlibrary = \"rigid-body\"\n[method]\nrealization = \"auto\"\n\
+    dynamics = { name = \"hamilton-jacobi\", order = 4 }\ntime-step = 0.1\n[run]\ninitial = [1, 3, 3]\nsteps = STEPS\n\
+    record = { observables = [OBSERVABLES] }\n";
+
+const KEPLER: &str = "[system]\nlibrary = \"kepler\"\n[method]\nrealization = \"auto\"\n\
+    dynamics = { name = \"hamilton-jacobi\", order = 6 }\ntime-step = 0.05\n[run]\ninitial = [0.6, 0, 0, 1.5275252316519468]\n\
+    steps = STEPS\nrecord = { observables = [OBSERVABLES] }\n";
+
+fn with(scene: &str, steps: u64, observables: &str) -> String {
+    let text = scene.replace("STEPS", &steps.to_string());
+    text.replace("OBSERVABLES", observables)
+}
+
+#[test]
+fn integrable_motions_come_to_two() {
+    for scene in [BODY, KEPLER] {
+        let rows = alone(&with(scene, 100_000, "\"megno\", \"sali\""), 100_000);
+        let megno = rows[0].1[0];
+        println!("MEGNO {megno}");
+        assert!((megno - 2.0).abs() < 0.01, "{megno}");
+    }
+}
+
+const HENON_HEILES: &str = "[system]\nvariables = [\"q1\", \"q2\", \"p1\", \"p2\"]\n\
+    bracket = { \"q1,p1\" = \"1\", \"q2,p2\" = \"1\" }\nconvention = \"{x,H}\"\n\
+    hamiltonian = \"(p1^2 + p2^2)/2 + (q1^2 + q2^2)/2 + q1^2*q2 - q2^3/3\"\n[method]\nrealization = \"auto\"\n\
+    dynamics = { name = \"hamilton-jacobi\", order = 6 }\ntime-step = 0.1\n[run]\ninitial = [0, 0.1, 0.3, 0.1]\n\
+    steps = STEPS\nrecord = { observables = [OBSERVABLES] }\n";
+
+/// States of an energy on q1 = 0, from a grid of (q2, p2).
+fn on_the_section(energy: f64) -> Vec<Vec<f64>> {
+    let mut states = Vec::new();
+    for q2 in [-0.25, -0.1, 0.05, 0.2, 0.35] {
+        for p2 in [0.0, 0.12, 0.26] {
+            let left = 2.0 * energy - p2 * p2 - q2 * q2 + 2.0 * q2 * q2 * q2 / 3.0;
+            if left > 0.0 {
+                states.push(vec![0.0, q2, libm::sqrt(left), p2]);
+            }
+        }
+    }
+    states
+}
+
+/// x' = f(x), v' = f'(x)v of Hénon and Heiles.
+fn variational([q1, q2, p1, p2, a, b, c, d]: [f64; 8]) -> [f64; 8] {
+    [
+        p1,
+        p2,
+        -q1 - 2.0 * q1 * q2,
+        -q2 - q1 * q1 + q2 * q2,
+        c,
+        d,
+        -a - 2.0 * (a * q2 + q1 * b),
+        -b - 2.0 * q1 * a + 2.0 * q2 * b,
+    ]
+}
+
+/// MEGNO at the time 1000 from its integral, Y = (2/t) ∫ s (ln |v|)' ds, by the classical Runge–Kutta method.
+fn megno_apart(initial: &[f64]) -> f64 {
+    const H: f64 = 0.02;
+    let mut x = [0.0; 8];
+    x[..4].copy_from_slice(initial);
+    x[4..].copy_from_slice(&[0.4, -0.3, 0.7, 0.5]);
+    let along = |x: &[f64; 8], k: &[f64; 8], part: f64| -> [f64; 8] {
+        std::array::from_fn(|i| x[i] + part * H * k[i])
+    };
+    let (mut weighted, mut sum, steps) = (0.0, 0.0, 50_000);
+    for step in 1..=steps {
+        let one = variational(x);
+        let two = variational(along(&x, &one, 0.5));
+        let three = variational(along(&x, &two, 0.5));
+        let four = variational(along(&x, &three, 1.0));
+        for i in 0..8 {
+            x[i] += H / 6.0 * (one[i] + 2.0 * two[i] + 2.0 * three[i] + four[i]);
+        }
+        let before = libm::sqrt(x[4..].iter().map(|v| v * v).sum());
+        let t = f64::from(step) * H;
+        // The vector had the length 1.
+        weighted += (t - 0.5 * H) * libm::log(before);
+        sum += 2.0 * weighted / t * H;
+        x[4..].iter_mut().for_each(|v| *v /= before);
+    }
+    sum / (f64::from(steps) * H)
+}
+
+/// At the energy 1/12 all of these orbits are regular, at 1/6 most are not; both computations say the same of each that
+/// has decided.
+#[test]
+fn henon_and_heiles_orbits_are_those_of_the_variational_equations() {
+    let run = composed(&with(HENON_HEILES, 10_000, "\"megno\", \"sali\""));
+    let mut fractions = Vec::new();
+    for energy in [1.0 / 12.0, 1.0 / 6.0 - 1e-9] {
+        let starts = on_the_section(energy);
+        let (rows, ends) = followed(&run, &starts, 10_000);
+        assert!(ends.iter().all(|end| end.why == Why::Done));
+        let (mut chaotic, mut undecided) = (0, 0);
+        for (start, rows) in starts.iter().zip(&rows) {
+            let [own, sali] = rows[0].1[..] else {
+                panic!("two")
+            };
+            let other = megno_apart(start);
+            println!("{start:?}: {own:.3} and {other:.3}, SALI {sali:.1e}");
+            let is_decided = |megno: f64| !(2.2..=4.0).contains(&megno);
+            if !is_decided(own) || !is_decided(other) {
+                undecided += 1;
+                continue;
+            }
+            assert_eq!(own > 4.0, other > 4.0, "{start:?}: {own} and {other}");
+            assert_eq!(own > 4.0, sali < 1e-8, "{start:?}: {own} and {sali}");
+            chaotic += usize::from(own > 4.0);
+        }
+        println!(
+            "{energy}: {chaotic} of {} chaotic, {undecided} undecided",
+            starts.len()
+        );
+        assert!(3 * undecided <= starts.len());
+        fractions.push(chaotic as f64 / starts.len() as f64);
+    }
+    assert!(fractions[0] == 0.0 && fractions[1] > 0.5, "{fractions:?}");
+}
+
+const TOP: &str = "[system]\nlibrary = \"heavy-top\"\n[method]\nrealization = \"auto\"\n\
+    dynamics = { name = \"hamilton-jacobi\", order = 4 }\ntime-step = 0.05\n[run]\ninitial = [1.0, 0.2, 0.3, 0.6, 0.0, 0.8]\n\
+    steps = STEPS\nrecord = { observables = [OBSERVABLES] }\n";
+
+/// A Poisson map is symplectic along leaves: exponents come in pairs (λ, −λ), and one pair of zeros is that of H. The Casimirs'
+/// directions lie across the leaf, and are no exponents: a leaf of four dimensions has two that are not negative.
+#[test]
+fn the_energy_has_an_exponent_of_zero_and_casimirs_have_none() {
+    let both = "\"lyapunov\", \"lyapunov 2\", \"megno\"";
+    let chaotic = HENON_HEILES.replace("[0, 0.1, 0.3, 0.1]", "[0, 0.1, 0.49057, 0.1]");
+    for scene in [chaotic.as_str(), TOP] {
+        let steps = 20_000;
+        let rows = alone(&with(scene, steps, both), steps);
+        let run = composed(&with(scene, steps, both));
+        let time = steps as f64 * run.plan.h;
+        let [first, second, megno] = rows[0].1[..] else {
+            panic!("three")
+        };
+        println!("exponents {first} and {second} over {time}, MEGNO {megno}");
+        // Along the flow and across energies neighbours part like t, up to the sizes of the leaf's metric at both ends, e^{a few}.
+        let power = (libm::log(time) + 8.0) / time;
+        assert!(second.abs() < power, "{second}");
+        assert!(first > 3.0 * power, "{first}");
+        // Ȳ = λt/2 where the growth is even.
+        assert!((megno / (0.5 * first * time) - 1.0).abs() < 0.5, "{megno}");
+        let three = composed(&with(scene, 10, "\"lyapunov 3\""));
+        let (_, ends) = followed(&three, std::slice::from_ref(&three.plan.initial), 1);
+        assert_eq!(
+            (&ends[0].why, ends[0].steps),
+            (&Why::Failed(Fault::Leaf), 0)
+        );
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(8))]
+
+    /// A lane has the indicators that it would have alone, to the bit, and the states that it would have without them.
+    #[test]
+    fn a_lane_is_what_it_is_alone(
+        starts in prop::collection::vec(prop::collection::vec(-0.3..0.3_f64, 4), 1..12),
+        method in prop::sample::select(vec![
+            "realization = \"auto\"\ndynamics = { name = \"hamilton-jacobi\", order = 4 }",
+            "stepper = \"splitting\"\ncomposition = \"suzuki-4\"",
+            "stepper = \"gauss\"",
+            "stepper = \"rk4\"",
+        ]),
+    ) {
+        let (before, rest) = HENON_HEILES.split_once("realization").expect("a method");
+        let (_, after) = rest.split_once("time-step").expect("a step");
+        let scene = format!("{before}{method}\ntime-step{after}");
+        let all = "\"megno\", \"lyapunov\", \"lyapunov 2\", \"sali\"";
+        let run = composed(&with(&scene, 60, all));
+        let (together, ends) = followed(&run, &starts, 7);
+        let plain = composed(&with(&scene, 60, "\"energy\""));
+        let mut ends: Vec<Vec<f64>> = ends.into_iter().map(|end| end.state).collect();
+        ends.sort_by(|a, b| a.partial_cmp(b).expect("numbers"));
+        let mut without = Vec::new();
+        for (lane, start) in starts.iter().enumerate() {
+            let (own, _) = followed(&run, std::slice::from_ref(start), 7);
+            let bits = |rows: &Rows| -> Vec<u64> {
+                rows.iter().flat_map(|(_, row)| row.iter().map(|x| x.to_bits())).collect()
+            };
+            prop_assert_eq!(bits(&own[0]), bits(&together[lane]));
+            let (_, end) = followed(&plain, std::slice::from_ref(start), 7);
+            without.push(end[0].state.clone());
+        }
+        without.sort_by(|a, b| a.partial_cmp(b).expect("numbers"));
+        prop_assert_eq!(without, ends);
+    }
+}
+
+/// A scene's own name for a formula comes first.
+#[test]
+fn a_definition_of_the_same_name_is_the_scenes_own() {
+    let registry = Registry::with_builtin();
+    let text = canonical(
+        "p^2/2",
+        (0.5, 2),
+        "initial = [0.3, 1.1]\nsteps = 10\nrecord = { observables = [\"sali\"] }",
+    )
+    .replace("[method]", "define = { sali = \"q*p\" }\n[method]");
+    let document = SceneDocument::parse("own.toml", &text, &registry).expect("a scene");
+    let run = compose(&document, &registry).expect("a method");
+    assert!(run.plan.indicators.is_empty());
+}

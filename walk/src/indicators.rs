@@ -1,0 +1,295 @@
+//! Indicators of chaos along a trajectory, from vectors that the exact tangent DΦ of each step carries.
+//!
+//! The vector v_0 = Π(x_0)a lies in the symplectic leaf of x_0, and v_k = DΦ v_{k−1} in that of x_k. Over n steps and the time
+//! t = n ε h, g_k = |v_k|/|v_{k−1}| gives:
+//!
+//! - λ = Σ_k ln g_k / |t|, which tends to the largest Lyapunov exponent. Vectors kept at right angles give the others
+//!   (G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn, Meccanica 15 (1980)).
+//! - MEGNO, Ȳ_n = (1/n) Σ_{m≤n} (2/m) Σ_{k≤m} k ln g_k. It is 2 on tori and λ|t|/2 along chaotic motion (P. Cincotta, C. Simó,
+//!   Astronomy and Astrophysics Supplement 147 (2000)).
+//! - SALI = min(|v̂ + ŵ|, |v̂ − ŵ|) of two vectors at right angles at first. Along chaotic motion it falls as e^{−(λ_1 − λ_2) t}
+//!   (Ch. Skokos, Journal of Physics A 34 (2001)).
+//!
+//! Between steps vectors have length 1, so that nothing overflows.
+
+use leafwise_core::walk::column;
+use leafwise_core::{BuildError, StepError};
+use serde::{Deserialize, Serialize};
+
+use crate::fault::Fault;
+use crate::functions::{FunctionValues, StateFunctions};
+
+/// The part of a direction that must be left of it beside those before it, for these to be told apart.
+const APART: f64 = 1e-10;
+
+/// A number that tells chaotic motion from regular.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Indicator {
+    /// Ȳ, the mean exponential growth of nearby orbits.
+    Megno,
+    /// λ_k, the k-th largest Lyapunov exponent, from 1 on, to half of the leaf's dimension. Of a Poisson map the others are their
+    /// negatives. Vectors that shrink would not stay in the leaf: round-off across it, which does not, would outgrow them.
+    Lyapunov(usize),
+    /// The smaller alignment index.
+    Sali,
+}
+
+/// Indicators that a walk follows, and where their vectors begin.
+#[derive(Clone)]
+pub struct Indicators {
+    /// Which ones.
+    pub which: Vec<Indicator>,
+    /// So many [vectors](Self::vectors_of) in the leaf of a state, d numbers each, one after the other.
+    pub directions: StateFunctions,
+}
+
+impl Indicators {
+    /// The number of vectors that indicators are begun with: two for each exponent up to the last, since exponents come in pairs, one
+    /// more for SALI.
+    pub fn vectors_of(which: &[Indicator]) -> usize {
+        2 * spectrum(which) + usize::from(which.contains(&Indicator::Sali))
+    }
+}
+
+/// Vectors that are orthogonalised: those of Lyapunov exponents.
+fn spectrum(which: &[Indicator]) -> usize {
+    let exponent = |indicator: &Indicator| match indicator {
+        Indicator::Lyapunov(k) => *k,
+        Indicator::Megno | Indicator::Sali => 1,
+    };
+    which.iter().map(exponent).max().unwrap_or(0)
+}
+
+/// Everything that later indicators of one lane depend on, beside its state.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Deviation {
+    /// n, the steps followed.
+    steps: u64,
+    /// The vectors, d numbers each, of length 1.
+    vectors: Vec<f64>,
+    /// Σ ln g of each of the orthogonalised ones.
+    growth: Vec<f64>,
+    /// Σ_k k ln g_k of the first.
+    weighted: f64,
+    /// Σ_m Y_m.
+    sum: f64,
+}
+
+impl Deviation {
+    /// Whether it may be of so many vectors of d numbers.
+    fn is_of(&self, vectors: usize, growth: usize) -> bool {
+        self.vectors.len() == vectors && self.growth.len() == growth
+    }
+
+    /// Carries the vectors over a step with the tangent DΦ, row-major d × d.
+    fn carry(
+        &mut self,
+        (tangent, d): (&[f64], usize),
+        room: &mut Vec<f64>,
+    ) -> Result<(), StepError> {
+        const LOST: StepError = StepError::NonFinite {
+            what: "a vector carried by the tangent of the step",
+        };
+        room.clear();
+        for vector in self.vectors.chunks_exact(d) {
+            let rows = tangent.chunks_exact(d);
+            room.extend(rows.map(|row| dot(row, vector)));
+        }
+        self.vectors.copy_from_slice(room);
+        self.steps += 1;
+        let (ordered, rest) = self.vectors.split_at_mut(self.growth.len() * d);
+        for k in 0..self.growth.len() {
+            let (before, own) = ordered.split_at_mut(k * d);
+            let own = &mut own[..d];
+            before.chunks_exact(d).for_each(|one| take_out(own, one));
+            let logarithm = libm::log(normalise(own).ok_or(LOST)?);
+            self.growth[k] += logarithm;
+            if k == 0 {
+                let n = self.steps as f64;
+                self.weighted += n * logarithm;
+                self.sum += 2.0 * self.weighted / n;
+            }
+        }
+        for own in rest.chunks_exact_mut(d) {
+            normalise(own).ok_or(LOST)?;
+        }
+        Ok(())
+    }
+
+    /// An indicator after the time |t|: 0 before the first step, but for SALI.
+    fn value(&self, which: Indicator, time: f64, d: usize) -> f64 {
+        match which {
+            Indicator::Megno if self.steps == 0 => 0.0,
+            Indicator::Megno => self.sum / self.steps as f64,
+            Indicator::Lyapunov(_) if self.steps == 0 => 0.0,
+            Indicator::Lyapunov(k) => self.growth[k - 1] / time.abs(),
+            Indicator::Sali => {
+                let v = &self.vectors[..d];
+                let w = &self.vectors[self.growth.len() * d..][..d];
+                let size = |sign: f64| {
+                    let squares = v
+                        .iter()
+                        .zip(w)
+                        .map(|(v, w)| (v + sign * w) * (v + sign * w));
+                    libm::sqrt(squares.sum())
+                };
+                size(1.0).min(size(-1.0))
+            }
+        }
+    }
+}
+
+/// The vectors of all lanes, and the indicators.
+pub(crate) struct Deviations<'a> {
+    of: &'a Indicators,
+    directions: FunctionValues,
+    own: Vec<Deviation>,
+    dimension: usize,
+    /// Indicator i of lane w at `[i*lanes + w]`.
+    values: Vec<f64>,
+    room: Vec<f64>,
+}
+
+impl<'a> Deviations<'a> {
+    /// Of lanes of so many coordinates that begin nowhere yet.
+    pub fn new(
+        of: &'a Indicators,
+        dimension: usize,
+        (lanes, parameters): (usize, &[f64]),
+    ) -> Result<Self, BuildError> {
+        Ok(Self {
+            of,
+            directions: of.directions.values(lanes, parameters)?,
+            own: vec![Deviation::default(); lanes],
+            dimension,
+            values: vec![0.0; of.which.len() * lanes],
+            room: Vec::new(),
+        })
+    }
+
+    /// Takes other parameters.
+    pub fn set_parameters(&mut self, parameters: &[f64]) -> Result<(), BuildError> {
+        self.directions.set_parameters(parameters)
+    }
+
+    /// Begins at states, a structure of arrays. Returns the lanes whose leaf has fewer directions than are asked for.
+    pub fn begin(&mut self, states: &[f64]) -> Vec<usize> {
+        let (lanes, d) = (self.own.len(), self.dimension);
+        let all = self.directions.at(states);
+        let mut flat = Vec::new();
+        for (lane, own) in self.own.iter_mut().enumerate() {
+            let count = spectrum(&self.of.which);
+            let begun = begin(column(all, lane, lanes), d, 2 * count);
+            if begun.is_none() {
+                flat.push(lane);
+            }
+            let mut vectors = begun.unwrap_or_else(|| column(all, lane, lanes));
+            // The other exponent of each pair belongs to the leaf's other directions.
+            vectors.drain(count * d..2 * count * d);
+            *own = Deviation {
+                vectors,
+                growth: vec![0.0; count],
+                ..Deviation::default()
+            };
+        }
+        (0..lanes).for_each(|lane| self.evaluate(lane, 0.0));
+        flat
+    }
+
+    /// Follows a lane over a step with its tangent, which ends at a time.
+    pub fn follow(
+        &mut self,
+        lane: usize,
+        tangent: Option<Vec<f64>>,
+        time: f64,
+    ) -> Result<(), Fault> {
+        let tangent = tangent.ok_or(StepError::NoTangent)?;
+        self.own[lane].carry((&tangent, self.dimension), &mut self.room)?;
+        self.evaluate(lane, time);
+        Ok(())
+    }
+
+    fn evaluate(&mut self, lane: usize, time: f64) {
+        let lanes = self.own.len();
+        for (i, which) in self.of.which.iter().enumerate() {
+            self.values[i * lanes + lane] = self.own[lane].value(*which, time, self.dimension);
+        }
+    }
+
+    /// The indicators of all lanes.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// Everything that those of the first lane depend on.
+    pub fn memory(&self) -> Deviation {
+        self.own[0].clone()
+    }
+
+    /// Continues the first lane at a time.
+    ///
+    /// # Errors
+    /// Returns the expected length of a list that belongs to another walk.
+    pub fn restore(&mut self, memory: &Deviation, time: f64) -> Result<(), usize> {
+        let (vectors, growth) = (self.own[0].vectors.len(), self.own[0].growth.len());
+        if !memory.is_of(vectors, growth) {
+            return Err(vectors);
+        }
+        self.own[0].clone_from(memory);
+        self.evaluate(0, time);
+        Ok(())
+    }
+}
+
+/// The vectors, of length 1: so many at right angles to each other, the others to the first. `None` where they are fewer
+/// directions.
+fn begin(mut vectors: Vec<f64>, d: usize, count: usize) -> Option<Vec<f64>> {
+    for k in 0..vectors.len() / d.max(1) {
+        let (before, own) = vectors.split_at_mut(k * d);
+        let own = &mut own[..d];
+        let before = if k < count { before } else { &mut before[..d] };
+        normalise(own)?;
+        // Twice is enough.
+        for _ in 0..2 {
+            before.chunks_exact(d).for_each(|one| take_out(own, one));
+        }
+        if norm(own) <= APART {
+            return None;
+        }
+        normalise(own)?;
+    }
+    Some(vectors)
+}
+
+/// Takes the part along a vector of length 1 out.
+fn take_out(own: &mut [f64], one: &[f64]) {
+    let part = dot(own, one);
+    for (x, y) in own.iter_mut().zip(one) {
+        *x -= part * y;
+    }
+}
+
+/// Divides by the norm, which it returns; `None` where that is 0 or no number.
+fn normalise(own: &mut [f64]) -> Option<f64> {
+    let norm = norm(own);
+    if !(norm > 0.0 && norm.is_finite()) {
+        return None;
+    }
+    own.iter_mut().for_each(|x| *x /= norm);
+    Some(norm)
+}
+
+/// |v|, of any size.
+fn norm(vector: &[f64]) -> f64 {
+    let size = vector.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    if size == 0.0 || !size.is_finite() {
+        return size;
+    }
+    let squares = vector.iter().map(|v| (v / size) * (v / size));
+    size * libm::sqrt(squares.sum())
+}
+
+/// a·b.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
