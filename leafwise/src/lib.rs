@@ -7,6 +7,7 @@
 //! - [`systems`]: the problem library.
 //! - [`plugins`]: parts of third parties from shared libraries.
 //! - [`find`]: brackets of equations of motion, found and proved.
+//! - [`learn`]: Poisson maps from pairs of states, by least squares.
 //! - [`walk`]: trajectories in memory, watched between steps.
 //! - [`scene`]: scene files, composed.
 //! - [`run`]: runs, ensembles and sweeps, into directories; [`report`]: their pages.
@@ -29,6 +30,7 @@ pub use leafwise_darboux_magnetic as darboux_magnetic;
 pub use leafwise_direct_sum as direct_sum;
 pub use leafwise_expression as expression;
 pub use leafwise_find as find;
+pub use leafwise_learn as learn;
 pub use leafwise_generating_function as generating_function;
 pub use leafwise_hamilton_jacobi as hamilton_jacobi;
 pub use leafwise_karasev as karasev;

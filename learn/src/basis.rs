@@ -13,7 +13,7 @@ const MOST_FUNCTIONS: usize = 2000;
 /// Functions of one variable x. The k-th ones have the degree k.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FunctionFamily {
-    /// xᵏ, or (x − c)ᵏ with a rounded middle c of states that are far from 0.
+    /// xᵏ.
     Polynomial,
     /// e^{kx} and e^{−kx}.
     Exponential,
@@ -47,9 +47,7 @@ enum Member {
 #[derive(Clone, Debug)]
 struct Axis {
     members: Vec<Member>,
-    /// c.
-    centre: f64,
-    /// A power of 2 near the largest |x − c|.
+    /// A power of 2 near the largest |x|.
     scale: f64,
     /// 2π/period.
     frequency: f64,
@@ -76,9 +74,9 @@ impl Basis {
         let most = degree as i32;
         let mut own = Vec::with_capacity(axes.len());
         for (axis, &(least, largest)) in axes.iter().zip(ranges) {
-            let (centre, scale) = match axis.family {
-                FunctionFamily::Polynomial => middle(least, largest),
-                _ => (0.0, 1.0),
+            let scale = match axis.family {
+                FunctionFamily::Polynomial => size(least, largest),
+                _ => 1.0,
             };
             let mut frequency = 1.0;
             let mut members: Vec<Member> = match axis.family {
@@ -101,7 +99,6 @@ impl Basis {
             }
             own.push(Axis {
                 members,
-                centre,
                 scale,
                 frequency,
             });
@@ -238,7 +235,7 @@ impl Axis {
     fn value(&self, member: Member, x: f64) -> (f64, f64) {
         match member {
             Member::Power(k) => {
-                let u = (x - self.centre) / self.scale;
+                let u = x / self.scale;
                 let below = power(u, k - 1);
                 (below * u, f64::from(k) * below / self.scale)
             }
@@ -265,17 +262,8 @@ impl Axis {
             false => format!("{factor:?}*{name}"),
         };
         match member {
-            Member::Power(k) => {
-                let base = match self.centre {
-                    0.0 => name.to_owned(),
-                    c if c < 0.0 => format!("({name} + {:?})", -c),
-                    c => format!("({name} - {c:?})"),
-                };
-                match k {
-                    1 => base,
-                    k => format!("{base}^{k}"),
-                }
-            }
+            Member::Power(1) => name.to_owned(),
+            Member::Power(k) => format!("{name}^{k}"),
             Member::Exponential(k) => format!("exp({})", times(f64::from(k))),
             Member::Cosine(k) => format!("cos({})", times(f64::from(k) * self.frequency)),
             Member::Sine(k) => format!("sin({})", times(f64::from(k) * self.frequency)),
@@ -315,19 +303,12 @@ fn products(
     Ok(())
 }
 
-/// A middle of a range, 0 unless that is far outside, and a power of 2 near its half length.
-fn middle(least: f64, largest: f64) -> (f64, f64) {
-    let (middle, half) = (least / 2.0 + largest / 2.0, largest / 2.0 - least / 2.0);
-    let near = |length: f64| match length > 0.0 && length.is_finite() {
-        true => libm::exp2(libm::round(libm::log2(length))),
+/// A power of 2 near the largest |x| of a range.
+fn size(least: f64, largest: f64) -> f64 {
+    let size = least.abs().max(largest.abs());
+    match size > 0.0 && size.is_finite() {
+        true => libm::exp2(libm::round(libm::log2(size))),
         false => 1.0,
-    };
-    match half > 0.0 && middle.abs() > 3.0 * half {
-        true => {
-            let unit = near(half);
-            (libm::round(middle / unit) * unit, unit)
-        }
-        false => (0.0, near(least.abs().max(largest.abs()))),
     }
 }
 

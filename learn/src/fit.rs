@@ -10,7 +10,7 @@ use crate::pairs::StatePairs;
 use crate::squares::{Columns, Squares};
 
 /// The most solves for the coefficients.
-const MOST_SWEEPS: usize = 16;
+const MOST_SWEEPS: usize = 24;
 
 /// The most corrections of a point y between two of these.
 const MOST_CORRECTIONS: usize = 50;
@@ -20,6 +20,17 @@ const SMALL: f64 = 4.0 * f64::EPSILON;
 
 /// Sweeps that changed y by less than this part of the motion have converged.
 const CONVERGED: f64 = 1e-9;
+
+/// Columns count as dependent below this part of the first pivot in the first sweep. Later ones are told apart as far as the residual of the sweep before
+/// tells: a direction that moves the pairs by less than what is left of them is not determined by them.
+const FIRST_TOLERANCE: f64 = 1e-6;
+
+/// No tolerance is smaller, for the residual of exact pairs is round-off.
+const LEAST_TOLERANCE: f64 = 1e-10;
+
+/// The tolerance grows so much where a point leaves the realization, up to the largest one.
+const GROWTH: f64 = 30.0;
+const LARGEST_TOLERANCE: f64 = 1e-2;
 
 /// The most numbers of the matrix of least squares.
 const MOST_NUMBERS: usize = 1 << 26;
@@ -56,6 +67,8 @@ pub(crate) struct Fitted {
     /// Root mean square of x' − x, and of its part that no H makes, each per direction.
     pub motion: f64,
     pub off_leaf: Option<f64>,
+    /// Columns that depend on others to this part do not count.
+    pub tolerance: f64,
     pub sweeps: usize,
     pub is_converged: bool,
 }
@@ -103,10 +116,11 @@ pub(crate) fn fit(
     let mut further = vec![vec![0.0; d]; count];
     let mut shifts = vec![vec![0.0; d]; count];
     let mut sweeps = 0;
+    let mut tolerance = FIRST_TOLERANCE;
+    let mut least = LEAST_TOLERANCE;
     loop {
         sweeps += 1;
         let mut rows: Vec<(usize, Vec<f64>, f64)> = Vec::new();
-        let mut all_slopes = Vec::with_capacity(count);
         let (mut off, mut off_directions) = (0.0, 0);
         for k in 0..count {
             let outside = |error| LearnError::Outside { pair: k + 1, error };
@@ -124,7 +138,6 @@ pub(crate) fn fit(
                 let row = matrix.row(i).iter().map(|a| a * weight).collect();
                 rows.push((k, row, along[i] * weight));
             }
-            all_slopes.push(slopes);
         }
         if rows.len() < n {
             let rank = (rows.len() as f64 / count as f64).max(1e-9);
@@ -154,56 +167,74 @@ pub(crate) fn fit(
         let right: Vec<f64> = rows.iter().map(|row| row.2).collect();
         let pair_of: Vec<usize> = rows.iter().map(|row| row.0).collect();
         drop(rows);
-        let squares = Squares::solve(&matrix, &right, setting.ridge);
+        let squares = Squares::solve(&matrix, &right, setting.ridge, tolerance);
         if squares.rank == 0 {
             return Err(LearnError::Singular);
         }
+        let found = matrix.times(&squares.solution);
+        let left: f64 = found.iter().zip(&right).map(|(f, b)| (f - b) * (f - b)).sum();
+        let residual = libm::sqrt(left / right.len() as f64);
+        let before = tolerance;
+        tolerance = tolerance
+            .min(residual / motion / libm::sqrt(right.len() as f64))
+            .max(least);
         // Points y of the same pairs under the new coefficients.
         let mut change = 0.0_f64;
+        let mut outside = None;
         for k in 0..count {
-            let outside = |error| LearnError::Outside { pair: k + 1, error };
-            let covector = |slopes: &[f64]| covector(slopes, &squares.solution, d, setting.h);
             if setting.has_noise {
-                let right: Vec<f64> = moved[k].iter().zip(&further[k]).map(|(b, f)| b - f).collect();
-                let shift = correction(geometry, basis, (&points[k], &shifts[k]), &right, &squares.solution, setting.h);
-                if let Some(shift) = shift {
-                    shifts[k].iter_mut().zip(&shift).for_each(|(all, own)| *all += own);
+                let right: Vec<f64> = moved[k]
+                    .iter()
+                    .zip(&further[k])
+                    .map(|(b, f)| b - f)
+                    .collect();
+                let at = (&points[k][..], &shifts[k][..]);
+                if let Some(shift) = correction(geometry, basis, at, &right, &squares.solution, setting.h) {
+                    shifts[k]
+                        .iter_mut()
+                        .zip(&shift)
+                        .for_each(|(all, own)| *all += own);
                 }
             }
-            let mut y = points[k].clone();
-            let mut p = covector(&all_slopes[k]);
-            for _ in 0..MOST_CORRECTIONS {
-                let ends = geometry.ends(&y, &p).map_err(outside)?;
-                let mut largest_change = 0.0_f64;
-                for i in 0..d {
-                    let by = means[k][i] + shifts[k][i] - ends.mean[i];
-                    y[i] += by;
-                    largest_change = largest_change.max(by.abs());
+            let mean: Vec<f64> = means[k].iter().zip(&shifts[k]).map(|(x, s)| x + s).collect();
+            let moved = corrected(
+                geometry,
+                basis,
+                (&points[k], &mean),
+                &squares.solution,
+                (setting.h, SMALL * largest),
+            );
+            match moved {
+                Ok((y, rest)) => {
+                    let by = y.iter().zip(&points[k]).map(|(a, b)| (a - b).abs());
+                    change = by.fold(change, f64::max);
+                    points[k] = y;
+                    further[k] = rest;
                 }
-                p = covector(&values_at(basis, &y, names, k)?.1);
-                if largest_change <= SMALL * largest {
+                Err(error) => {
+                    outside = Some(LearnError::Outside { pair: k + 1, error });
                     break;
                 }
             }
-            let ends = geometry.ends(&y, &p).map_err(outside)?;
-            let leading = &geometry.tensor(&y).map_err(outside)?.matrix * DVector::from_vec(p);
-            for i in 0..d {
-                further[k][i] = ends.increment[i] - leading[i];
-                change = change.max((y[i] - points[k][i]).abs());
+        }
+        if let Some(error) = outside {
+            // Directions that the pairs hardly tell may have coefficients that lead anywhere.
+            least = before * GROWTH;
+            if least > LARGEST_TOLERANCE || sweeps >= MOST_SWEEPS {
+                return Err(error);
             }
-            if !change.is_finite() {
-                return Err(outside(OUTSIDE));
-            }
-            points[k] = y;
+            tolerance = least;
+            points.clone_from(&means);
+            further.iter_mut().for_each(|f| f.fill(0.0));
+            continue;
         }
         let is_converged = change <= CONVERGED * motion;
         if change <= SMALL * largest || sweeps == MOST_SWEEPS {
-            let found = matrix.times(&squares.solution);
-            let left: f64 = found.iter().zip(&right).map(|(f, b)| (f - b) * (f - b)).sum();
             let freedom = right.len().saturating_sub(squares.rank);
             return Ok(Fitted {
                 noise: left / freedom.max(1) as f64,
-                residual: libm::sqrt(left / right.len() as f64),
+                residual,
+                tolerance: before,
                 motion,
                 off_leaf: (off_directions > 0).then(|| libm::sqrt(off / off_directions as f64)),
                 matrix,
@@ -214,6 +245,42 @@ pub(crate) fn fit(
                 is_converged,
             });
         }
+    }
+}
+
+/// The point y with ends of this mean under p = dŜ(y), and what the leading part −εΠ(y)p leaves out of their difference.
+fn corrected(
+    geometry: &mut Geometry,
+    basis: &Basis,
+    (y, mean): (&[f64], &[f64]),
+    coefficients: &[f64],
+    (h, small): (f64, f64),
+) -> Result<(Vec<f64>, Vec<f64>), StepError> {
+    let mut y = y.to_vec();
+    let covector_at = |y: &[f64]| {
+        let slopes = basis.values(y).ok_or(OUTSIDE)?.1;
+        Ok::<_, StepError>(covector(&slopes, coefficients, y.len(), h))
+    };
+    let mut p = covector_at(&y)?;
+    for _ in 0..MOST_CORRECTIONS {
+        let ends = geometry.ends(&y, &p)?;
+        let mut change = 0.0_f64;
+        for i in 0..y.len() {
+            let by = mean[i] - ends.mean[i];
+            y[i] += by;
+            change = change.max(by.abs());
+        }
+        p = covector_at(&y)?;
+        if change <= small {
+            break;
+        }
+    }
+    let ends = geometry.ends(&y, &p)?;
+    let leading = &geometry.tensor(&y)?.matrix * DVector::from_vec(p);
+    let rest: Vec<f64> = ends.increment.iter().zip(&leading).map(|(a, b)| a - b).collect();
+    match y.iter().chain(&rest).all(|value| value.is_finite()) {
+        true => Ok((y, rest)),
+        false => Err(OUTSIDE),
     }
 }
 

@@ -32,6 +32,9 @@ const MOST_STATES: usize = 400;
 /// A residual off the leaves this many times that along them is no noise.
 const OFF: f64 = 10.0;
 
+/// Leaves are told apart to this part of the motion.
+const LEAVES: f64 = 1e-6;
+
 /// A smaller part of the motion is left by any good fit.
 const UNEXPLAINED: f64 = 0.1;
 
@@ -130,7 +133,9 @@ pub fn learn(
                 tried.push((degree, basis, fitted));
             }
             let least = degrees.iter().fold(f64::INFINITY, |least, d| least.min(d.1));
-            let chosen = degrees.iter().find(|(_, score)| *score <= AS_GOOD * least);
+            // Below round-off all are as good.
+            let floor = f64::EPSILON * 16.0 * largest(pairs);
+            let chosen = degrees.iter().find(|(_, score)| *score <= AS_GOOD * least + floor);
             let chosen = chosen.map_or(0, |(degree, _)| *degree);
             let at = tried.iter().position(|own| own.0 == chosen).unwrap_or(0);
             if tried.is_empty() {
@@ -149,7 +154,7 @@ pub fn learn(
         &mut geometry,
         &basis,
         names,
-        (&kept, pairs.len()),
+        (&kept, pairs.len(), fitted.tolerance),
         epsilon,
         setting,
     )?;
@@ -172,7 +177,8 @@ pub fn learn(
     let rounding = f64::EPSILON * 16.0 * largest(pairs);
     if let Some(off) = fitted.off_leaf
         && off > OFF * fitted.residual + rounding
-        && off > 1e-9 * fitted.motion
+        && off > LEAVES * fitted.motion
+        && fitted.is_converged
     {
         advice.push(LearnAdvice::OffLeaf {
             off,
@@ -192,6 +198,7 @@ pub fn learn(
     let left = libm::hypot(fitted.residual, fitted.off_leaf.unwrap_or(0.0));
     if let Some(one_step) = orbits.one_step
         && !options.has_noise
+        && fitted.is_converged
         && one_step > LOST * (left + rounding)
     {
         advice.push(LearnAdvice::Rounding {

@@ -8,7 +8,7 @@ use crate::squares::Squares;
 use crate::fit::rows_at;
 
 /// A row is of another kind than those of the pairs beyond this part of its largest entry.
-const STRANGE: f64 = 1e-6;
+const STRANGE: f64 = 1e-3;
 
 /// A function of the basis with its coefficients.
 #[derive(Clone, Debug, PartialEq)]

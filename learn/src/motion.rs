@@ -81,7 +81,7 @@ impl Orbits {
         geometry: &mut Geometry,
         basis: &Basis,
         names: &[String],
-        (kept, pairs): (&[usize], usize),
+        (kept, pairs, tolerance): (&[usize], usize, f64),
         epsilon: f64,
         setting: FitSetting,
     ) -> Result<Option<Recovered>, LearnError> {
@@ -129,7 +129,7 @@ impl Orbits {
                 *a = row[j];
             }
         }
-        let squares = Squares::solve(&matrix, &right, setting.ridge);
+        let squares = Squares::solve(&matrix, &right, setting.ridge, tolerance);
         let found = matrix.times(&squares.solution);
         let left: f64 = found.iter().zip(&right).map(|(f, b)| (f - b) * (f - b)).sum();
         let total: f64 = right.iter().map(|b| b * b).sum();

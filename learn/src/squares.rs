@@ -83,8 +83,8 @@ pub(crate) struct Squares {
 }
 
 impl Squares {
-    /// Of A, b and λ.
-    pub fn solve(a: &Columns, b: &[f64], ridge: f64) -> Self {
+    /// Of A, b, λ and the part of the first pivot below which columns count as dependent.
+    pub fn solve(a: &Columns, b: &[f64], ridge: f64, tolerance: f64) -> Self {
         let (m, n) = (a.rows(), a.len());
         let extra = if ridge > 0.0 { n } else { 0 };
         let mut norms = Vec::with_capacity(n);
@@ -103,7 +103,7 @@ impl Squares {
         }
         let mut right = b.to_vec();
         right.resize(m + extra, 0.0);
-        let (order, rank) = factorize(&mut q, &mut right);
+        let (order, rank) = factorize(&mut q, &mut right, tolerance);
         let mut r = Columns::zeros(n, n);
         for j in 0..n {
             let rows = rank.min(n);
@@ -213,10 +213,10 @@ impl Squares {
 }
 
 /// Householder's reflections on A and b, the column of the largest rest first; P and the rank.
-fn factorize(q: &mut Columns, right: &mut [f64]) -> (Vec<usize>, usize) {
+fn factorize(q: &mut Columns, right: &mut [f64], tolerance: f64) -> (Vec<usize>, usize) {
     let (m, n) = (q.rows(), q.len());
     let mut order: Vec<usize> = (0..n).collect();
-    let least = f64::EPSILON * m.max(n) as f64;
+    let least = tolerance.max(f64::EPSILON * m.max(n) as f64);
     let mut first = 0.0;
     for k in 0..n.min(m) {
         let rests = (k..n).map(|j| norm(&q.column(j)[k..]));
@@ -293,7 +293,7 @@ mod tests {
     fn dependent_columns_are_left_out() {
         let b: Vec<f64> = (0..7).map(|t| 3.0 + 2.0 * f64::from(t) - f64::from(t * t)).collect();
         let a = dependent();
-        let squares = Squares::solve(&a, &b, 0.0);
+        let squares = Squares::solve(&a, &b, 0.0, 0.0);
         assert_eq!(squares.rank, 3);
         let found = a.times(&squares.solution);
         // Condition number of three scaled columns at seven nodes below 100.
@@ -314,7 +314,7 @@ mod tests {
             a.column_mut(0)[t] = 1.0;
             a.column_mut(1)[t] = t as f64 - 1.0;
         }
-        let squares = Squares::solve(&a, &[1.0, 2.0, 4.0], 0.0);
+        let squares = Squares::solve(&a, &[1.0, 2.0, 4.0], 0.0, 0.0);
         for t in [0.0, 1.0, 4.0] {
             let expected = 1.0 / 3.0 + t * t / 2.0;
             assert!((squares.variance(&[1.0, t]) - expected).abs() < 1e-14 * expected.max(1.0));
@@ -325,7 +325,7 @@ mod tests {
         assert!((mean * mean - 1.0 / 3.0).abs() < 1e-15 && (slope * slope - 0.5).abs() < 1e-15);
         // Slope 3/2; a ridge λ on unit columns shrinks it by 1/(1 + λ²).
         assert!((squares.solution[1] - 1.5).abs() < 1e-14);
-        let ridge = Squares::solve(&a, &[1.0, 2.0, 4.0], 0.5);
+        let ridge = Squares::solve(&a, &[1.0, 2.0, 4.0], 0.5, 0.0);
         assert!((ridge.solution[1] - 1.5 / 1.25).abs() < 1e-14);
     }
 }

@@ -6,8 +6,7 @@ use crate::squares::Squares;
 /// Blocks of pairs that are held out in turn.
 const FOLDS: usize = 5;
 
-/// Root mean square of what a fit to four fifths of the pairs leaves of the others, each fifth in turn; `None` where the rest does not
-/// determine as many coefficients. Blocks are of consecutive pairs: neighbours on an orbit are held out together.
+/// Root mean square of what a fit to four fifths of the pairs leaves of the others, each fifth in turn. Blocks are of consecutive pairs: neighbours on an orbit are held out together.
 pub(crate) fn held_out(fitted: &Fitted, pairs: usize, ridge: f64) -> Option<f64> {
     let (mut sum, mut rows) = (0.0, 0);
     for fold in 0..FOLDS {
@@ -18,10 +17,7 @@ pub(crate) fn held_out(fitted: &Fitted, pairs: usize, ridge: f64) -> Option<f64>
             let right = fitted.right.iter().zip(keeps);
             right.filter(|(_, keeps)| **keeps).map(|(b, _)| *b).collect()
         };
-        let squares = Squares::solve(&fitted.matrix.filtered(&keeps), &of(&keeps), ridge);
-        if squares.rank < fitted.squares.rank {
-            return None;
-        }
+        let squares = Squares::solve(&fitted.matrix.filtered(&keeps), &of(&keeps), ridge, fitted.tolerance);
         let found = fitted.matrix.filtered(&others).times(&squares.solution);
         for (found, b) in found.iter().zip(of(&others)) {
             sum += (found - b) * (found - b);

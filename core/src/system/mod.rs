@@ -26,6 +26,7 @@ mod perturbation;
 mod pfaffian;
 mod summands;
 mod tensor_matrix;
+mod written;
 
 use leafwise_expression::Expression;
 

@@ -1,15 +1,24 @@
 //! Maps learned from pairs of states: how well they step, what they keep, what is refused.
 
+mod confidence;
+mod refusals;
 mod support;
 
-use leafwise_learn::{BasisAxis, FunctionFamily, LearnOptions};
-use support::{Draws, Place, orbit, polynomials, rms};
+use leafwise_learn::{BasisAxis, FunctionFamily, LearnAdvice, LearnOptions};
+use support::{Draws, PENDULUM, Place, RIGID_BODY, logarithms, orbit, polynomials, rms};
 
-const RIGID_BODY: &str = "[system]\nvariables = [\"x\", \"y\", \"z\"]\nbracket = { \"x,y\" = \"-z\", \"y,z\" = \"-x\", \"z,x\" = \"-y\" }\n\
-     hamiltonian = \"x^2/2 + 2*y^2/3 + 0.4*z^2\"\ncasimirs = { C = \"x^2 + y^2 + z^2\" }\n";
+/// Root mean square of the errors of one learned step from these states.
+fn one_step(place: &Place, learned: &leafwise_learn::Learned, states: &[Vec<f64>], h: f64) -> f64 {
+    let (system, method) = place.method(learned);
+    rms(states.iter().flat_map(|x| {
+        let next = orbit(&method, &system, x, h, 1).remove(0);
+        let errors = next.into_iter().zip(place.flow(x, h));
+        errors.map(|(a, b)| a - b).collect::<Vec<_>>()
+    }))
+}
 
 /// A rigid body at h = ½ from 150 pairs: the error of a step from 50 other states falls by the degree, and 3000 steps keep the Casimir
-/// to round-off and the energy in bounds.
+/// to round-off and the energy in bounds. The expected errors are those of another program with other draws, so a factor of 3 is left to them.
 #[test]
 fn a_rigid_body_is_learned_to_the_degree() {
     let body = Place::new(RIGID_BODY, "so3-exponential", "[1, 0, 0]");
@@ -17,101 +26,177 @@ fn a_rigid_body_is_learned_to_the_degree() {
     let mut draws = Draws(0);
     let pairs = body.pairs(&draws.on_spheres(150), h);
     let unseen = draws.on_spheres(50);
-    let truth: Vec<Vec<f64>> = unseen.iter().map(|x| body.flow(x, h)).collect();
-    // The prototype's errors, in another language with other draws; the states decide on the factor.
     for (degree, expected) in [(2, 2.5e-5), (4, 4.9e-8), (6, 1.3e-10), (8, 4.7e-13)] {
-        let start = std::time::Instant::now();
-        let learned = body
-            .learn(h, &pairs, &polynomials(3, degree))
-            .expect("pairs");
-        let time = start.elapsed();
-        let (system, method) = body.method(&learned);
-        let errors = unseen.iter().zip(&truth).flat_map(|(x, truth)| {
-            let next = orbit(&method, &system, x, h, 1).remove(0);
-            next.iter().zip(truth).map(|(a, b)| a - b).collect::<Vec<_>>()
-        });
-        let error = rms(errors);
+        let learned = body.learn(h, &pairs, &polynomials(3, degree)).expect("pairs");
+        assert_eq!(learned.advice, []);
+        // |x|², |x|⁴, … are the Casimirs of the basis.
+        assert_eq!(learned.determined + degree / 2, learned.functions.len());
+        let error = one_step(&body, &learned, &unseen, h);
+        assert!(error < 3.0 * expected, "degree {degree}: {error:e}");
         let x = &unseen[0];
+        let (system, method) = body.method(&learned);
+        let states = orbit(&method, &system, x, h, 3000);
         let square = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
         let energy = |x: &[f64]| x[0] * x[0] / 2.0 + 2.0 * x[1] * x[1] / 3.0 + 0.4 * x[2] * x[2];
-        let states = orbit(&method, &system, x, h, 3000);
-        let casimir = states.iter().map(|y| (square(y) - square(x)).abs()).fold(0.0, f64::max);
-        let off = |states: &[Vec<f64>]| {
-            let errors = states.iter().map(|y| (energy(y) - energy(x)).abs());
+        let most = |states: &[Vec<f64>], f: &dyn Fn(&[f64]) -> f64| {
+            let errors = states.iter().map(|y| (f(y) - f(x)).abs());
             errors.fold(0.0, f64::max)
         };
-        let (first, last) = (off(&states[..300]), off(&states[2700..]));
-        println!(
-            "degree {degree}: {} functions, {} determined, sweeps, residual {:.1e}, one step {:.1e}, unseen {error:.1e}, casimir {casimir:.1e}, energy {first:.2e} {last:.2e}, H {:?}, leverage {:.2}, {:?} {time:?}",
-            learned.functions.len(), learned.determined, learned.residual, learned.one_step.unwrap(), learned.hamiltonian_error, learned.largest_leverage, learned.advice
-        );
-        let _ = expected;
-        assert!(casimir < 1e-14 * 3.0, "degree {degree}: {casimir:e}");
+        // Random round-off of 3000 steps, half an ulp of |x|² each.
+        assert!(most(&states, &square) < 9e-15, "degree {degree}");
+        let (first, last) = (most(&states[..300], &energy), most(&states[2700..], &energy));
         assert!(last < 1.5 * first + 1e-13, "degree {degree}: {first:e} {last:e}");
     }
 }
 
-/// Errors of 1e-3 in both ends of 1000 pairs: the learned step errs by less.
+/// Errors of 1e-3 in both states of 1000 pairs: the learned step errs by less, its Casimir is round-off, and the noise is told: a difference of two
+/// states has √2 times the deviation of one, to 3 % at 2000 equations (six standard deviations are 6/√4000 = 10 %).
 #[test]
 fn a_step_errs_less_than_its_noisy_pairs() {
     let body = Place::new(RIGID_BODY, "so3-exponential", "[1, 0, 0]");
-    let h = 0.5;
+    let (h, sigma) = (0.5, 1e-3);
     let mut draws = Draws(1);
     let mut pairs = body.pairs(&draws.on_spheres(1000), h);
-    draws.noisy(&mut pairs.0, 1e-3);
-    draws.noisy(&mut pairs.1, 1e-3);
+    draws.noisy(&mut pairs.0, sigma);
+    draws.noisy(&mut pairs.1, sigma);
     let unseen = draws.on_spheres(50);
     for has_noise in [false, true] {
-        let options = LearnOptions { has_noise, ..polynomials(3, 5) };
-        let start = std::time::Instant::now();
+        let options = LearnOptions {
+            has_noise,
+            ..polynomials(3, 5)
+        };
         let learned = body.learn(h, &pairs, &options).expect("pairs");
-        let time = start.elapsed();
+        let error = one_step(&body, &learned, &unseen, h);
+        assert!(error < 0.3 * sigma, "{error:e}");
+        let ratio = learned.noise / (std::f64::consts::SQRT_2 * sigma);
+        assert!((ratio - 1.0).abs() < 0.1, "{ratio}");
         let (system, method) = body.method(&learned);
-        let errors = unseen.iter().flat_map(|x| {
-            let next = orbit(&method, &system, x, h, 1).remove(0);
-            let truth = body.flow(x, h);
-            next.iter().zip(&truth).map(|(a, b)| a - b).collect::<Vec<_>>()
-        });
-        let error = rms(errors);
-        println!("noise: {error:.2e}, sigma {:.2e}, step error {:.2e}, energy {:.2e}, {:?}, {time:?}", learned.noise, learned.step_error, learned.energy_error, learned.advice);
-        assert!(error < 1e-3, "{error:e}");
+        let square = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
+        let states = orbit(&method, &system, &unseen[0], h, 3000);
+        let off = states.iter().map(|y| (square(y) - square(&unseen[0])).abs());
+        assert!(off.fold(0.0, f64::max) < 9e-15);
     }
 }
 
-/// Poisson neural networks' Lotka and Volterra: 3 orbits of 100 pairs, h = 0.1.
+/// The population model of Poisson neural networks, 3 orbits of 100 pairs, h = 0.1: mean squares of the errors of one step by the degree. H comes out with
+/// its coefficients, to what differences and the basis leave.
 #[test]
-fn lotka_and_volterra() {
+fn populations_are_learned_to_the_degree() {
     let text = "[system]\nvariables = [\"u\", \"v\"]\nbracket = { \"u,v\" = \"u*v\" }\nconvention = \"{x,H}\"\nhamiltonian = \"u - ln(u) + v - 2*ln(v)\"\n";
     let place = Place::new(text, "log-canonical", "[1, 1]");
     let h = 0.1;
-    let mut states = Vec::new();
-    for v in [0.8, 1.0, 1.2] {
-        let mut x = vec![1.0, v];
-        for _ in 0..100 {
-            let next = place.flow(&x, h);
-            states.push(std::mem::replace(&mut x, next));
+    let orbit_of = |x: [f64; 2], n: usize| {
+        let mut states = vec![x.to_vec()];
+        (0..n).for_each(|k| states.push(place.flow(&states[k], h)));
+        states
+    };
+    let orbits = [0.8, 1.0, 1.2].map(|v| orbit_of([1.0, v], 100));
+    let states: Vec<Vec<f64>> = orbits.iter().flat_map(|orbit| orbit[..100].to_vec()).collect();
+    let pairs = place.pairs(&states, h);
+    let truth = orbit_of([1.0, 1.0], 200);
+    let squares = [(2, 7.5e-9), (3, 2.2e-13), (4, 6.6e-15), (5, 6.7e-19), (6, 8.7e-21)];
+    for (degree, expected) in squares {
+        let learned = place.learn(h, &pairs, &logarithms(2, degree)).expect("pairs");
+        let error = one_step(&place, &learned, &truth[..200], h);
+        assert!(error * error < 2.0 * expected, "degree {degree}: {:e}", error * error);
+        if degree == 3 {
+            let of = |name: &str| {
+                let mut functions = learned.functions.iter();
+                let own = functions.find(|own| own.formula == name).expect(name);
+                own.hamiltonian
+            };
+            for (name, expected) in [("u", 1.0), ("v", 1.0), ("ln(u)", -1.0), ("ln(v)", -2.0)] {
+                assert!((of(name) - expected).abs() < 1e-5, "{name}: {}", of(name));
+            }
         }
     }
-    let pairs = place.pairs(&states, h);
-    let mut truth = vec![vec![1.0, 1.0]];
-    for _ in 0..1500 {
-        truth.push(place.flow(truth.last().unwrap(), h));
-    }
-    for (degree, expected) in [(2, 7.5e-9), (3, 2.2e-13), (4, 6.6e-15), (5, 6.7e-19), (6, 8.7e-21)] {
-        let mut options = polynomials(2, degree);
-        options.axes = vec![BasisAxis { family: FunctionFamily::Polynomial, has_logarithm: true }; 2];
-        let start = std::time::Instant::now();
+}
+
+/// An affine bracket, {q, p} = 1 + c: the pendulum of Poisson neural networks with a Casimir c, here in both. Cosines and sines of q make it, polynomials do
+/// at a higher degree.
+#[test]
+fn an_affine_bracket_and_angles() {
+    let place = Place::new(PENDULUM, "lie-poisson", "[1, 0, 0.3]");
+    let h = 0.2;
+    let mut draws = Draws(3);
+    let ranges = [(-1.0, 1.0), (-1.0, 1.0), (-0.2, 0.2)];
+    let pairs = place.pairs(&draws.in_box(300, &ranges), h);
+    let unseen = draws.in_box(50, &ranges);
+    let mut angles = polynomials(3, 4);
+    angles.axes[0] = BasisAxis {
+        family: FunctionFamily::Fourier {
+            period: std::f64::consts::TAU,
+        },
+        has_logarithm: false,
+    };
+    for (options, most) in [(angles, 2e-6), (polynomials(3, 4), 2e-5), (polynomials(3, 6), 2e-7)] {
         let learned = place.learn(h, &pairs, &options).expect("pairs");
-        let time = start.elapsed();
+        let error = one_step(&place, &learned, &unseen, h);
+        assert!(error < most, "{error:e}");
         let (system, method) = place.method(&learned);
-        let errors = truth[..200].iter().zip(&truth[1..]).flat_map(|(x, next)| {
-            let found = orbit(&method, &system, x, h, 1).remove(0);
-            found.iter().zip(next).map(|(a, b)| a - b).collect::<Vec<_>>()
-        });
-        let mse = { let error = rms(errors); error * error };
-        let long = orbit(&method, &system, &truth[0], h, 1500);
-        let far = long.iter().zip(&truth[1..]).flat_map(|(a, b)| a.iter().zip(b).map(|(a, b)| (a - b).abs()).collect::<Vec<_>>()).fold(0.0, f64::max);
-        println!("degree {degree}: mse {mse:.1e} far {far:.1e} H {:?} {} {time:?} {:?}", learned.hamiltonian_error, &learned.hamiltonian, learned.advice);
-        assert!(mse < 4.0 * expected);
+        let states = orbit(&method, &system, &unseen[0], h, 500);
+        // c' = 0 to the last bit.
+        assert!(states.iter().all(|y| y[2] == unseen[0][2]));
     }
+}
+
+/// Held-out pairs choose a degree that is enough for exact pairs of a quadratic H over a constant bracket: 2, since Ŝ is quadratic. H of the flow's own
+/// generating function tan(h/2) (q² + p²) is the oscillator's.
+#[test]
+fn the_degree_is_chosen_by_pairs_held_out() {
+    let text = "[system]\nvariables = [\"q\", \"p\"]\nbracket = { \"q,p\" = \"1\" }\nconvention = \"{x,H}\"\nhamiltonian = \"(q^2 + p^2)/2\"\n";
+    let place = Place::new(text, "constant", "[1, 0]");
+    let h = 0.4;
+    let pairs = place.pairs(&Draws(5).in_box(200, &[(-1.0, 1.0); 2]), h);
+    let options = LearnOptions {
+        degree: None,
+        ..polynomials(2, 1)
+    };
+    let learned = place.learn(h, &pairs, &options).expect("pairs");
+    assert_eq!(learned.degree, 2, "{:?}", learned.degrees);
+    for own in &learned.functions {
+        let is_square = own.formula == "q^2" || own.formula == "p^2";
+        let [energy, generating] = match is_square {
+            true => [0.5, libm::tan(h / 2.0) / h],
+            false => [0.0, 0.0],
+        };
+        // 200 pairs of states of size 1, with round-off of the flow's 26 steps.
+        assert!((own.generating - generating).abs() < 1e-13, "{own:?}");
+        // Central differences over 8 steps to either side: (h/2)¹⁶.
+        assert!((own.hamiltonian - energy).abs() < 1e-10, "{own:?}");
+    }
+}
+
+/// Pairs of one leaf, and of the bracket with the other sign in one entry: told.
+#[test]
+fn pairs_that_tell_too_little_or_of_another_bracket_are_told() {
+    let body = Place::new(RIGID_BODY, "so3-exponential", "[1, 0, 0]");
+    let mut draws = Draws(6);
+    let h = 0.3;
+    let mut states = draws.on_spheres(200);
+    for x in &mut states {
+        let length = libm::sqrt(x.iter().map(|x| x * x).sum());
+        x.iter_mut().for_each(|x| *x /= length);
+    }
+    let pairs = body.pairs(&states, h);
+    let mut learned = body.learn(h, &pairs, &polynomials(3, 4)).expect("pairs");
+    let is_told = learned.advice.iter().any(|advice| matches!(advice, LearnAdvice::Undetermined { .. }));
+    assert!(is_told, "{:?}", learned.advice);
+    assert!(learned.leverage(&states[0]) < 1.0);
+    assert_eq!(learned.leverage(&[3.0, 1.0, 2.0]), f64::INFINITY);
+
+    let other = RIGID_BODY.replace("\"x,y\" = \"-z\"", "\"x,y\" = \"z\"");
+    let other = other.replace(&other[other.find("casimirs").expect("a key")..], "");
+    let elsewhere = Place::new(&other, "lie-poisson", "[1, 0, 0]");
+    let pairs = elsewhere.pairs(&draws.on_spheres(200), h);
+    let learned = body.learn(h, &pairs, &polynomials(3, 4)).expect("pairs");
+    let is_told = learned.advice.iter().any(|advice| matches!(advice, LearnAdvice::OffLeaf { .. }));
+    assert!(is_told, "{:?}", learned.advice);
+    // Half of them twice.
+    let (mut before, mut after) = pairs;
+    before.extend_from_within(..300);
+    after.extend_from_within(..300);
+    let learned = body.learn(h, &(before, after), &polynomials(3, 2)).expect("pairs");
+    assert!(learned.advice.contains(&LearnAdvice::Duplicates { count: 100 }));
+    assert_eq!(learned.pairs, 200);
 }

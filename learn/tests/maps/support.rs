@@ -20,6 +20,13 @@ use leafwise_learn::{BasisAxis, FunctionFamily, LearnError, LearnOptions, Learne
 use leafwise_tests::gauss::flow;
 use leafwise_tests::scenes::composed;
 
+pub const RIGID_BODY: &str = "[system]\nvariables = [\"x\", \"y\", \"z\"]\nbracket = { \"x,y\" = \"-z\", \"y,z\" = \"-x\", \"z,x\" = \"-y\" }\n\
+     hamiltonian = \"x^2/2 + 2*y^2/3 + 0.4*z^2\"\ncasimirs = { C = \"x^2 + y^2 + z^2\" }\n";
+
+/// A pendulum whose bracket depends on a Casimir.
+pub const PENDULUM: &str = "[system]\nvariables = [\"q\", \"p\", \"c\"]\nbracket = { \"q,p\" = \"1 + c\" }\nconvention = \"{x,H}\"\n\
+     hamiltonian = \"p^2/2 - cos(q) + c*q\"\n";
+
 /// A system with an exact realization of its tensor.
 pub struct Place {
     pub system: PoissonSystem,
@@ -114,6 +121,13 @@ pub fn polynomials(d: usize, degree: usize) -> LearnOptions {
         ridge: 0.0,
         has_noise: false,
     }
+}
+
+/// The same with logarithms.
+pub fn logarithms(d: usize, degree: usize) -> LearnOptions {
+    let mut options = polynomials(d, degree);
+    options.axes.iter_mut().for_each(|axis| axis.has_logarithm = true);
+    options
 }
 
 /// Steele, Lea and Flood's splitmix64.

@@ -126,6 +126,7 @@ fn execute(
         Command::Describe(arguments) => commands::describe::execute(&arguments, plugins, console),
         Command::Evaluate(arguments) => commands::evaluate::execute(&arguments, plugins, console),
         Command::Find(arguments) => commands::find::execute(&arguments, plugins, console),
+        Command::Learn(arguments) => commands::learn::execute(&arguments, plugins, console),
         Command::Shadow(arguments) => commands::shadow::execute(&arguments, plugins, console),
         Command::Tune(arguments) => commands::tune::execute(&arguments, plugins, console),
         Command::Reproduce(arguments) => {

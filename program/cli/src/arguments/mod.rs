@@ -9,7 +9,7 @@ pub use jobs::{
     SceneArguments, SweepArguments,
 };
 pub use questions::{
-    DescribeArguments, EvaluateArguments, ExplainArguments, FindArguments, Kind, ListArguments,
+    DescribeArguments, EvaluateArguments, ExplainArguments, FindArguments, Kind, LearnArguments, ListArguments,
     NewArguments, SchemaArguments, ShadowArguments,
 };
 pub use studies::{
@@ -103,6 +103,8 @@ pub enum Command {
     Evaluate(EvaluateArguments),
     /// Find the bracket and the Hamiltonian of equations of motion, and the Casimirs of a bracket
     Find(FindArguments),
+    /// Learn a Poisson map and its Hamiltonian from pairs of states one step apart
+    Learn(LearnArguments),
     /// Print the shadow Hamiltonian of a scene's method, and how well it is kept
     Shadow(ShadowArguments),
     /// Measure what every part declares: orders, tensor defects, drift, cost
@@ -173,6 +175,7 @@ impl Command {
             Self::Describe(arguments) => arguments.json,
             Self::Evaluate(arguments) => arguments.json,
             Self::Find(arguments) => arguments.json,
+            Self::Learn(arguments) => arguments.json,
             Self::Shadow(arguments) => arguments.json,
             Self::Verify(arguments) => arguments.json,
             Self::Compare(arguments) => arguments.json,

@@ -122,8 +122,8 @@ pub fn execute(
     Ok(exit::DONE)
 }
 
-/// Writes a file that does not exist.
-fn write_new(file: &Path, text: &str, console: &mut Console<'_>) -> Result<(), Failure> {
+/// Writes a scene's file that does not exist.
+pub(super) fn write_new(file: &Path, text: &str, console: &mut Console<'_>) -> Result<(), Failure> {
     let written = OpenOptions::new()
         .write(true)
         .create_new(true)

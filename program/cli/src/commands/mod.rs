@@ -8,6 +8,7 @@ pub mod evaluate;
 pub mod explain;
 pub mod explain_word;
 pub mod find;
+pub mod learn;
 pub mod list;
 pub mod merge;
 mod motion;

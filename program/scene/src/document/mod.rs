@@ -57,7 +57,7 @@ mod variables;
 
 pub use bracket::{BracketSpec, SummandSpec};
 pub use ensemble::{Distribution, EnsembleSection, FinalStates, InitialDraw, ParameterDraw};
-pub use equations::{equations_of, with_casimirs, with_system};
+pub use equations::{equations_of, with_casimirs, with_hamiltonian, with_system};
 pub use error::{SceneErrors, SceneProblem, SceneProblemCause};
 pub use field::FieldSpec;
 pub use forces::{ByCoordinate, DampingSpec, ForcesSpec, MetricSpec, OneFormSpec, TorqueSpec};
