@@ -8,7 +8,9 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum LearnError {
     /// Arrays of other shapes than pairs of states have.
-    #[error("{found} numbers are no pairs of states of {dimension} coordinates: give as many states after a step as before it")]
+    #[error(
+        "{found} numbers are no pairs of states of {dimension} coordinates: give as many states after a step as before it"
+    )]
     Shape {
         /// d.
         dimension: usize,
@@ -34,7 +36,9 @@ pub enum LearnError {
         problem: String,
     },
     /// States that do not move.
-    #[error("no pair moves: the states after the step are those before it, and they tell nothing about H")]
+    #[error(
+        "no pair moves: the states after the step are those before it, and they tell nothing about H"
+    )]
     NoMotion,
     /// Fewer equations than coefficients.
     #[error(
@@ -57,7 +61,9 @@ pub enum LearnError {
         most: usize,
     },
     /// More numbers than are kept.
-    #[error("{rows} equations for {functions} coefficients are more than {most} numbers: lower the degree, or give fewer pairs")]
+    #[error(
+        "{rows} equations for {functions} coefficients are more than {most} numbers: lower the degree, or give fewer pairs"
+    )]
     TooLarge {
         /// Equations.
         rows: usize,
@@ -81,13 +87,17 @@ pub enum LearnError {
         period: f64,
     },
     /// A ridge that is none.
-    #[error("the ridge is a number of 0 or more, relative to columns of unit length, and this one is {ridge:?}")]
+    #[error(
+        "the ridge is a number of 0 or more, relative to columns of unit length, and this one is {ridge:?}"
+    )]
     Ridge {
         /// What stands there.
         ridge: f64,
     },
     /// ln x of a number that has none.
-    #[error("pair {pair} has {variable} = {value:?}, and ln {variable} is a function of the basis: leave the pair out, or logarithms")]
+    #[error(
+        "pair {pair} has {variable} = {value:?}, and ln {variable} is a function of the basis: leave the pair out, or logarithms"
+    )]
     Logarithm {
         /// Its number from 1.
         pair: usize,
@@ -97,7 +107,9 @@ pub enum LearnError {
         value: f64,
     },
     /// A basis whose functions move nothing.
-    #[error("no function of the basis moves a state of the pairs: all of them are Casimirs there, or the tensor is 0")]
+    #[error(
+        "no function of the basis moves a state of the pairs: all of them are Casimirs there, or the tensor is 0"
+    )]
     Singular,
     /// A pair that no step of the realization reaches.
     #[error(
@@ -110,7 +122,9 @@ pub enum LearnError {
         error: StepError,
     },
     /// A realization without a chart.
-    #[error("{realization} has no points (x, p) over which a generating function stands: name another realization")]
+    #[error(
+        "{realization} has no points (x, p) over which a generating function stands: name another realization"
+    )]
     NoChart {
         /// What it is.
         realization: String,

@@ -36,9 +36,7 @@ const LARGEST_TOLERANCE: f64 = 1e-2;
 const MOST_NUMBERS: usize = 1 << 26;
 
 /// Failure of a function of the basis.
-const OUTSIDE: StepError = StepError::NonFinite {
-    what: "the basis",
-};
+const OUTSIDE: StepError = StepError::NonFinite { what: "the basis" };
 
 /// Setting of a fit beside pairs and basis.
 #[derive(Clone, Copy, Debug)]
@@ -74,11 +72,7 @@ pub(crate) struct Fitted {
 }
 
 /// Row of a state: Qᵀ(−εhΠ(x))∇f(x), and the same for every direction of its leaf.
-pub(crate) fn rows_at(
-    tensor: &TensorAt,
-    slopes: &[f64],
-    factor: f64,
-) -> DMatrix<f64> {
+pub(crate) fn rows_at(tensor: &TensorAt, slopes: &[f64], factor: f64) -> DMatrix<f64> {
     let d = tensor.matrix.nrows();
     let slopes = DMatrix::from_column_slice(d, slopes.len() / d, slopes);
     (tensor.range.transpose() * (&tensor.matrix * factor)) * slopes
@@ -105,7 +99,10 @@ pub(crate) fn fit(
             ends.map(|(a, b)| b - a).collect()
         })
         .collect();
-    let largest = means.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let largest = means
+        .iter()
+        .flatten()
+        .fold(0.0_f64, |most, x| most.max(x.abs()));
     let total: f64 = moved.iter().flatten().map(|b| b * b).sum();
     if total == 0.0 {
         return Err(LearnError::NoMotion);
@@ -126,7 +123,11 @@ pub(crate) fn fit(
             let outside = |error| LearnError::Outside { pair: k + 1, error };
             let tensor = geometry.tensor(&points[k]).map_err(outside)?;
             let slopes = values_at(basis, &points[k], names, k)?.1;
-            let right: Vec<f64> = moved[k].iter().zip(&further[k]).map(|(b, f)| b - f).collect();
+            let right: Vec<f64> = moved[k]
+                .iter()
+                .zip(&further[k])
+                .map(|(b, f)| b - f)
+                .collect();
             let right = DVector::from_vec(right);
             let matrix = rows_at(&tensor, &slopes, setting.h);
             let along = tensor.range.transpose() * &right;
@@ -172,7 +173,11 @@ pub(crate) fn fit(
             return Err(LearnError::Singular);
         }
         let found = matrix.times(&squares.solution);
-        let left: f64 = found.iter().zip(&right).map(|(f, b)| (f - b) * (f - b)).sum();
+        let left: f64 = found
+            .iter()
+            .zip(&right)
+            .map(|(f, b)| (f - b) * (f - b))
+            .sum();
         let residual = libm::sqrt(left / right.len() as f64);
         let before = tolerance;
         tolerance = tolerance
@@ -189,14 +194,20 @@ pub(crate) fn fit(
                     .map(|(b, f)| b - f)
                     .collect();
                 let at = (&points[k][..], &shifts[k][..]);
-                if let Some(shift) = correction(geometry, basis, at, &right, &squares.solution, setting.h) {
+                if let Some(shift) =
+                    correction(geometry, basis, at, &right, &squares.solution, setting.h)
+                {
                     shifts[k]
                         .iter_mut()
                         .zip(&shift)
                         .for_each(|(all, own)| *all += own);
                 }
             }
-            let mean: Vec<f64> = means[k].iter().zip(&shifts[k]).map(|(x, s)| x + s).collect();
+            let mean: Vec<f64> = means[k]
+                .iter()
+                .zip(&shifts[k])
+                .map(|(x, s)| x + s)
+                .collect();
             let moved = corrected(
                 geometry,
                 basis,
@@ -277,7 +288,12 @@ fn corrected(
     }
     let ends = geometry.ends(&y, &p)?;
     let leading = &geometry.tensor(&y)?.matrix * DVector::from_vec(p);
-    let rest: Vec<f64> = ends.increment.iter().zip(&leading).map(|(a, b)| a - b).collect();
+    let rest: Vec<f64> = ends
+        .increment
+        .iter()
+        .zip(&leading)
+        .map(|(a, b)| a - b)
+        .collect();
     match y.iter().chain(&rest).all(|value| value.is_finite()) {
         true => Ok((y, rest)),
         false => Err(OUTSIDE),

@@ -50,12 +50,11 @@ impl Geometry {
         Ok(Self {
             chart: chart.evaluator(&parameters, epsilon),
             maps: realization_evaluator(realization, &parameters, epsilon)?,
-            tensor: Box::new(
-                system
-                    .tensor_map()
-                    .map_err(BuildError::from)?
-                    .evaluator(&parameters, 1.0, 1.0),
-            ),
+            tensor: Box::new(system.tensor_map().map_err(BuildError::from)?.evaluator(
+                &parameters,
+                1.0,
+                1.0,
+            )),
             epsilon,
             dimension: system.dimension(),
             space: realization.space_dimension(),

@@ -132,10 +132,14 @@ pub fn learn(
                 }
                 tried.push((degree, basis, fitted));
             }
-            let least = degrees.iter().fold(f64::INFINITY, |least, d| least.min(d.1));
+            let least = degrees
+                .iter()
+                .fold(f64::INFINITY, |least, d| least.min(d.1));
             // Below round-off all are as good.
             let floor = f64::EPSILON * 16.0 * largest(pairs);
-            let chosen = degrees.iter().find(|(_, score)| *score <= AS_GOOD * least + floor);
+            let chosen = degrees
+                .iter()
+                .find(|(_, score)| *score <= AS_GOOD * least + floor);
             let chosen = chosen.map_or(0, |(degree, _)| *degree);
             let at = tried.iter().position(|own| own.0 == chosen).unwrap_or(0);
             if tried.is_empty() {
@@ -185,11 +189,6 @@ pub fn learn(
             along: fitted.residual,
         });
     }
-    if !fitted.is_converged && !options.has_noise {
-        advice.push(LearnAdvice::NotConverged {
-            sweeps: fitted.sweeps,
-        });
-    }
     if orbits.failed > 0 {
         advice.push(LearnAdvice::Failed {
             count: orbits.failed,
@@ -198,12 +197,17 @@ pub fn learn(
     let left = libm::hypot(fitted.residual, fitted.off_leaf.unwrap_or(0.0));
     if let Some(one_step) = orbits.one_step
         && !options.has_noise
-        && fitted.is_converged
         && one_step > LOST * (left + rounding)
     {
-        advice.push(LearnAdvice::Rounding {
-            one_step,
-            residual: left,
+        advice.push(match fitted.is_converged {
+            true => LearnAdvice::Rounding {
+                one_step,
+                residual: left,
+            },
+            false => LearnAdvice::NotConverged {
+                sweeps: fitted.sweeps,
+                one_step,
+            },
         });
     }
     if recovered.is_none() {
@@ -307,7 +311,9 @@ fn energy_error(
     let count = rows.len() as f64;
     let mut mean = vec![0.0; basis.len()];
     for row in &rows {
-        mean.iter_mut().zip(row).for_each(|(mean, f)| *mean += f / count);
+        mean.iter_mut()
+            .zip(row)
+            .for_each(|(mean, f)| *mean += f / count);
     }
     let mut sum = 0.0;
     for row in &rows {

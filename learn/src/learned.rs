@@ -3,9 +3,9 @@
 use std::fmt;
 
 use crate::basis::Basis;
+use crate::fit::rows_at;
 use crate::geometry::Geometry;
 use crate::squares::Squares;
-use crate::fit::rows_at;
 
 /// A row is of another kind than those of the pairs beyond this part of its largest entry.
 const STRANGE: f64 = 1e-3;
@@ -60,6 +60,8 @@ pub enum LearnAdvice {
     NotConverged {
         /// Sweeps made.
         sweeps: usize,
+        /// Root mean square of Φ(x) − x'.
+        one_step: f64,
     },
     /// States of the pairs from which no step of the learned map is found.
     Failed {
@@ -100,9 +102,10 @@ impl fmt::Display for LearnAdvice {
                 "{count} functions are not determined by these pairs and stay 0, such as those that differ between leaves of which only one has pairs: \
                  give pairs from elsewhere, or stay near these"
             ),
-            Self::NotConverged { sweeps } => write!(
+            Self::NotConverged { sweeps, one_step } => write!(
                 f,
-                "the points of the pairs still moved after {sweeps} solves: the time between the states is long for this realization"
+                "the points of the pairs still moved after {sweeps} solves, and steps of the learned map miss the pairs by {one_step:.1e}: pairs of one orbit or one leaf tell \
+                 too little for this degree, or the time between the states is long; give pairs from elsewhere, lower the degree, or penalize coefficients by a ridge"
             ),
             Self::Failed { count } => write!(
                 f,

@@ -91,7 +91,9 @@ impl Orbits {
         let velocities: Vec<Vec<Vec<f64>>> = (1..=MOST)
             .map(|m| {
                 let orbits = self.states.iter();
-                orbits.map(|orbit| slope(orbit, m, epsilon * setting.h)).collect()
+                orbits
+                    .map(|orbit| slope(orbit, m, epsilon * setting.h))
+                    .collect()
             })
             .collect();
         let distance = |a: &[Vec<f64>], b: &[Vec<f64>]| {
@@ -131,7 +133,11 @@ impl Orbits {
         }
         let squares = Squares::solve(&matrix, &right, setting.ridge, tolerance);
         let found = matrix.times(&squares.solution);
-        let left: f64 = found.iter().zip(&right).map(|(f, b)| (f - b) * (f - b)).sum();
+        let left: f64 = found
+            .iter()
+            .zip(&right)
+            .map(|(f, b)| (f - b) * (f - b))
+            .sum();
         let total: f64 = right.iter().map(|b| b * b).sum();
         let mut coefficients = vec![0.0; basis.len()];
         for (&j, c) in kept.iter().zip(&squares.solution) {

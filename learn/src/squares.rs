@@ -57,9 +57,7 @@ impl Columns {
             let rows = column.iter().zip(keeps);
             rows.filter(|(_, keeps)| **keeps).map(|(a, _)| *a).collect()
         };
-        let numbers: Vec<f64> = (0..self.len())
-            .flat_map(|j| kept(self.column(j)))
-            .collect();
+        let numbers: Vec<f64> = (0..self.len()).flat_map(|j| kept(self.column(j))).collect();
         Self {
             rows: keeps.iter().filter(|keeps| **keeps).count(),
             numbers,
@@ -170,7 +168,11 @@ impl Squares {
 
     /// vᵀ (AᵀA)⁻¹ v over the determined columns, of a row v of all columns: the variance of v·c at unit noise.
     pub fn variance(&self, row: &[f64]) -> f64 {
-        let mut v: Vec<f64> = self.kept().iter().map(|&j| row[j] / self.norms[j]).collect();
+        let mut v: Vec<f64> = self
+            .kept()
+            .iter()
+            .map(|&j| row[j] / self.norms[j])
+            .collect();
         for k in 0..self.rank {
             let column = self.r.column(k);
             let below: f64 = v[..k].iter().zip(column).map(|(v, r)| v * r).sum();
@@ -191,7 +193,10 @@ impl Squares {
                 v[j] = c / self.norms[j];
             }
             let least = self.least(&v);
-            squares.iter_mut().zip(least).for_each(|(sum, v)| *sum += v * v);
+            squares
+                .iter_mut()
+                .zip(least)
+                .for_each(|(sum, v)| *sum += v * v);
         }
         squares.into_iter().map(libm::sqrt).collect()
     }
@@ -205,7 +210,10 @@ impl Squares {
         }
         let strange = self.null.iter().map(|v| {
             let along: f64 = v.iter().zip(row).map(|(v, a)| v * a).sum();
-            let size = v.iter().zip(&self.norms).fold(1.0_f64, |most, (v, norm)| most.max((v * norm).abs()));
+            let size = v
+                .iter()
+                .zip(&self.norms)
+                .fold(1.0_f64, |most, (v, norm)| most.max((v * norm).abs()));
             (along / size).abs()
         });
         strange.fold(0.0, f64::max) / largest
@@ -220,9 +228,13 @@ fn factorize(q: &mut Columns, right: &mut [f64], tolerance: f64) -> (Vec<usize>,
     let mut first = 0.0;
     for k in 0..n.min(m) {
         let rests = (k..n).map(|j| norm(&q.column(j)[k..]));
-        let largest = rests.enumerate().fold((0, 0.0), |best, (at, rest)| {
-            if rest > best.1 { (at, rest) } else { best }
-        });
+        let largest =
+            rests.enumerate().fold(
+                (0, 0.0),
+                |best, (at, rest)| {
+                    if rest > best.1 { (at, rest) } else { best }
+                },
+            );
         let (at, length) = (k + largest.0, largest.1);
         if k == 0 {
             first = length;
@@ -258,7 +270,9 @@ fn factorize(q: &mut Columns, right: &mut [f64], tolerance: f64) -> (Vec<usize>,
 fn subtract(v: &mut [f64], directions: &[Vec<f64>]) {
     for direction in directions {
         let along: f64 = direction.iter().zip(&*v).map(|(a, b)| a * b).sum();
-        v.iter_mut().zip(direction).for_each(|(v, a)| *v -= along * a);
+        v.iter_mut()
+            .zip(direction)
+            .for_each(|(v, a)| *v -= along * a);
     }
 }
 
@@ -291,13 +305,18 @@ mod tests {
     /// b = 3 + 2t − t² is met, with one of three dependent columns left out; rows of the same kind are not strange, others are.
     #[test]
     fn dependent_columns_are_left_out() {
-        let b: Vec<f64> = (0..7).map(|t| 3.0 + 2.0 * f64::from(t) - f64::from(t * t)).collect();
+        let b: Vec<f64> = (0..7)
+            .map(|t| 3.0 + 2.0 * f64::from(t) - f64::from(t * t))
+            .collect();
         let a = dependent();
         let squares = Squares::solve(&a, &b, 0.0, 0.0);
         assert_eq!(squares.rank, 3);
         let found = a.times(&squares.solution);
         // Condition number of three scaled columns at seven nodes below 100.
-        assert!(found.iter().zip(&b).all(|(f, b)| (f - b).abs() < 1e-12), "{found:?}");
+        assert!(
+            found.iter().zip(&b).all(|(f, b)| (f - b).abs() < 1e-12),
+            "{found:?}"
+        );
         // The shortest c has 1 and t in equal parts with their sum: (3, 2, −1, 0) + s (1, 1, 0, −1), s = −5/3.
         let shortest = [4.0 / 3.0, 1.0 / 3.0, -1.0, 5.0 / 3.0];
         let parts = squares.solution.iter().zip(shortest);

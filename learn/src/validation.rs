@@ -15,9 +15,17 @@ pub(crate) fn held_out(fitted: &Fitted, pairs: usize, ridge: f64) -> Option<f64>
         let others: Vec<bool> = keeps.iter().map(|keeps| !keeps).collect();
         let of = |keeps: &[bool]| -> Vec<f64> {
             let right = fitted.right.iter().zip(keeps);
-            right.filter(|(_, keeps)| **keeps).map(|(b, _)| *b).collect()
+            right
+                .filter(|(_, keeps)| **keeps)
+                .map(|(b, _)| *b)
+                .collect()
         };
-        let squares = Squares::solve(&fitted.matrix.filtered(&keeps), &of(&keeps), ridge, fitted.tolerance);
+        let squares = Squares::solve(
+            &fitted.matrix.filtered(&keeps),
+            &of(&keeps),
+            ridge,
+            fitted.tolerance,
+        );
         let found = fitted.matrix.filtered(&others).times(&squares.solution);
         for (found, b) in found.iter().zip(of(&others)) {
             sum += (found - b) * (found - b);

@@ -8,7 +8,10 @@ const SEEDS: u64 = 120;
 /// binomial are 6 √(n 0.95 0.05). Errors in y bias by σ² and are far below.
 fn assert_covers(within: f64, trials: f64) {
     let spread = 6.0 * libm::sqrt(trials * 0.95 * 0.05);
-    assert!((within - 0.95 * trials).abs() < spread, "{within} of {trials}, ± {spread:.1}");
+    assert!(
+        (within - 0.95 * trials).abs() < spread,
+        "{within} of {trials}, ± {spread:.1}"
+    );
 }
 
 /// Coefficients of Ŝ = tan(h/2) (q² + p²) of an oscillator, errors of 1e-3 in both states. The five of a seed are nearly independent; one is taken each.
@@ -24,14 +27,23 @@ fn standard_errors_cover_the_coefficients() {
         let states = draws.in_box(60, &[(-1.0, 1.0); 2]);
         // The flow is a rotation.
         let (sin, cos) = (libm::sin(h), libm::cos(h));
-        let mut after: Vec<f64> = states.iter().flat_map(|x| [cos * x[0] + sin * x[1], cos * x[1] - sin * x[0]]).collect();
+        let mut after: Vec<f64> = states
+            .iter()
+            .flat_map(|x| [cos * x[0] + sin * x[1], cos * x[1] - sin * x[0]])
+            .collect();
         let mut before = states.concat();
         draws.noisy(&mut before, 1e-3);
         draws.noisy(&mut after, 1e-3);
-        let learned = place.learn(h, &(before, after), &polynomials(2, 2)).expect("pairs");
+        let learned = place
+            .learn(h, &(before, after), &polynomials(2, 2))
+            .expect("pairs");
         for (own, within) in learned.functions.iter().zip(&mut within) {
             let is_square = own.formula == "q^2" || own.formula == "p^2";
-            let truth = if is_square { libm::tan(h / 2.0) / h } else { 0.0 };
+            let truth = if is_square {
+                libm::tan(h / 2.0) / h
+            } else {
+                0.0
+            };
             *within += f64::from(u8::from((own.generating - truth).abs() < 1.96 * own.error));
         }
         // H less its mean at the pairs, in units of its error: of mean square 1.
@@ -50,9 +62,14 @@ fn standard_errors_cover_the_coefficients() {
         let error = rms(errors.iter().map(|e| e - mean)) / learned.energy_error;
         energies += error * error / SEEDS as f64;
     }
-    within.iter().for_each(|within| assert_covers(*within, SEEDS as f64));
+    within
+        .iter()
+        .for_each(|within| assert_covers(*within, SEEDS as f64));
     // A mean of SEEDS squares of five deviates, whose weights differ: at most a variance of 2 each.
-    assert!((energies - 1.0).abs() < 6.0 * libm::sqrt(2.0 / SEEDS as f64), "{energies}");
+    assert!(
+        (energies - 1.0).abs() < 6.0 * libm::sqrt(2.0 / SEEDS as f64),
+        "{energies}"
+    );
 }
 
 /// Steps of a noisy rigid body from a state that no pair has, in the two directions of its leaf.
@@ -76,11 +93,18 @@ fn step_errors_cover_the_steps() {
         draws.noisy(&mut pairs.0, 1e-3);
         draws.noisy(&mut pairs.1, 1e-3);
         let mut learned = body.learn(h, &pairs, &polynomials(3, 3)).expect("pairs");
-        let error = next(&learned).iter().zip(&truth).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
+        let error = next(&learned)
+            .iter()
+            .zip(&truth)
+            .map(|(a, b)| (a - b) * (a - b))
+            .sum::<f64>();
         let worst = learned.step_error_at(&x);
         squares += error / (worst * worst) / SEEDS as f64;
     }
     // The error along both directions in units of that along the worse: 1 to 2 in the mean, of a variance of at most 4 a seed.
     let spread = 6.0 * libm::sqrt(4.0 / SEEDS as f64);
-    assert!(squares > 1.0 - spread && squares < 2.0 + spread, "{squares}");
+    assert!(
+        squares > 1.0 - spread && squares < 2.0 + spread,
+        "{squares}"
+    );
 }

@@ -27,7 +27,9 @@ fn a_rigid_body_is_learned_to_the_degree() {
     let pairs = body.pairs(&draws.on_spheres(150), h);
     let unseen = draws.on_spheres(50);
     for (degree, expected) in [(2, 2.5e-5), (4, 4.9e-8), (6, 1.3e-10), (8, 4.7e-13)] {
-        let learned = body.learn(h, &pairs, &polynomials(3, degree)).expect("pairs");
+        let learned = body
+            .learn(h, &pairs, &polynomials(3, degree))
+            .expect("pairs");
         assert_eq!(learned.advice, []);
         // |x|², |x|⁴, … are the Casimirs of the basis.
         assert_eq!(learned.determined + degree / 2, learned.functions.len());
@@ -44,8 +46,14 @@ fn a_rigid_body_is_learned_to_the_degree() {
         };
         // Random round-off of 3000 steps, half an ulp of |x|² each.
         assert!(most(&states, &square) < 9e-15, "degree {degree}");
-        let (first, last) = (most(&states[..300], &energy), most(&states[2700..], &energy));
-        assert!(last < 1.5 * first + 1e-13, "degree {degree}: {first:e} {last:e}");
+        let (first, last) = (
+            most(&states[..300], &energy),
+            most(&states[2700..], &energy),
+        );
+        assert!(
+            last < 1.5 * first + 1e-13,
+            "degree {degree}: {first:e} {last:e}"
+        );
     }
 }
 
@@ -73,7 +81,9 @@ fn a_step_errs_less_than_its_noisy_pairs() {
         let (system, method) = body.method(&learned);
         let square = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
         let states = orbit(&method, &system, &unseen[0], h, 3000);
-        let off = states.iter().map(|y| (square(y) - square(&unseen[0])).abs());
+        let off = states
+            .iter()
+            .map(|y| (square(y) - square(&unseen[0])).abs());
         assert!(off.fold(0.0, f64::max) < 9e-15);
     }
 }
@@ -91,14 +101,29 @@ fn populations_are_learned_to_the_degree() {
         states
     };
     let orbits = [0.8, 1.0, 1.2].map(|v| orbit_of([1.0, v], 100));
-    let states: Vec<Vec<f64>> = orbits.iter().flat_map(|orbit| orbit[..100].to_vec()).collect();
+    let states: Vec<Vec<f64>> = orbits
+        .iter()
+        .flat_map(|orbit| orbit[..100].to_vec())
+        .collect();
     let pairs = place.pairs(&states, h);
     let truth = orbit_of([1.0, 1.0], 200);
-    let squares = [(2, 7.5e-9), (3, 2.2e-13), (4, 6.6e-15), (5, 6.7e-19), (6, 8.7e-21)];
+    let squares = [
+        (2, 7.5e-9),
+        (3, 2.2e-13),
+        (4, 6.6e-15),
+        (5, 6.7e-19),
+        (6, 8.7e-21),
+    ];
     for (degree, expected) in squares {
-        let learned = place.learn(h, &pairs, &logarithms(2, degree)).expect("pairs");
+        let learned = place
+            .learn(h, &pairs, &logarithms(2, degree))
+            .expect("pairs");
         let error = one_step(&place, &learned, &truth[..200], h);
-        assert!(error * error < 2.0 * expected, "degree {degree}: {:e}", error * error);
+        assert!(
+            error * error < 2.0 * expected,
+            "degree {degree}: {:e}",
+            error * error
+        );
         if degree == 3 {
             let of = |name: &str| {
                 let mut functions = learned.functions.iter();
@@ -129,15 +154,25 @@ fn an_affine_bracket_and_angles() {
         },
         has_logarithm: false,
     };
-    for (options, most) in [(angles, 2e-6), (polynomials(3, 4), 2e-5), (polynomials(3, 6), 2e-7)] {
+    let mut errors = Vec::new();
+    for options in [angles, polynomials(3, 4), polynomials(3, 6)] {
         let learned = place.learn(h, &pairs, &options).expect("pairs");
-        let error = one_step(&place, &learned, &unseen, h);
-        assert!(error < most, "{error:e}");
+        assert_eq!(learned.advice, []);
+        errors.push(one_step(&place, &learned, &unseen, h));
         let (system, method) = place.method(&learned);
         let states = orbit(&method, &system, &unseen[0], h, 500);
         // c' = 0 to the last bit.
         assert!(states.iter().all(|y| y[2] == unseen[0][2]));
     }
+    // Of h cos q degree 4 leaves h q^6/720, and degree 6 leaves h q^8/40320: their slopes at |q| below 1.2.
+    let [angles, four, six] = errors[..] else {
+        panic!("three bases");
+    };
+    assert!(
+        four < h * 15.0 / 720.0 && six < h * 29.0 / 40320.0,
+        "{errors:?}"
+    );
+    assert!(angles < four / 2.0, "{errors:?}");
 }
 
 /// Held-out pairs choose a degree that is enough for exact pairs of a quadratic H over a constant bracket: 2, since Ŝ is quadratic. H of the flow's own
@@ -180,23 +215,40 @@ fn pairs_that_tell_too_little_or_of_another_bracket_are_told() {
     }
     let pairs = body.pairs(&states, h);
     let mut learned = body.learn(h, &pairs, &polynomials(3, 4)).expect("pairs");
-    let is_told = learned.advice.iter().any(|advice| matches!(advice, LearnAdvice::Undetermined { .. }));
-    assert!(is_told, "{:?}", learned.advice);
-    assert!(learned.leverage(&states[0]) < 1.0);
-    assert_eq!(learned.leverage(&[3.0, 1.0, 2.0]), f64::INFINITY);
+    let largest = learned.largest_leverage;
+    assert!(learned.leverage(&states[0]) < 4.0 * largest);
+    assert!(learned.leverage(&[3.0, 1.0, 2.0]) > 1e3 * largest);
+    // Functions of c that differ between its values alone, where all pairs have one.
+    let place = Place::new(PENDULUM, "lie-poisson", "[1, 0, 0.3]");
+    let leaf = [(-1.0, 1.0), (-1.0, 1.0), (0.1, 0.1)];
+    let pairs = place.pairs(&draws.in_box(100, &leaf), h);
+    let mut learned = place.learn(h, &pairs, &polynomials(3, 3)).expect("pairs");
+    assert!(learned.leverage(&[0.3, 0.2, 0.1]) < 1.0);
+    assert_eq!(learned.leverage(&[0.3, 0.2, 0.2]), f64::INFINITY);
 
     let other = RIGID_BODY.replace("\"x,y\" = \"-z\"", "\"x,y\" = \"z\"");
     let other = other.replace(&other[other.find("casimirs").expect("a key")..], "");
     let elsewhere = Place::new(&other, "lie-poisson", "[1, 0, 0]");
     let pairs = elsewhere.pairs(&draws.on_spheres(200), h);
     let learned = body.learn(h, &pairs, &polynomials(3, 4)).expect("pairs");
-    let is_told = learned.advice.iter().any(|advice| matches!(advice, LearnAdvice::OffLeaf { .. }));
+    let is_told = learned.advice.iter().any(|advice| {
+        matches!(
+            advice,
+            LearnAdvice::OffLeaf { .. } | LearnAdvice::Unexplained { .. }
+        )
+    });
     assert!(is_told, "{:?}", learned.advice);
     // Half of them twice.
     let (mut before, mut after) = pairs;
     before.extend_from_within(..300);
     after.extend_from_within(..300);
-    let learned = body.learn(h, &(before, after), &polynomials(3, 2)).expect("pairs");
-    assert!(learned.advice.contains(&LearnAdvice::Duplicates { count: 100 }));
+    let learned = body
+        .learn(h, &(before, after), &polynomials(3, 2))
+        .expect("pairs");
+    assert!(
+        learned
+            .advice
+            .contains(&LearnAdvice::Duplicates { count: 100 })
+    );
     assert_eq!(learned.pairs, 200);
 }

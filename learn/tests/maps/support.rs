@@ -14,9 +14,11 @@ use leafwise_core::dynamics::Correction;
 use leafwise_core::formulas::FormulaDynamics;
 use leafwise_core::part::Dimensions;
 use leafwise_core::{Method, PoissonSystem, RealizationData, Walk};
-use leafwise_expression::syntax::{Formula, Scope};
 use leafwise_expression::Expression;
-use leafwise_learn::{BasisAxis, FunctionFamily, LearnError, LearnOptions, Learned, StatePairs, learn};
+use leafwise_expression::syntax::{Formula, Scope};
+use leafwise_learn::{
+    BasisAxis, FunctionFamily, LearnError, LearnOptions, Learned, StatePairs, learn,
+};
 use leafwise_tests::gauss::flow;
 use leafwise_tests::scenes::composed;
 
@@ -25,7 +27,7 @@ pub const RIGID_BODY: &str = "[system]\nvariables = [\"x\", \"y\", \"z\"]\nbrack
 
 /// A pendulum whose bracket depends on a Casimir.
 pub const PENDULUM: &str = "[system]\nvariables = [\"q\", \"p\", \"c\"]\nbracket = { \"q,p\" = \"1 + c\" }\nconvention = \"{x,H}\"\n\
-     hamiltonian = \"p^2/2 - cos(q) + c*q\"\n";
+     hamiltonian = \"p^2/2 - cos(q) + c*p\"\n";
 
 /// A system with an exact realization of its tensor.
 pub struct Place {
@@ -126,7 +128,10 @@ pub fn polynomials(d: usize, degree: usize) -> LearnOptions {
 /// The same with logarithms.
 pub fn logarithms(d: usize, degree: usize) -> LearnOptions {
     let mut options = polynomials(d, degree);
-    options.axes.iter_mut().for_each(|axis| axis.has_logarithm = true);
+    options
+        .axes
+        .iter_mut()
+        .for_each(|axis| axis.has_logarithm = true);
     options
 }
 

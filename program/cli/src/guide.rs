@@ -9,7 +9,7 @@ macro_rules! pages {
 }
 
 /// Names and texts of the pages, in the order of the guide's contents.
-pub const PAGES: [(&str, &str); 30] = pages![
+pub const PAGES: [(&str, &str); 31] = pages![
     "start",
     "from-scipy",
     "from-julia",
@@ -23,6 +23,7 @@ pub const PAGES: [(&str, &str); 30] = pages![
     "lattices",
     "tables",
     "find",
+    "learn",
     "time",
     "forces",
     "noise",

@@ -104,14 +104,25 @@ fn of_text(text: &str, variables: &[String], time_step: f64) -> Result<PairTable
     let width = columns.len();
     if let Some(at) = table.rows.iter().position(|row| row.len() != width) {
         let found = table.rows[at].len();
-        return Err(format!("row {} has {found} numbers, and {width} columns have names", at + 1));
+        return Err(format!(
+            "row {} has {found} numbers, and {width} columns have names",
+            at + 1
+        ));
     }
-    let column = |name: &str| place(columns, name).map_err(|reason| format!("{reason}: it needs {}", headings(variables)));
-    let before: Vec<usize> = variables.iter().map(|name| column(name)).collect::<Result<_, _>>()?;
-    let weight = columns.iter().position(|name| name == WEIGHT && !variables.contains(name));
+    let column = |name: &str| {
+        place(columns, name).map_err(|reason| format!("{reason}: it needs {}", headings(variables)))
+    };
+    let before: Vec<usize> = variables
+        .iter()
+        .map(|name| column(name))
+        .collect::<Result<_, _>>()?;
+    let weight = columns
+        .iter()
+        .position(|name| name == WEIGHT && !variables.contains(name));
     let rows = |places: &[usize]| -> Vec<f64> {
         let rows = table.rows.iter();
-        rows.flat_map(|row| places.iter().map(|at| row[*at])).collect()
+        rows.flat_map(|row| places.iter().map(|at| row[*at]))
+            .collect()
     };
     let next = NEXT.iter().find(|suffix| {
         let named = variables.iter().map(|name| format!("{name}{suffix}"));
@@ -169,7 +180,10 @@ fn headings(variables: &[String]) -> String {
     let next = variables.iter().map(|name| format!("{name}'"));
     let names: Vec<String> = variables.iter().cloned().chain(next).collect();
     let all = names.join(",");
-    format!("the columns {all}, or for a trajectory {}", variables.join(","))
+    format!(
+        "the columns {all}, or for a trajectory {}",
+        variables.join(",")
+    )
 }
 
 #[cfg(test)]
@@ -223,10 +237,16 @@ mod tests {
     fn files_that_are_no_pairs_say_what_they_need() {
         for (text, expected) in [
             ("1,2,3,4\n", "begin it with the columns q,p,q',p'"),
-            ("q,x\n1,2\n", "it has no column `p`: it needs the columns q,p,q',p'"),
+            (
+                "q,x\n1,2\n",
+                "it has no column `p`: it needs the columns q,p,q',p'",
+            ),
             ("q,p,q'\n1,2,3\n", "it has no column `p'`"),
             ("q,p,p\n1,2,3\n", "it has two columns `p`"),
-            ("q,p,q',p'\n1,2,3\n", "row 1 has 3 numbers, and 4 columns have names"),
+            (
+                "q,p,q',p'\n1,2,3\n",
+                "row 1 has 3 numbers, and 4 columns have names",
+            ),
             ("q,p\n1,2\n", "a trajectory of one row has no pair"),
             ("t,q,p\n0,1,2\n0.1,3,4\n", "--set method.time-step=0.1"),
         ] {

@@ -9,8 +9,8 @@ pub use jobs::{
     SceneArguments, SweepArguments,
 };
 pub use questions::{
-    DescribeArguments, EvaluateArguments, ExplainArguments, FindArguments, Kind, LearnArguments, ListArguments,
-    NewArguments, SchemaArguments, ShadowArguments,
+    DescribeArguments, EvaluateArguments, ExplainArguments, FindArguments, Kind, LearnArguments,
+    ListArguments, NewArguments, SchemaArguments, ShadowArguments,
 };
 pub use studies::{
     CompareArguments, ReproduceArguments, StressArguments, TuneArguments, VerifyArguments,

@@ -142,7 +142,13 @@ pub fn execute(
         )
     });
     if arguments.json {
-        console.json(&json(&learned, epsilon * h, &warnings, text.clone(), is_poor));
+        console.json(&json(
+            &learned,
+            epsilon * h,
+            &warnings,
+            text.clone(),
+            is_poor,
+        ));
     } else {
         for line in lines(&learned) {
             console.result(&line);
@@ -185,7 +191,11 @@ fn with_chart(
     });
     let realization = named.unwrap_or_else(|| PartUse::named("auto"));
     let table = MethodTable::pair(realization, PartUse::named(DYNAMICS).with("order", 2_i64));
-    let text = table.write_into(&document.text, run.plan.epsilon * run.plan.h, run.plan.steps);
+    let text = table.write_into(
+        &document.text,
+        run.plan.epsilon * run.plan.h,
+        run.plan.steps,
+    );
     let text = text.map_err(unwritten)?;
     let document = parts.document(
         SceneText {
@@ -217,9 +227,8 @@ fn learned_scene(
     let coefficients: Vec<&str> = std::iter::once("H")
         .chain(learned.further.as_deref())
         .collect();
-    let mut table = MethodTable::of_choices(&run.plan.parts).ok_or_else(|| {
-        Failure::usage("a stepper has no map to learn", "name a realization")
-    })?;
+    let mut table = MethodTable::of_choices(&run.plan.parts)
+        .ok_or_else(|| Failure::usage("a stepper has no map to learn", "name a realization"))?;
     if let MethodParts::Pair { dynamics, .. } = &mut table.parts {
         *dynamics = PartUse::named(DYNAMICS)
             .with("S", coefficients.join("; ").as_str())
@@ -278,7 +287,10 @@ fn axes(
                 let at = names.iter().position(|known| known == name.trim());
                 let at = at.ok_or_else(|| {
                     Failure::usage(
-                        format!("--basis {given}: the scene has no variable `{}`", name.trim()),
+                        format!(
+                            "--basis {given}: the scene has no variable `{}`",
+                            name.trim()
+                        ),
                         format!("name one of {}", names.join(", ")),
                     )
                 })?;
@@ -321,13 +333,19 @@ fn unread(reason: String) -> Failure {
 }
 
 fn unwritten(error: leafwise::scene::RewriteError) -> Failure {
-    Failure::usage(error.to_string(), "name a scene with [system], [method] and [run]")
+    Failure::usage(
+        error.to_string(),
+        "name a scene with [system], [method] and [run]",
+    )
 }
 
 fn refused(error: LearnError) -> Failure {
     match error {
         LearnError::Build(error) => error.into(),
-        error => Failure::usage(error.to_string(), "`leafwise explain learn` says what is learned from pairs"),
+        error => Failure::usage(
+            error.to_string(),
+            "`leafwise explain learn` says what is learned from pairs",
+        ),
     }
 }
 
@@ -385,19 +403,43 @@ fn lines(learned: &Learned) -> Vec<String> {
         String::new(),
     ];
     let row = |name: &str, value: f64, meaning: &str| {
-        vec![format!("  {name}"), format!("{value:.1e}"), meaning.to_owned()]
+        vec![
+            format!("  {name}"),
+            format!("{value:.1e}"),
+            meaning.to_owned(),
+        ]
     };
     let mut rows = vec![
         row("motion", learned.motion, "x' - x, root mean square"),
-        row("residual", learned.residual, "what is left of it along leaves"),
+        row(
+            "residual",
+            learned.residual,
+            "what is left of it along leaves",
+        ),
     ];
     if let Some(off) = learned.off_leaf {
-        rows.push(row("off leaves", off, "the part of it that no Hamiltonian makes"));
+        rows.push(row(
+            "off leaves",
+            off,
+            "the part of it that no Hamiltonian makes",
+        ));
     }
-    rows.push(row("step error", learned.step_error, "standard error of a learned step, by the residuals"));
-    rows.push(row("energy error", learned.energy_error, "standard error of H less its mean, over the pairs"));
+    rows.push(row(
+        "step error",
+        learned.step_error,
+        "standard error of a learned step, by the residuals",
+    ));
+    rows.push(row(
+        "energy error",
+        learned.energy_error,
+        "standard error of H less its mean, over the pairs",
+    ));
     if let Some(error) = learned.hamiltonian_error {
-        rows.push(row("flow of H", error, "part of the learned map's velocity that H does not make"));
+        rows.push(row(
+            "flow of H",
+            error,
+            "part of the learned map's velocity that H does not make",
+        ));
     }
     lines.extend(words(&rows));
     if !learned.degrees.is_empty() {

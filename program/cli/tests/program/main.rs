@@ -11,6 +11,7 @@ mod gallery;
 mod guide;
 mod invalid_scenes;
 mod kills;
+mod learned;
 mod motion;
 mod noise;
 mod other_commands;
