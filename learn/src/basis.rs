@@ -45,7 +45,7 @@ enum Member {
 
 /// The members of one variable, and what their arguments are scaled by.
 #[derive(Clone, Debug)]
-struct Axis {
+struct AxisMembers {
     members: Vec<Member>,
     /// A power of 2 near the largest |x|.
     scale: f64,
@@ -56,7 +56,7 @@ struct Axis {
 /// A basis f_1, …, f_n on ℝᵈ: all products whose degrees sum to 1 … D, and logarithms.
 #[derive(Clone, Debug)]
 pub struct Basis {
-    axes: Vec<Axis>,
+    axes: Vec<AxisMembers>,
     /// The factors of every function: a variable and one of its members.
     functions: Vec<Vec<(usize, usize)>>,
 }
@@ -97,7 +97,7 @@ impl Basis {
             if axis.has_logarithm {
                 members.push(Member::Logarithm);
             }
-            own.push(Axis {
+            own.push(AxisMembers {
                 members,
                 scale,
                 frequency,
@@ -230,7 +230,7 @@ impl Member {
     }
 }
 
-impl Axis {
+impl AxisMembers {
     /// A member's value and slope.
     fn value(&self, member: Member, x: f64) -> (f64, f64) {
         match member {
@@ -274,7 +274,7 @@ impl Axis {
 
 /// Products of members from the variable `next` on whose degrees sum to at most `left`.
 fn products(
-    axes: &[Axis],
+    axes: &[AxisMembers],
     next: usize,
     left: i32,
     factors: &mut Vec<(usize, usize)>,

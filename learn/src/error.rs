@@ -32,7 +32,7 @@ pub enum LearnError {
     Weights {
         /// How many pairs there are.
         pairs: usize,
-        /// What stands there.
+        /// The first thing wrong.
         problem: String,
     },
     /// States that do not move.
@@ -83,7 +83,7 @@ pub enum LearnError {
     /// A period that is none.
     #[error("a Fourier basis needs a period above 0, and this one is {period:?}")]
     Period {
-        /// What stands there.
+        /// The number that is given.
         period: f64,
     },
     /// A ridge that is none.
@@ -91,7 +91,7 @@ pub enum LearnError {
         "the ridge is a number of 0 or more, relative to columns of unit length, and this one is {ridge:?}"
     )]
     Ridge {
-        /// What stands there.
+        /// The number that is given.
         ridge: f64,
     },
     /// ln x of a number that has none.
@@ -118,7 +118,7 @@ pub enum LearnError {
     Outside {
         /// Its number from 1.
         pair: usize,
-        /// What fails there.
+        /// Failure of its ends there.
         error: StepError,
     },
     /// A realization without a chart.
@@ -126,7 +126,7 @@ pub enum LearnError {
         "{realization} has no points (x, p) over which a generating function stands: name another realization"
     )]
     NoChart {
-        /// What it is.
+        /// Its description.
         realization: String,
     },
     /// A system or a method that is not built.

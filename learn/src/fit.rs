@@ -7,7 +7,7 @@ use crate::basis::Basis;
 use crate::error::LearnError;
 use crate::geometry::{Geometry, TensorAt};
 use crate::pairs::StatePairs;
-use crate::squares::{Columns, Squares};
+use crate::squares::{ColumnMatrix, Squares};
 
 /// The most solves for the coefficients.
 const MOST_SWEEPS: usize = 24;
@@ -21,7 +21,7 @@ const SMALL: f64 = 4.0 * f64::EPSILON;
 /// Sweeps that changed y by less than this part of the motion have converged.
 const CONVERGED: f64 = 1e-9;
 
-/// Columns count as dependent below this part of the first pivot in the first sweep. Later ones are told apart as far as the residual of the sweep before
+/// ColumnMatrix count as dependent below this part of the first pivot in the first sweep. Later ones are told apart as far as the residual of the sweep before
 /// tells: a direction that moves the pairs by less than what is left of them is not determined by them.
 const FIRST_TOLERANCE: f64 = 1e-6;
 
@@ -52,7 +52,7 @@ pub(crate) struct FitSetting {
 /// Coefficients of Ŝ/h and what is left.
 pub(crate) struct Fitted {
     /// The matrix of the last solve: rows Qᵀ(−εhΠ)∇f, r of them for each pair.
-    pub matrix: Columns,
+    pub matrix: ColumnMatrix,
     /// Its right sides.
     pub right: Vec<f64>,
     /// The pair of every row.
@@ -65,10 +65,10 @@ pub(crate) struct Fitted {
     /// Root mean square of x' − x, and of its part that no H makes, each per direction.
     pub motion: f64,
     pub off_leaf: Option<f64>,
-    /// Columns that depend on others to this part do not count.
+    /// ColumnMatrix that depend on others to this part do not count.
     pub tolerance: f64,
     pub sweeps: usize,
-    pub is_converged: bool,
+    pub has_settled: bool,
 }
 
 /// Row of a state: Qᵀ(−εhΠ(x))∇f(x), and the same for every direction of its leaf.
@@ -159,7 +159,7 @@ pub(crate) fn fit(
                 most: MOST_NUMBERS,
             });
         }
-        let mut matrix = Columns::zeros(rows.len(), n);
+        let mut matrix = ColumnMatrix::zeros(rows.len(), n);
         for j in 0..n {
             for (a, row) in matrix.column_mut(j).iter_mut().zip(&rows) {
                 *a = row.1[j];
@@ -239,7 +239,7 @@ pub(crate) fn fit(
             further.iter_mut().for_each(|f| f.fill(0.0));
             continue;
         }
-        let is_converged = change <= CONVERGED * motion;
+        let has_settled = change <= CONVERGED * motion;
         if change <= SMALL * largest || sweeps == MOST_SWEEPS {
             let freedom = right.len().saturating_sub(squares.rank);
             return Ok(Fitted {
@@ -253,7 +253,7 @@ pub(crate) fn fit(
                 pair_of,
                 squares,
                 sweeps,
-                is_converged,
+                has_settled,
             });
         }
     }
@@ -331,8 +331,8 @@ pub(crate) fn values_at(
     })
 }
 
-/// The further shift s of y that makes 4|δ + s|² + |b − F(y + s)|² least to first order, F(y) = −εΠ(y) dŜ(y), beside the shift δ so far. Of
-/// errors of one size in x and x' the mean has half the variance of each, and the difference has twice of it.
+/// The further shift s of y beside the shift δ so far. To first order it makes 4|δ + s|² + |b − F(y + s)|² least, with F(y) = −εΠ(y) dŜ(y). Of errors of one
+/// size in x and x' the mean has half the variance of each, and the difference has twice of it.
 fn correction(
     geometry: &mut Geometry,
     basis: &Basis,

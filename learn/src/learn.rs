@@ -41,7 +41,7 @@ const UNEXPLAINED: f64 = 0.1;
 /// Steps of the learned map that miss the pairs by so many times the residual have lost digits.
 const LOST: f64 = 10.0;
 
-/// What is learned, and how.
+/// Options of learning: the basis, its degree, and how pairs are met.
 #[derive(Clone, Debug)]
 pub struct LearnOptions {
     /// Functions of each variable.
@@ -182,7 +182,7 @@ pub fn learn(
     if let Some(off) = fitted.off_leaf
         && off > OFF * fitted.residual + rounding
         && off > LEAVES * fitted.motion
-        && fitted.is_converged
+        && fitted.has_settled
     {
         advice.push(LearnAdvice::OffLeaf {
             off,
@@ -199,7 +199,7 @@ pub fn learn(
         && !options.has_noise
         && one_step > LOST * (left + rounding)
     {
-        advice.push(match fitted.is_converged {
+        advice.push(match fitted.has_settled {
             true => LearnAdvice::Rounding {
                 one_step,
                 residual: left,
@@ -279,7 +279,7 @@ fn method_of(
     let formulas = system.formulas("learning")?;
     let learned = formulas.with_hamiltonian(hamiltonian.clone())?.into();
     let dynamics = FormulaDynamics {
-        name: "generating-function",
+        name: "learned",
         order: 2,
         self_adjoint: Some(true),
         correction: Correction::Bisection,

@@ -1,4 +1,4 @@
-//! What was learned, how well, and where it may be used.
+//! Results: the learned function, how well it meets the pairs, and where it may be used.
 
 use std::fmt;
 
@@ -36,7 +36,7 @@ pub enum LearnAdvice {
     },
     /// A realization that is Poisson to an order only.
     NotExact {
-        /// What it is.
+        /// Its description.
         realization: String,
     },
     /// A motion that no generating function of the basis makes.
@@ -72,7 +72,7 @@ pub enum LearnAdvice {
     Rounding {
         /// Root mean square of Φ(x) − x'.
         one_step: f64,
-        /// What the fit leaves.
+        /// Root mean square of the fit's residual.
         residual: f64,
     },
     /// Too few steps succeed for H: Ŝ/h stands in its place.
@@ -151,7 +151,7 @@ pub struct Learned {
     pub step_error: f64,
     /// The standard error of H less its mean, over the pairs.
     pub energy_error: f64,
-    /// What differences in time and the basis leave of ẋ, as a part of it; `None` where H is not recovered.
+    /// Part of ẋ that differences in time and the basis leave; `None` where H is not recovered.
     pub hamiltonian_error: Option<f64>,
     /// H.
     pub hamiltonian: String,

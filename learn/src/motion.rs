@@ -1,7 +1,7 @@
 //! The learned map: its steps from the states of the pairs, and the Hamiltonian whose flow it is.
 //!
-//! Φʲ(x) are values of the flow of H̃ at the times jεh. Central differences of them give ẋ = −Π ∇H̃ at x, whose coefficients are linear least squares:
-//! H̃ = Ŝ/h − h² S_3 − …, the shadow recursion backwards, with all its terms at once.
+//! Φʲ(x) are values of the flow of H̃ at the times jεh. Central differences of them give ẋ = −Π ∇H̃ at x, linear in the coefficients of H̃. That is the shadow
+//! recursion backwards, H̃ = Ŝ/h − h² S_3 − …, with all its terms at once.
 
 use leafwise_core::{Method, PoissonSystem, StepMap, Walk};
 use nalgebra::DVector;
@@ -11,7 +11,7 @@ use crate::error::LearnError;
 use crate::fit::{FitSetting, rows_at, values_at};
 use crate::geometry::Geometry;
 use crate::pairs::StatePairs;
-use crate::squares::{Columns, Squares};
+use crate::squares::{ColumnMatrix, Squares};
 
 /// The most steps to either side of a state.
 const MOST: usize = 8;
@@ -125,7 +125,7 @@ impl Orbits {
         if rows.len() < kept.len() {
             return Ok(None);
         }
-        let mut matrix = Columns::zeros(rows.len(), kept.len());
+        let mut matrix = ColumnMatrix::zeros(rows.len(), kept.len());
         for (at, &j) in kept.iter().enumerate() {
             for (a, row) in matrix.column_mut(at).iter_mut().zip(&rows) {
                 *a = row[j];
@@ -184,7 +184,7 @@ fn walked(
     found
 }
 
-/// The derivative at the middle of an orbit by central differences over m steps to either side: Σ_j w_j (x_j − x_{−j})/t with
+/// The derivative at the middle of an orbit by central differences over m steps to either side, Σ_j w_j (x_j − x_{−j})/t. The weights are
 /// w_j = (−1)^{j+1} m!²/(j (m − j)! (m + j)!) (B. Fornberg, *Math. Comp.* 51, 1988).
 fn slope(orbit: &[Vec<f64>], m: usize, t: f64) -> Vec<f64> {
     let mut slope = vec![0.0; orbit[MOST].len()];

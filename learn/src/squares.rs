@@ -2,12 +2,12 @@
 
 /// A matrix, column after column.
 #[derive(Clone, Debug)]
-pub(crate) struct Columns {
+pub(crate) struct ColumnMatrix {
     rows: usize,
     numbers: Vec<f64>,
 }
 
-impl Columns {
+impl ColumnMatrix {
     pub fn zeros(rows: usize, columns: usize) -> Self {
         Self {
             rows,
@@ -69,7 +69,7 @@ impl Columns {
 #[derive(Clone, Debug)]
 pub(crate) struct Squares {
     /// R of A N⁻¹ P = Q R: as many rows as columns.
-    r: Columns,
+    r: ColumnMatrix,
     /// ‖A_j‖, 1 for a column of zeros.
     norms: Vec<f64>,
     /// P: which column stands where.
@@ -82,11 +82,11 @@ pub(crate) struct Squares {
 
 impl Squares {
     /// Of A, b, λ and the part of the first pivot below which columns count as dependent.
-    pub fn solve(a: &Columns, b: &[f64], ridge: f64, tolerance: f64) -> Self {
+    pub fn solve(a: &ColumnMatrix, b: &[f64], ridge: f64, tolerance: f64) -> Self {
         let (m, n) = (a.rows(), a.len());
         let extra = if ridge > 0.0 { n } else { 0 };
         let mut norms = Vec::with_capacity(n);
-        let mut q = Columns::zeros(m + extra, n);
+        let mut q = ColumnMatrix::zeros(m + extra, n);
         for j in 0..n {
             let norm = norm(a.column(j));
             let norm = if norm > 0.0 { norm } else { 1.0 };
@@ -102,7 +102,7 @@ impl Squares {
         let mut right = b.to_vec();
         right.resize(m + extra, 0.0);
         let (order, rank) = factorize(&mut q, &mut right, tolerance);
-        let mut r = Columns::zeros(n, n);
+        let mut r = ColumnMatrix::zeros(n, n);
         for j in 0..n {
             let rows = rank.min(n);
             r.column_mut(j)[..rows].copy_from_slice(&q.column(j)[..rows]);
@@ -221,7 +221,7 @@ impl Squares {
 }
 
 /// Householder's reflections on A and b, the column of the largest rest first; P and the rank.
-fn factorize(q: &mut Columns, right: &mut [f64], tolerance: f64) -> (Vec<usize>, usize) {
+fn factorize(q: &mut ColumnMatrix, right: &mut [f64], tolerance: f64) -> (Vec<usize>, usize) {
     let (m, n) = (q.rows(), q.len());
     let mut order: Vec<usize> = (0..n).collect();
     let least = tolerance.max(f64::EPSILON * m.max(n) as f64);
@@ -290,9 +290,9 @@ fn norm(v: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    /// Columns 1, t, t² and the sum of the first two at seven nodes.
-    fn dependent() -> Columns {
-        let mut a = Columns::zeros(7, 4);
+    /// ColumnMatrix 1, t, t² and the sum of the first two at seven nodes.
+    fn dependent() -> ColumnMatrix {
+        let mut a = ColumnMatrix::zeros(7, 4);
         for t in 0..7 {
             let x = t as f64;
             for (j, value) in [1.0, x, x * x, 1.0 + x].into_iter().enumerate() {
@@ -328,7 +328,7 @@ mod tests {
     /// The mean of N numbers has the variance 1/N; a line through t = −1, 0, 1 has 1/3 at its middle and 1/3 + t²/2 at t.
     #[test]
     fn variances_are_those_of_textbooks() {
-        let mut a = Columns::zeros(3, 2);
+        let mut a = ColumnMatrix::zeros(3, 2);
         for t in 0..3 {
             a.column_mut(0)[t] = 1.0;
             a.column_mut(1)[t] = t as f64 - 1.0;

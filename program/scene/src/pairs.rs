@@ -8,7 +8,7 @@ use crate::input::read_text;
 use crate::npy::read_npy;
 use crate::table::{Table, place};
 
-/// What a column of a state after the step has behind the variable's name: `x'`, or `x_next`.
+/// Ends of the names of columns after the step: `x'`, or `x_next`.
 const NEXT: [&str; 2] = ["'", "_next"];
 
 /// Columns that may tell the time of a trajectory's rows.
@@ -33,8 +33,8 @@ pub struct PairTable {
 
 /// Pairs of states of these variables, one `time_step` apart.
 ///
-/// A CSV file has a line of names. With columns `x` and `x'` (or `x_next`) for every variable x each row is a pair; with columns `x` alone the rows are a
-/// trajectory, whose neighbours are pairs where a column `t` says that they are one step apart, or where there is none. An array of
+/// A CSV file has a line of names. With columns `x` and `x'` (or `x_next`) for every variable x each row is a pair. With columns `x` alone the rows are a
+/// trajectory. Its neighbours are pairs where a column `t` says that they are one step apart, or where there is none. An array of
 /// NumPy's is a trajectory of the shape (T, d), or several, (R, T, d): pairs are (N, 2, d).
 ///
 /// # Errors

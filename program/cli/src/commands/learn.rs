@@ -1,6 +1,7 @@
 //! `leafwise learn`: a Poisson map from pairs of states one step apart, by least squares.
 
 use leafwise::core::Walk;
+use leafwise::generating_function::NAME as DYNAMICS;
 use leafwise::learn::{
     BasisAxis, FunctionFamily, LearnAdvice, LearnError, LearnOptions, Learned, StatePairs, learn,
 };
@@ -20,9 +21,6 @@ use crate::plugins::Parts;
 use crate::pulse::Shown;
 use crate::scene::SceneText;
 use crate::table::words;
-
-/// Dynamics of a learned map.
-const DYNAMICS: &str = "generating-function";
 
 /// Steps of the learned map that are looked at for whether they leave the pairs.
 const MOST_STEPS: u64 = 1000;
