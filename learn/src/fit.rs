@@ -21,8 +21,8 @@ const SMALL: f64 = 4.0 * f64::EPSILON;
 /// Sweeps that changed y by less than this part of the motion have converged.
 const CONVERGED: f64 = 1e-9;
 
-/// ColumnMatrix count as dependent below this part of the first pivot in the first sweep. Later ones are told apart as far as the residual of the sweep before
-/// tells: a direction that moves the pairs by less than what is left of them is not determined by them.
+/// Columns count as dependent below this part of the first pivot in the first sweep. Later sweeps take the residual before them: no direction is
+/// determined that moves the pairs by less.
 const FIRST_TOLERANCE: f64 = 1e-6;
 
 /// No tolerance is smaller, for the residual of exact pairs is round-off.
@@ -65,7 +65,7 @@ pub(crate) struct Fitted {
     /// Root mean square of x' − x, and of its part that no H makes, each per direction.
     pub motion: f64,
     pub off_leaf: Option<f64>,
-    /// ColumnMatrix that depend on others to this part do not count.
+    /// Columns that depend on others to this part do not count.
     pub tolerance: f64,
     pub sweeps: usize,
     pub has_settled: bool,

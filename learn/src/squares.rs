@@ -290,7 +290,7 @@ fn norm(v: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    /// ColumnMatrix 1, t, t² and the sum of the first two at seven nodes.
+    /// Columns 1, t, t² and the sum of the first two at seven nodes.
     fn dependent() -> ColumnMatrix {
         let mut a = ColumnMatrix::zeros(7, 4);
         for t in 0..7 {
