@@ -80,7 +80,7 @@ fn a_scene_is_learned_from_samples_of_runs() {
 #[test]
 fn a_library_system_is_learned() {
     let scene = "[system]\nlibrary = \"lotka-volterra-periodic\"\n[method]\nrealization = \"auto\"\ndynamics = { name = \"hamilton-jacobi\", order = 8 }\n\
-                 time-step = 0.05\n[run]\nsteps = 60\n";
+                 time-step = 0.05\n[run]\ninitial = [1, 1.9, 0.5]\nsteps = 60\n";
     let here = Place::with(scene);
     let said = here.leafwise(&["run", "scene.toml", "--out", "run0", "--quiet"]);
     assert_eq!(said.code, Some(0), "{}", said.err);
@@ -120,7 +120,7 @@ fn what_is_no_pair_says_why() {
         ),
         (vec!["columns.csv"], "it has no column `z`"),
         (vec!["far.csv"], "--set method.time-step=1.0"),
-        (vec!["nan.csv"], "pair 1 holds NaN after the step"),
+        (vec!["nan.csv"], "pair 2 holds NaN before the step"),
         (vec!["few.csv", "--basis", "w=fourier"], "no variable `w`"),
         (vec!["few.csv", "--basis", "splines"], "is no basis"),
         (vec!["none.csv"], "cannot read none.csv"),
