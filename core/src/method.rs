@@ -252,6 +252,11 @@ impl Method {
         self.realization.as_ref()
     }
 
+    /// The geometric approximation, for other methods over it.
+    pub fn shared_realization(&self) -> Arc<dyn RealizationData> {
+        Arc::clone(&self.realization)
+    }
+
     /// The dynamic approximation.
     pub fn dynamics(&self) -> &dyn DynamicApproximation {
         self.dynamics.as_ref()

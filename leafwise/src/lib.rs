@@ -8,6 +8,7 @@
 //! - [`plugins`]: parts of third parties from shared libraries.
 //! - [`equilibrium`]: magnetic fields of tokamaks, read from g-files.
 //! - [`find`]: brackets of equations of motion, found and proved.
+//! - [`learn`]: Poisson maps from pairs of states, by least squares.
 //! - [`walk`]: trajectories in memory, watched between steps.
 //! - [`scene`]: scene files, composed.
 //! - [`run`]: runs, ensembles and sweeps, into directories; [`report`]: their pages.
@@ -34,6 +35,7 @@ pub use leafwise_find as find;
 pub use leafwise_generating_function as generating_function;
 pub use leafwise_hamilton_jacobi as hamilton_jacobi;
 pub use leafwise_karasev as karasev;
+pub use leafwise_learn as learn;
 pub use leafwise_lie_poisson as lie_poisson;
 pub use leafwise_log_canonical as log_canonical;
 pub use leafwise_logarithms as logarithms;

@@ -179,6 +179,9 @@ def stepped(x: Any) -> object:
     return None
 
 
+#: States of a trajectory.
+LEARNED = np.stack([np.cos(np.arange(12.0) / 9), -np.sin(np.arange(12.0) / 9)], axis=1)
+
 SCENE_RUN = {"initial": [1.0, 0.5], "steps": 3}
 
 FUNCTIONS: dict[str, Callable[[Any], object]] = {
@@ -215,6 +218,14 @@ FUNCTIONS: dict[str, Callable[[Any], object]] = {
     "sweep(observables)": lambda x: SCENE.sweep({"system.parameters.k": [1.0]}, observables=x),
     "sweep(threads)": lambda x: SCENE.sweep({"system.parameters.k": [1.0]}, threads=x),
     "sweep(executor)": lambda x: SCENE.sweep({"system.parameters.k": [1.0]}, executor=x),
+    "learn(pairs)": lambda x: lw.learn(x, SCENE),
+    "learn(scene)": lambda x: lw.learn(np.zeros((3, 2)), x),
+    "learn(basis)": lambda x: lw.learn(LEARNED, SCENE, x),
+    "learn(degree)": lambda x: lw.learn(LEARNED, SCENE, degree=x),
+    "learn(time_step)": lambda x: lw.learn(LEARNED, SCENE, degree=1, time_step=x),
+    "learn(ridge)": lambda x: lw.learn(LEARNED, SCENE, degree=1, ridge=x),
+    "learn(weights)": lambda x: lw.learn(LEARNED, SCENE, degree=1, weights=x),
+    "learn(noisy)": lambda x: lw.learn(LEARNED, SCENE, degree=1, noisy=x),
     "find(equations)": lambda x: lw.find(x),
     "import_equilibrium(file)": lambda x: lw.import_equilibrium(x, "nowhere"),
     "import_equilibrium(energy)": lambda x: lw.import_equilibrium(__file__, "nowhere", energy=x),

@@ -29,6 +29,7 @@ mod pfaffian;
 mod smoothness;
 mod summands;
 mod tensor_matrix;
+mod written;
 
 use leafwise_expression::Expression;
 

@@ -17,6 +17,9 @@ use leafwise_core::{
 };
 use leafwise_expression::Expression;
 
+/// The part's name.
+pub const NAME: &str = "generating-function";
+
 static INFO: PartInfo = PartInfo {
     name: "generating-function",
     summary: "graph of dS, S = h S_1 + eps^2 h^3 S_3 + ... by coefficients that the scene writes",

@@ -24,6 +24,7 @@ pub const PAGES: [(&str, &str); 31] = pages![
     "tables",
     "equilibria",
     "find",
+    "learn",
     "time",
     "forces",
     "noise",

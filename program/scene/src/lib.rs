@@ -5,7 +5,7 @@
 //! - [`compose`](mod@compose): the text as a Poisson system, a method and the plan of a run;
 //! - [`json`]: doubles and named values as JSON;
 //! - [`input`]: files that are read whole, within bounds;
-//! - [`table`]: numbers in them.
+//! - [`table`]: numbers in them; [`pairs`]: pairs of states.
 
 pub mod compose;
 pub mod diagnostic;
@@ -13,6 +13,7 @@ pub mod document;
 pub mod input;
 pub mod json;
 mod npy;
+pub mod pairs;
 pub mod table;
 
 pub use compose::{ComposedRun, ComposedSystem, Refusal, SceneChecks, compose, compose_system};
@@ -22,5 +23,5 @@ pub use document::{
     InitialSpec, Located, MethodParts, MethodSection, MethodTable, Number, NumbersSystem,
     ParameterDraw, ParameterValue, PartSpec, PartUse, Place, PluginSpec, RecordSpec, RewriteError,
     RunSection, SceneDocument, SceneErrors, SceneProblem, SceneProblemCause, Source, StepSpec,
-    SummandSpec, SystemSection, equations_of, with_casimirs, with_system,
+    SummandSpec, SystemSection, equations_of, with_casimirs, with_hamiltonian, with_system,
 };

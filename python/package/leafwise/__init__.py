@@ -26,6 +26,7 @@ from ._fit import Fit
 from ._functions import System
 from ._gradient import Gradient, Tangents, Trajectory, Tried
 from ._leafwise import Growth, Integrator, version as _version
+from ._learn import Learned, learn
 from ._parts import closed_form, generating_function
 from ._run import Run
 from ._scene import Scene
@@ -47,6 +48,7 @@ __all__ = [
     "IntegrationError",
     "LeafwiseError",
     "LeafwiseWarning",
+    "Learned",
     "Run",
     "Scene",
     "SceneError",
@@ -64,6 +66,7 @@ __all__ = [
     "generating_function",
     "import_equilibrium",
     "lattice",
+    "learn",
     "load_plugin",
     "solve",
 ]

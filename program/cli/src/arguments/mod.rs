@@ -10,6 +10,7 @@ pub use jobs::{
 };
 pub use questions::{
     DescribeArguments, EvaluateArguments, ExplainArguments, FindArguments, ImportArguments, Kind,
+    LearnArguments,
     ListArguments, NewArguments, SchemaArguments, ShadowArguments,
 };
 pub use studies::{
@@ -105,6 +106,8 @@ pub enum Command {
     Find(FindArguments),
     /// Write a scene of guiding centres in a tokamak's equilibrium, from a g-file
     Import(ImportArguments),
+    /// Learn a Poisson map and its Hamiltonian from pairs of states one step apart
+    Learn(LearnArguments),
     /// Print the shadow Hamiltonian of a scene's method, and how well it is kept
     Shadow(ShadowArguments),
     /// Measure what every part declares: orders, tensor defects, drift, cost
@@ -176,6 +179,7 @@ impl Command {
             Self::Evaluate(arguments) => arguments.json,
             Self::Find(arguments) => arguments.json,
             Self::Import(arguments) => arguments.json,
+            Self::Learn(arguments) => arguments.json,
             Self::Shadow(arguments) => arguments.json,
             Self::Verify(arguments) => arguments.json,
             Self::Compare(arguments) => arguments.json,

@@ -175,6 +175,38 @@ pub struct ImportArguments {
     pub json: bool,
 }
 
+/// Arguments of `learn`.
+#[derive(Args, Clone, Debug)]
+pub struct LearnArguments {
+    /// Scene with the bracket and the time step; its Hamiltonian is not looked at.
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// Pairs of states: CSV with the columns x,y,x',y' or a trajectory x,y; or an array of NumPy's of the shape (N, 2, d) or (T, d)
+    pub pairs: PathBuf,
+    /// The degree of the basis [default: the lowest that pairs which are held out do not tell from the best, up to 8]
+    #[arg(long, value_name = "D", value_parser = clap::value_parser!(u8).range(1..=24))]
+    pub degree: Option<u8>,
+    /// Functions of all variables or of one: polynomial, exponential, fourier, fourier:PERIOD, polynomial+ln, q=fourier [default: polynomial, with
+    /// ln for a log-canonical bracket]
+    #[arg(long, value_name = "[X=]FAMILY")]
+    pub basis: Vec<String>,
+    /// The penalty L of coefficients, relative to columns of unit length
+    #[arg(long, value_name = "L", default_value_t = 0.0)]
+    pub ridge: f64,
+    /// A file with a weight for each pair, in place of a column `weight`
+    #[arg(long, value_name = "FILE")]
+    pub weights: Option<PathBuf>,
+    /// Both states of a pair have errors of one size, and are corrected too: total least squares
+    #[arg(long)]
+    pub noisy: bool,
+    /// Write the scene of the learned map to this file
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
 /// Arguments of `shadow`.
 #[derive(Args, Clone, Debug)]
 pub struct ShadowArguments {

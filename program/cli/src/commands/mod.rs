@@ -9,6 +9,7 @@ pub mod explain;
 pub mod explain_word;
 pub mod find;
 pub mod import;
+pub mod learn;
 pub mod list;
 pub mod merge;
 mod motion;

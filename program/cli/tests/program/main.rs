@@ -13,6 +13,7 @@ mod imported;
 mod indicators;
 mod invalid_scenes;
 mod kills;
+mod learned;
 mod motion;
 mod noise;
 mod other_commands;

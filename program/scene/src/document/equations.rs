@@ -245,7 +245,7 @@ fn resolved(
     }
 }
 
-/// A scene's text with the bracket that was found in the place of its equations. Forces and noise stay.
+/// A scene's text with another system: a bracket in the place of equations, or a library's system written out. Forces and noise stay.
 ///
 /// # Errors
 /// [`RewriteError`] for a text that is not a scene.
@@ -266,13 +266,34 @@ pub fn with_system(text: &str, fragment: &str) -> Result<String, RewriteError> {
         .get_mut("system")
         .and_then(|item| item.as_table_like_mut())
         .ok_or(table)?;
-    for key in ["variables", "parameters", "equations", "bracket"] {
+    for key in ["library", "variables", "parameters", "equations", "bracket"] {
         system.remove(key);
     }
     for (key, value) in found.iter() {
         system.insert(key, value.clone());
     }
     Ok(scene.to_string())
+}
+
+/// A scene's text with another Hamiltonian, `None` where its `[system]` table has none to replace.
+///
+/// # Errors
+/// [`RewriteError`] for a text that is not a scene.
+pub fn with_hamiltonian(text: &str, hamiltonian: &str) -> Result<Option<String>, RewriteError> {
+    let scene = text.parse::<DocumentMut>();
+    let mut scene = scene.map_err(|error| RewriteError::Syntax {
+        message: error.message().to_owned(),
+    })?;
+    let system = scene
+        .get_mut("system")
+        .and_then(|item| item.as_table_like_mut());
+    let system = system.ok_or(RewriteError::NoTable { table: "system" })?;
+    let is_written = system.get("hamiltonian").is_some_and(|item| item.is_str());
+    if !is_written {
+        return Ok(None);
+    }
+    system.insert("hamiltonian", value(hamiltonian));
+    Ok(Some(scene.to_string()))
 }
 
 /// A scene's text with these Casimirs, names and formulas, in the place of those that it has.

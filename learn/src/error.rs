@@ -1,0 +1,135 @@
+//! Pairs that nothing is learned from.
+
+use leafwise_core::{BuildError, StepError};
+use thiserror::Error;
+
+/// Reason why nothing is learned.
+#[derive(Clone, Debug, Error)]
+#[non_exhaustive]
+pub enum LearnError {
+    /// Arrays of other shapes than pairs of states have.
+    #[error(
+        "{found} numbers are no pairs of states of {dimension} coordinates: give as many states after a step as before it"
+    )]
+    Shape {
+        /// d.
+        dimension: usize,
+        /// How many numbers there are.
+        found: usize,
+    },
+    /// A number that is none.
+    #[error("pair {pair} holds {value:?} {side} the step: leave this pair out")]
+    NotFinite {
+        /// Its number from 1.
+        pair: usize,
+        /// `before` or `after`.
+        side: &'static str,
+        /// NaN or infinity.
+        value: f64,
+    },
+    /// Weights that are none.
+    #[error("a weight for each of {pairs} pairs is a number of 0 or more, some above 0: {problem}")]
+    Weights {
+        /// How many pairs there are.
+        pairs: usize,
+        /// The first thing wrong.
+        problem: String,
+    },
+    /// States that do not move.
+    #[error(
+        "no pair moves: the states after the step are those before it, and they tell nothing about H"
+    )]
+    NoMotion,
+    /// Fewer equations than coefficients.
+    #[error(
+        "{pairs} pairs give {equations} equations for {functions} coefficients: give {needed} pairs or more, or a lower degree"
+    )]
+    TooFew {
+        /// How many pairs there are, each counted once.
+        pairs: usize,
+        /// Independent equations: the rank of Π for each pair.
+        equations: usize,
+        /// Functions of the basis.
+        functions: usize,
+        /// How many pairs would do.
+        needed: usize,
+    },
+    /// More functions than are solved for.
+    #[error("a basis of more than {most} functions: lower the degree")]
+    TooManyFunctions {
+        /// The most functions.
+        most: usize,
+    },
+    /// More numbers than are kept.
+    #[error(
+        "{rows} equations for {functions} coefficients are more than {most} numbers: lower the degree, or give fewer pairs"
+    )]
+    TooLarge {
+        /// Equations.
+        rows: usize,
+        /// Coefficients.
+        functions: usize,
+        /// The most numbers.
+        most: usize,
+    },
+    /// A degree without functions, or too high a one.
+    #[error("the degree {degree} is outside 1 to {most}")]
+    Degree {
+        /// The degree.
+        degree: usize,
+        /// The highest.
+        most: usize,
+    },
+    /// A period that is none.
+    #[error("a Fourier basis needs a period above 0, and this one is {period:?}")]
+    Period {
+        /// The number that is given.
+        period: f64,
+    },
+    /// A ridge that is none.
+    #[error(
+        "the ridge is a number of 0 or more, relative to columns of unit length, and this one is {ridge:?}"
+    )]
+    Ridge {
+        /// The number that is given.
+        ridge: f64,
+    },
+    /// ln x of a number that has none.
+    #[error(
+        "pair {pair} has {variable} = {value:?}, and ln {variable} is a function of the basis: leave the pair out, or logarithms"
+    )]
+    Logarithm {
+        /// Its number from 1.
+        pair: usize,
+        /// The variable.
+        variable: String,
+        /// Its value.
+        value: f64,
+    },
+    /// A basis whose functions move nothing.
+    #[error(
+        "no function of the basis moves a state of the pairs: all of them are Casimirs there, or the tensor is 0"
+    )]
+    Singular,
+    /// A pair that no step of the realization reaches.
+    #[error(
+        "pair {pair} is outside of the realization: {error}. The time between its states may be too long, or the pair is no step of this system"
+    )]
+    Outside {
+        /// Its number from 1.
+        pair: usize,
+        /// Failure of its ends there.
+        error: StepError,
+    },
+    /// A realization without a chart.
+    #[error(
+        "{realization} has no points (x, p) over which a generating function stands: name another realization"
+    )]
+    NoChart {
+        /// Its description.
+        realization: String,
+    },
+    /// A system or a method that is not built.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+}

@@ -1,0 +1,130 @@
+//! States before and after a step.
+
+use crate::error::LearnError;
+
+/// N pairs (x, x') of states of d coordinates, x' one step after x, with a weight each.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StatePairs {
+    dimension: usize,
+    before: Vec<f64>,
+    after: Vec<f64>,
+    weights: Vec<f64>,
+    duplicates: usize,
+}
+
+impl StatePairs {
+    /// Pairs of arrays of shape (N, d), the last axis fastest. A pair that stands twice is counted once.
+    ///
+    /// # Errors
+    /// [`LearnError::Shape`], [`LearnError::NotFinite`] and [`LearnError::Weights`].
+    pub fn new(
+        dimension: usize,
+        before: &[f64],
+        after: &[f64],
+        weights: Option<&[f64]>,
+    ) -> Result<Self, LearnError> {
+        let found = before.len() + after.len();
+        let is_whole = dimension > 0 && before.len().is_multiple_of(dimension);
+        if !is_whole || before.len() != after.len() || before.is_empty() {
+            return Err(LearnError::Shape { dimension, found });
+        }
+        let count = before.len() / dimension;
+        for (side, numbers) in [("before", before), ("after", after)] {
+            if let Some(at) = numbers.iter().position(|value| !value.is_finite()) {
+                return Err(LearnError::NotFinite {
+                    pair: at / dimension + 1,
+                    side,
+                    value: numbers[at],
+                });
+            }
+        }
+        let weights = match weights {
+            None => vec![1.0; count],
+            Some(weights) => checked(weights, count)?,
+        };
+        let mut own = Self {
+            dimension,
+            before: Vec::with_capacity(before.len()),
+            after: Vec::with_capacity(after.len()),
+            weights: Vec::with_capacity(count),
+            duplicates: 0,
+        };
+        let mut known = std::collections::BTreeSet::new();
+        let states = before
+            .chunks(dimension)
+            .zip(after.chunks(dimension))
+            .zip(weights);
+        for ((x, next), weight) in states {
+            let bits: Vec<u64> = x.iter().chain(next).map(|v| v.to_bits()).collect();
+            if !known.insert(bits) {
+                own.duplicates += 1;
+                continue;
+            }
+            own.before.extend(x);
+            own.after.extend(next);
+            own.weights.push(weight);
+        }
+        Ok(own)
+    }
+
+    /// N, each pair counted once.
+    pub fn len(&self) -> usize {
+        self.weights.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.weights.is_empty()
+    }
+
+    /// d.
+    pub fn dimension(&self) -> usize {
+        self.dimension
+    }
+
+    /// How many pairs were left out because they stand twice.
+    pub fn duplicates(&self) -> usize {
+        self.duplicates
+    }
+
+    /// x of pair k.
+    pub fn before(&self, k: usize) -> &[f64] {
+        &self.before[k * self.dimension..(k + 1) * self.dimension]
+    }
+
+    /// x' of pair k.
+    pub fn after(&self, k: usize) -> &[f64] {
+        &self.after[k * self.dimension..(k + 1) * self.dimension]
+    }
+
+    /// Weight of pair k in the sum of squares.
+    pub fn weight(&self, k: usize) -> f64 {
+        self.weights[k]
+    }
+
+    /// The least and the largest value of each coordinate.
+    pub(crate) fn ranges(&self) -> Vec<(f64, f64)> {
+        let d = self.dimension;
+        let mut ranges = vec![(f64::INFINITY, f64::NEG_INFINITY); d];
+        let states = self.before.chunks(d).chain(self.after.chunks(d));
+        for state in states {
+            for (range, x) in ranges.iter_mut().zip(state) {
+                *range = (range.0.min(*x), range.1.max(*x));
+            }
+        }
+        ranges
+    }
+}
+
+fn checked(weights: &[f64], pairs: usize) -> Result<Vec<f64>, LearnError> {
+    let problem = if weights.len() != pairs {
+        format!("there are {}", weights.len())
+    } else if let Some(odd) = weights.iter().find(|w| !(w.is_finite() && **w >= 0.0)) {
+        format!("one is {odd:?}")
+    } else if weights.iter().all(|w| *w == 0.0) {
+        "all are 0".to_owned()
+    } else {
+        return Ok(weights.to_vec());
+    };
+    Err(LearnError::Weights { pairs, problem })
+}

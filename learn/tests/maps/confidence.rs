@@ -1,0 +1,110 @@
+//! Whether the truth lies as often within the reported errors as these say.
+
+use crate::support::{Draws, Place, RIGID_BODY, polynomials, rms};
+
+const SEEDS: u64 = 120;
+
+/// Within 1.96 standard errors lie 95 % of normal deviates; of n such trials, independent over the seeds, six standard deviations of the
+/// binomial are 6 √(n 0.95 0.05). Errors in y bias by σ² and are far below.
+fn assert_covers(within: f64, trials: f64) {
+    let spread = 6.0 * libm::sqrt(trials * 0.95 * 0.05);
+    assert!(
+        (within - 0.95 * trials).abs() < spread,
+        "{within} of {trials}, ± {spread:.1}"
+    );
+}
+
+/// Coefficients of Ŝ = tan(h/2) (q² + p²) of an oscillator, errors of 1e-3 in both states. The five of a seed are nearly independent; one is taken each.
+#[test]
+fn standard_errors_cover_the_coefficients() {
+    let text = "[system]\nvariables = [\"q\", \"p\"]\nbracket = { \"q,p\" = \"1\" }\nconvention = \"{x,H}\"\nhamiltonian = \"(q^2 + p^2)/2\"\n";
+    let place = Place::new(text, "constant", "[1, 0]");
+    let h = 0.4;
+    let mut within = [0.0; 5];
+    let mut energies = 0.0;
+    for seed in 0..SEEDS {
+        let mut draws = Draws(1000 + seed);
+        let states = draws.in_box(60, &[(-1.0, 1.0); 2]);
+        // The flow is a rotation.
+        let (sin, cos) = (libm::sin(h), libm::cos(h));
+        let mut after: Vec<f64> = states
+            .iter()
+            .flat_map(|x| [cos * x[0] + sin * x[1], cos * x[1] - sin * x[0]])
+            .collect();
+        let mut before = states.concat();
+        draws.noisy(&mut before, 1e-3);
+        draws.noisy(&mut after, 1e-3);
+        let learned = place
+            .learn(h, &(before, after), &polynomials(2, 2))
+            .expect("pairs");
+        for (own, within) in learned.functions.iter().zip(&mut within) {
+            let is_square = own.formula == "q^2" || own.formula == "p^2";
+            let truth = if is_square {
+                libm::tan(h / 2.0) / h
+            } else {
+                0.0
+            };
+            *within += f64::from(u8::from((own.generating - truth).abs() < 1.96 * own.error));
+        }
+        // H less its mean at the pairs, in units of its error: of mean square 1.
+        let of = |x: &[f64]| -> f64 {
+            let functions = [x[0], x[1], x[0] * x[0], x[0] * x[1], x[1] * x[1]];
+            let named = |name: &str| {
+                let mut own = learned.functions.iter();
+                own.find(|own| own.formula == name).expect(name).generating
+            };
+            let names = ["q", "p", "q^2", "q*p", "p^2"];
+            let sum = names.iter().zip(functions).map(|(name, f)| named(name) * f);
+            sum.sum::<f64>() - libm::tan(h / 2.0) / h * (x[0] * x[0] + x[1] * x[1])
+        };
+        let errors: Vec<f64> = states.iter().map(|x| of(x)).collect();
+        let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+        let error = rms(errors.iter().map(|e| e - mean)) / learned.energy_error;
+        energies += error * error / SEEDS as f64;
+    }
+    within
+        .iter()
+        .for_each(|within| assert_covers(*within, SEEDS as f64));
+    // A mean of SEEDS squares of five deviates, whose weights differ: at most a variance of 2 each.
+    assert!(
+        (energies - 1.0).abs() < 6.0 * libm::sqrt(2.0 / SEEDS as f64),
+        "{energies}"
+    );
+}
+
+/// Steps of a noisy rigid body from a state that no pair has, in the two directions of its leaf.
+#[test]
+fn step_errors_cover_the_steps() {
+    let body = Place::new(RIGID_BODY, "so3-exponential", "[1, 0, 0]");
+    let h = 0.2;
+    let states = Draws(8).on_spheres(80);
+    let exact = body.pairs(&states, h);
+    let truth = body.learn(h, &exact, &polynomials(3, 3)).expect("pairs");
+    let x = [0.6, 0.5, 0.6];
+    let next = |learned: &leafwise_learn::Learned| {
+        let (system, method) = body.method(learned);
+        crate::support::orbit(&method, &system, &x, h, 1).remove(0)
+    };
+    let truth = next(&truth);
+    let mut squares = 0.0;
+    for seed in 0..SEEDS {
+        let mut draws = Draws(2000 + seed);
+        let mut pairs = exact.clone();
+        draws.noisy(&mut pairs.0, 1e-3);
+        draws.noisy(&mut pairs.1, 1e-3);
+        let mut learned = body.learn(h, &pairs, &polynomials(3, 3)).expect("pairs");
+        let error = next(&learned)
+            .iter()
+            .zip(&truth)
+            .map(|(a, b)| (a - b) * (a - b))
+            .sum::<f64>();
+        let worst = learned.step_error_at(&x);
+        squares += error / (worst * worst) / SEEDS as f64;
+    }
+    // The error along both directions in units of that along the worse: 1 to 2 in the mean, of a variance of at most 4 a seed.
+    let spread = 6.0 * libm::sqrt(4.0 / SEEDS as f64);
+    assert!(
+        squares > 1.0 - spread && squares < 2.0 + spread,
+        "{squares}"
+    );
+}

@@ -1,0 +1,144 @@
+"""Poisson maps from pairs of states, by linear least squares."""
+
+from __future__ import annotations
+
+import tempfile
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from os import fspath
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ._arrays import count, in_order, number, reals
+from ._errors import LeafwiseWarning
+from ._scene import Scene
+
+#: Exit codes of the command: learned, and learned with a motion that is left.
+_ANSWERS = (0, 5)
+
+
+@dataclass(frozen=True)
+class Learned:
+    """A Poisson map learned from pairs of states, and the Hamiltonian whose flow it is.
+
+    Attributes:
+        scene: the scene with the Hamiltonian and the generating function in place of its own: one step of it is the learned map.
+        hamiltonian: H, a formula; Casimirs may be added to it.
+        degree: the degree of the basis.
+        degrees: root mean square of what is left of pairs that were held out, by degree; empty where the degree was given.
+        coefficients: coefficients of H by function.
+        errors: their standard errors, from the residuals.
+        pairs: how many pairs there were, each counted once.
+        residual: root mean square of what is left of a direction of x' - x along leaves.
+        step_error: standard error of a learned step, by the residuals.
+        energy_error: standard error of H less its mean, over the pairs.
+        warnings: what is to be known.
+        report: everything that ``leafwise learn --json`` prints.
+    """
+
+    scene: Scene
+    hamiltonian: str
+    degree: int
+    degrees: dict[int, float]
+    coefficients: dict[str, float] = field(repr=False)
+    errors: dict[str, float] = field(repr=False)
+    pairs: int
+    residual: float
+    step_error: float
+    energy_error: float
+    warnings: list[str]
+    report: dict[str, Any] = field(repr=False)
+
+
+def learn(
+    pairs: ArrayLike | tuple[ArrayLike, ArrayLike],
+    scene: Scene,
+    basis: str | Mapping[str, str] | None = None,
+    *,
+    degree: int | None = None,
+    time_step: float | None = None,
+    ridge: float = 0.0,
+    weights: ArrayLike | None = None,
+    noisy: bool = False,
+) -> Learned:
+    """Learn a Poisson map from pairs of states x, x' one step apart, over the bracket of a scene, by linear least squares.
+
+    Args:
+        pairs: two arrays (x, x') of shape (N, d), or the states of a trajectory, (T, d), or of several, (R, T, d).
+        scene: gives the variables, the bracket and the time step. Its Hamiltonian is not looked at.
+        basis: ``"polynomial"``, ``"exponential"``, ``"fourier"``, ``"fourier:PERIOD"``, each with ``"+ln"`` for logarithms; or one for each of
+            some variables, by name. By default polynomials, with logarithms for a log-canonical bracket.
+        degree: the degree; by default the lowest that pairs which are held out do not tell from the best.
+        time_step: the time between x and x'; by default the scene's.
+        ridge: the penalty of coefficients, relative to columns of unit length.
+        weights: a weight for each pair.
+        noisy: whether both x and x' have errors of one size. Both are then corrected: total least squares.
+
+    Returns:
+        What was learned. Its warnings are issued as :class:`LeafwiseWarning` too.
+
+    Raises:
+        LeafwiseError: the pairs determine nothing, with the reason.
+        TypeError, ValueError: an argument is none.
+    """
+    if not isinstance(scene, Scene):
+        raise TypeError(f"scene is of {type(scene).__name__}: give a leafwise.Scene")
+    names = scene.variables
+    if isinstance(pairs, tuple) and len(pairs) == 2:
+        before, after = (
+            reals(f"pairs[{at}]", in_order(f"pairs[{at}]", states, names), None, len(names)) for at, states in enumerate(pairs)
+        )
+        if before.shape != after.shape:
+            raise ValueError(f"pairs has {len(before)} states before the step and {len(after)} after it")
+        states = np.stack([before, after], axis=1)
+    else:
+        given = in_order("pairs", pairs, names)
+        states = reals("pairs", given, *([None] * (np.ndim(given) - 1) if np.ndim(given) in (2, 3) else [None]), len(names))
+    arguments: list[str] = []
+    if degree is not None:
+        arguments += ["--degree", str(count("degree", degree, 1))]
+    if time_step is not None:
+        scene = scene.set(method__time_step=number("time_step", time_step))
+    if isinstance(basis, str):
+        arguments += ["--basis", basis]
+    elif isinstance(basis, Mapping):
+        for name, family in basis.items():
+            if not (isinstance(name, str) and isinstance(family, str)):
+                raise TypeError(f"basis holds {name!r}: {family!r}, not the name of a variable and one of a family")
+            arguments += ["--basis", f"{name}={family}"]
+    elif basis is not None:
+        raise TypeError(f"basis is of {type(basis).__name__}: give the name of a family, or one for each variable")
+    arguments += ["--ridge", repr(number("ridge", ridge))]
+    if not isinstance(noisy, (bool, np.bool_)):
+        raise TypeError(f"noisy is of {type(noisy).__name__}: give True or False")
+    if noisy:
+        arguments.append("--noisy")
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "pairs.npy"
+        np.save(file, states)
+        if weights is not None:
+            weighed = Path(folder) / "weights.npy"
+            np.save(weighed, reals("weights", weights, None))
+            arguments += ["--weights", fspath(weighed)]
+        report: dict[str, Any] = scene.command("learn", fspath(file), *arguments, accept=_ANSWERS)
+    for warning in report["warnings"]:
+        warnings.warn(warning, LeafwiseWarning, stacklevel=2)
+    functions = report["functions"]
+    return Learned(
+        scene=Scene.parse(report["text"]),
+        hamiltonian=report["hamiltonian"],
+        degree=report["degree"],
+        degrees={tried["degree"]: tried["error"] for tried in report["degrees"]},
+        coefficients={own["function"]: own["hamiltonian"] for own in functions},
+        errors={own["function"]: own["error"] for own in functions},
+        pairs=report["pairs"],
+        residual=report["residual"],
+        step_error=report["step_error"],
+        energy_error=report["energy_error"],
+        warnings=report["warnings"],
+        report=report,
+    )
