@@ -309,6 +309,7 @@ impl BodyObservables {
         Self {
             sums: Sums::new(&self.sums.code, 1, parameters),
         }
+    }
 
     /// The number of functions.
     pub fn observables(&self) -> usize {

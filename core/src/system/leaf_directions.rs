@@ -3,7 +3,7 @@
 use super::PoissonSystem;
 use super::tensor_matrix::TensorMatrix;
 use crate::error::BuildError;
-use crate::observe::Observe;
+use crate::observer::Observer;
 use crate::random::Random;
 
 /// Vectors Π(x)a_1, …, Π(x)a_k at a state x, d numbers each: tangent to the symplectic leaf through x.
@@ -39,14 +39,8 @@ impl LeafDirections {
             dimension,
         })
     }
-}
 
-impl Observe for LeafDirections {
-    fn observables(&self) -> usize {
-        self.covectors.len()
-    }
-
-    /// The vectors one after the other; not numbers where the tensor has no value.
+    /// Writes the vectors one after the other; not numbers where the tensor has no value.
     fn evaluate(&mut self, state: &[f64], values: &mut [f64]) {
         let d = self.dimension;
         let Ok(tensor) = self.tensor.at(state) else {
@@ -62,5 +56,13 @@ impl Observe for LeafDirections {
                 *value = terms.map(|(j, a)| tensor[(i, j)] * a).sum();
             }
         }
+    }
+}
+
+impl From<LeafDirections> for Observer {
+    fn from(mut own: LeafDirections) -> Self {
+        Self::new(own.covectors.len(), move |state, values| {
+            own.evaluate(state, values);
+        })
     }
 }

@@ -10,8 +10,7 @@ pub use jobs::{
 };
 pub use questions::{
     DescribeArguments, EvaluateArguments, ExplainArguments, FindArguments, ImportArguments, Kind,
-    LearnArguments,
-    ListArguments, NewArguments, SchemaArguments, ShadowArguments,
+    LearnArguments, ListArguments, NewArguments, SchemaArguments, ShadowArguments,
 };
 pub use studies::{
     CompareArguments, ReproduceArguments, StressArguments, TuneArguments, VerifyArguments,

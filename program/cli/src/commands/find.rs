@@ -121,7 +121,11 @@ pub fn execute(
 }
 
 /// Writes a scene to a new file, and says how it is used.
-pub(super) fn write_scene(file: &Path, text: &str, console: &mut Console<'_>) -> Result<(), Failure> {
+pub(super) fn write_scene(
+    file: &Path,
+    text: &str,
+    console: &mut Console<'_>,
+) -> Result<(), Failure> {
     files::write_new(file, text, "name another file: --out NAME.toml")?;
     console.prose(&format!(
         "wrote {0}; `leafwise check {0}` prints its motion, `leafwise run {0}` integrates it",

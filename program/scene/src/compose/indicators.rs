@@ -99,7 +99,7 @@ impl ComposedRun {
         }
         let (system, d) = (Arc::new(self.system.clone()), self.dimension());
         let directions = StateFunctions::each(count * d, move |parameters| {
-            Ok(Box::new(LeafDirections::new(&system, parameters, count)?))
+            Ok(LeafDirections::new(&system, parameters, count)?.into())
         });
         Some(Indicators { which, directions })
     }

@@ -100,6 +100,10 @@ pub(super) fn observables_in(
             .map(|(name, _)| name.value.as_str()),
     );
     known.extend(document.system.constraints.iter().map(|c| c.value.as_str()));
+    // Whether the scene has a name for a text of its own.
+    let is_declared = |formula: &Located<String>, known: &[&str]| {
+        known.contains(&formula.value.as_str()) || read(formula, known).is_ok()
+    };
     let mut chosen: Vec<Observable> = Vec::new();
     for asked in &document.run.record.observables {
         let heading = asked.heading();
@@ -119,7 +123,7 @@ pub(super) fn observables_in(
             chosen.push(Observable::Invariant { name, index: 0 });
             continue;
         }
-        if indicator(&formula.value).is_some() && !is_declared(document, scope, formula) {
+        if indicator(&formula.value).is_some() && !is_declared(formula, &known) {
             let earlier = chosen
                 .iter()
                 .filter(|o| matches!(o, Observable::Indicator { .. }));
@@ -140,13 +144,6 @@ pub(super) fn observables_in(
         });
     }
     Ok(chosen)
-}
-
-/// Whether the scene has a name for a text of its own.
-fn is_declared(document: &SceneDocument, scope: &Scope, formula: &Located<String>) -> bool {
-    let own = (document.system.casimirs.iter()).any(|(name, _)| name.value == formula.value);
-    let parsed = parse_text(document, &formula.value);
-    own || parsed.is_ok_and(|parsed| parsed.resolve(scope, None).is_ok())
 }
 
 /// Whether a formula is no sum over sites.
