@@ -32,7 +32,7 @@ SUBJECTS = {
     "The sky": ["kepler", "restricted_three_body", "henon_heiles"],
     "Charges and magnetic fields": ["magnetic", "guiding_centre", "guiding_centre_cartesian", "magnetic_field_line"],
     "Driven motion, forces in pieces": ["driven_oscillator", "driven_pendulum", "bouncing_ball"],
-    "Vortices and fluids": ["point_vortices", "vortex_ring", "sphere_vortices", "camassa_holm", "nambu"],
+    "Vortices and fluids": ["point_vortices", "sphere_vortices", "camassa_holm", "nambu"],
     "Waves and light": ["three_wave", "maxwell_bloch"],
     "Species": ["lotka_volterra", "lotka_volterra_periodic", "may_leonard", "epidemic"],
     "Spins": ["damped_spin", "langevin_spin", "spin_chain", "heisenberg_chain", "hot_spin_chain", "spin_waves_2d", "hot_ferromagnet"],
@@ -71,7 +71,6 @@ VIEWS: dict[str, tuple[str, list[str]]] = {
     "sphere_vortices": ("Orbit", ["run.steps=400", "run.record.every=1"]),
     "three_wave": ("Orbit", ["run.steps=400", "run.record.every=1"]),
     "toda": ("a over", ["run.steps=1000"]),
-    "vortex_ring": ("Phase plane", ['run.record.states=["x[0]","y[0]"]', "run.record.every=1"]),
     "volterra_lattice": ("x over", ["run.steps=4000", "run.record.every=200"]),
 }
 
