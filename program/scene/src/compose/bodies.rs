@@ -18,7 +18,7 @@ use super::lattice::{bracket_reach, has_forms, one_site, reach};
 use super::names::{check_code, check_names, coordinate_names, parse};
 use super::observables::{RecordedFormula, expression, observables_in};
 use super::system::{ComposedSystem, check_contradictions, check_sites};
-use super::tensor::entries;
+use super::tensor::{Entries, entries};
 use super::time::wants_time;
 use crate::document::{Convention, Located, ParameterValue, SceneDocument};
 
@@ -79,7 +79,7 @@ pub(super) fn many_bodies(
                 value: value.value.value,
             })
             .collect(),
-        bracket: bracket_of_a_site(document)?,
+        bracket: bracket_of_a_site(document)?.into_iter().collect(),
         hamiltonian,
         casimirs,
     };
@@ -210,9 +210,7 @@ fn unless_too_long(
 }
 
 /// {x_a, x_b} of the families at one site, in the paper's convention.
-fn bracket_of_a_site(
-    document: &SceneDocument,
-) -> Result<Vec<((usize, usize), Expression)>, Refusal> {
+fn bracket_of_a_site(document: &SceneDocument) -> Result<Entries, Refusal> {
     let lattice = one_site(document);
     let scope = scope(document, &lattice, None)?;
     let names = coordinate_names(document, &lattice);
