@@ -464,6 +464,58 @@ fn the_tangent_is_that_of_the_flow() {
     }
 }
 
+/// ⟨w, Φ⟩ by state, mass and attraction: pulled back, by central differences, and pulled back through a step of −h from the end.
+#[test]
+fn gradients_by_state_and_parameters_are_those_of_the_flow() {
+    for eccentricity in [0.5, 1.0, 2.0] {
+        let conic = Conic { eccentricity };
+        let start = conic.at(-1.0);
+        let (time, initial) = (conic.at(0.7).time - start.time, start.state(3));
+        let (map, weights) = (one_map(3), [0.3, -1.0, 0.7, 0.2, -0.4, 0.9]);
+        let zero = [0.0; 6];
+        let mut increment = [0.0; 6];
+        let mut forth = map.differential(&[MASS, MASS], 1.0, time);
+        let (mut covector, mut gradient) = (weights, [0.0; 2]);
+        forth.step(&initial, &zero, &mut increment).expect("finite");
+        forth
+            .pull(&mut covector, &mut gradient)
+            .expect("a gradient");
+        let found = [&covector[..], &gradient].concat();
+        let value = |at: usize, by: f64| {
+            let (mut x, mut parameters) = (initial.clone(), [MASS; 2]);
+            match at.checked_sub(6) {
+                None => x[at] += by,
+                Some(at) => parameters[at] += by,
+            }
+            let end = step(map.stepper(1, &parameters, 1.0, time).as_mut(), &x);
+            dot(&end.expect("finite"), &weights)
+        };
+        let size = largest(&found);
+        for (at, found) in found.iter().enumerate() {
+            let difference = (value(at, 1e-5) - value(at, -1e-5)) / 2e-5;
+            let error = (found - difference).abs();
+            assert!(
+                error <= 2e-9 * size * size,
+                "{eccentricity} {at}: {error:e}"
+            );
+        }
+        let end: Vec<f64> = initial
+            .iter()
+            .zip(&increment)
+            .map(|(x, by)| x + by)
+            .collect();
+        let mut back = map.differential(&[MASS, MASS], 1.0, -time);
+        let (mut covector, mut gradient) = (weights, [0.0; 2]);
+        back.step_and_pull_inverse([&end, &zero], &mut increment, &mut covector, &mut gradient)
+            .expect("a gradient");
+        let error = distance(&[&covector[..], &gradient].concat(), &found);
+        assert!(
+            error <= 256.0 * f64::EPSILON * size * size,
+            "{eccentricity}: {error:e}"
+        );
+    }
+}
+
 /// A repelled body, by Gauss's method.
 #[test]
 fn repulsion_is_another_sign() {

@@ -123,7 +123,13 @@ impl Graph {
                     .collect();
                 Ok(self.combine(&terms))
             }
-            Operation::Scale(scale, a) => Ok(self.scale(scale, &of(*a))),
+            Operation::Scale(scale, a) => {
+                let scaled = self.scale(scale, &of(*a));
+                // Long products of exact factors outgrow a double: a node that held its factor holds it again.
+                let is_long = i64::try_from(scaled.scale.numerator()).is_err()
+                    || i64::try_from(scaled.scale.denominator()).is_err();
+                Ok(if is_long { self.whole(&scaled) } else { scaled })
+            }
             Operation::Product(a, b) => Ok(self.multiply(&of(*a), &of(*b))),
             Operation::Reciprocal(a) => {
                 let one = self.one();
