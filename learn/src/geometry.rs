@@ -1,8 +1,7 @@
 //! Both ends of a realization's points (y, p), and the tensor, as numbers.
 
 use leafwise_core::{
-    BuildError, ChartMaps, Ends, Evaluator, PoissonSystem, RealizationData, StepError,
-    realization_evaluator,
+    ChartMaps, Ends, Evaluator, PoissonSystem, RealizationData, StepError, realization_evaluator,
 };
 use nalgebra::DMatrix;
 
@@ -50,11 +49,7 @@ impl Geometry {
         Ok(Self {
             chart: chart.evaluator(&parameters, epsilon),
             maps: realization_evaluator(realization, &parameters, epsilon)?,
-            tensor: Box::new(system.tensor_map().map_err(BuildError::from)?.evaluator(
-                &parameters,
-                1.0,
-                1.0,
-            )),
+            tensor: Box::new(system.tensor_map()?.evaluator(&parameters, 1.0, 1.0)),
             epsilon,
             dimension: system.dimension(),
             space: realization.space_dimension(),

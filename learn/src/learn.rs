@@ -148,7 +148,6 @@ pub fn learn(
             tried.swap_remove(at)
         }
     };
-    drop(fitted_at);
     let squares = &fitted.squares;
     let generating = &squares.solution;
     let method = method_of(system, realization, &basis, generating)?;

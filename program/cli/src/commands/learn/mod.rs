@@ -2,16 +2,20 @@
 
 use leafwise::core::Walk;
 use leafwise::generating_function::NAME as DYNAMICS;
-use leafwise::learn::{
-    BasisAxis, FunctionFamily, LearnAdvice, LearnError, LearnOptions, Learned, StatePairs, learn,
-};
-use leafwise::scene::compose::{TensorShape, compose, refuse_noise, tensor_shape};
+use leafwise::learn::{LearnAdvice, LearnError, LearnOptions, Learned, StatePairs, learn};
+use leafwise::scene::compose::{compose, refuse_noise};
 use leafwise::scene::pairs::{read_pairs, read_weights};
 use leafwise::scene::{
     ComposedRun, MethodParts, MethodTable, PartUse, SceneDocument, with_hamiltonian, with_system,
 };
-use serde::Serialize;
 
+mod basis;
+mod json;
+mod text;
+
+use self::basis::axes;
+use self::json::json;
+use self::text::lines;
 use super::find::write_scene;
 use crate::arguments::{LearnArguments, PluginArguments};
 use crate::bar::while_building;
@@ -20,57 +24,12 @@ use crate::failure::{Failure, exit};
 use crate::plugins::Parts;
 use crate::pulse::Shown;
 use crate::scene::SceneText;
-use crate::table::words;
 
 /// Steps of the learned map that are looked at for whether they leave the pairs.
 const MOST_STEPS: u64 = 1000;
 
 /// A state whose leverage is this many times the largest of the pairs is far from them.
 const FAR: f64 = 4.0;
-
-/// Functions that are printed.
-const MOST_ROWS: usize = 12;
-
-/// The object of `learn --json`.
-#[derive(Serialize)]
-struct LearnJson {
-    outcome: &'static str,
-    degree: usize,
-    degrees: Vec<DegreeJson>,
-    pairs: usize,
-    equations: usize,
-    determined: usize,
-    time_step: f64,
-    motion: f64,
-    residual: f64,
-    noise: f64,
-    off_leaf: Option<f64>,
-    one_step: Option<f64>,
-    step_error: f64,
-    energy_error: f64,
-    hamiltonian_error: Option<f64>,
-    largest_leverage: f64,
-    hamiltonian: String,
-    further: Option<String>,
-    functions: Vec<FunctionJson>,
-    warnings: Vec<String>,
-    /// The scene whose map was learned.
-    text: String,
-}
-
-#[derive(Serialize)]
-struct DegreeJson {
-    degree: usize,
-    error: f64,
-}
-
-#[derive(Serialize)]
-struct FunctionJson {
-    function: String,
-    generating: f64,
-    hamiltonian: f64,
-    error: f64,
-}
 
 /// Learns and prints what was learned; returns the exit code.
 ///
@@ -266,66 +225,6 @@ fn far(learned: &mut Learned, run: &ComposedRun) -> Option<String> {
     ))
 }
 
-/// The basis of every variable: `--basis [VARIABLE=]FAMILY[:PERIOD][+ln]`.
-fn axes(
-    arguments: &LearnArguments,
-    run: &ComposedRun,
-    names: &[String],
-) -> Result<Vec<BasisAxis>, Failure> {
-    let is_log_canonical = tensor_shape(&run.system) == TensorShape::LogCanonical;
-    let default = BasisAxis {
-        family: FunctionFamily::Polynomial,
-        has_logarithm: is_log_canonical,
-    };
-    let mut axes = vec![default; names.len()];
-    for given in &arguments.basis {
-        let (places, family) = match given.split_once('=') {
-            None => (0..names.len(), given.as_str()),
-            Some((name, family)) => {
-                let at = names.iter().position(|known| known == name.trim());
-                let at = at.ok_or_else(|| {
-                    Failure::usage(
-                        format!(
-                            "--basis {given}: the scene has no variable `{}`",
-                            name.trim()
-                        ),
-                        format!("name one of {}", names.join(", ")),
-                    )
-                })?;
-                (at..at + 1, family)
-            }
-        };
-        let unknown = || {
-            Failure::usage(
-                format!("--basis {given} is no basis"),
-                "write polynomial, exponential, fourier, fourier:PERIOD, or with logarithms polynomial+ln; for one variable q=fourier",
-            )
-        };
-        let (family, has_logarithm) = match family.trim().strip_suffix("+ln") {
-            Some(family) => (family, true),
-            None => (family.trim(), false),
-        };
-        let family = match family.split_once(':') {
-            Some(("fourier", period)) => FunctionFamily::Fourier {
-                period: period.parse().map_err(|_| unknown())?,
-            },
-            None if family == "polynomial" => FunctionFamily::Polynomial,
-            None if family == "exponential" => FunctionFamily::Exponential,
-            None if family == "fourier" => FunctionFamily::Fourier {
-                period: std::f64::consts::TAU,
-            },
-            _ => return Err(unknown()),
-        };
-        for at in places {
-            axes[at] = BasisAxis {
-                family,
-                has_logarithm,
-            };
-        }
-    }
-    Ok(axes)
-}
-
 fn unread(reason: String) -> Failure {
     Failure::usage(reason, "`leafwise explain learn` shows files of pairs")
 }
@@ -345,125 +244,4 @@ fn refused(error: LearnError) -> Failure {
             "`leafwise explain learn` says what is learned from pairs",
         ),
     }
-}
-
-fn json(
-    learned: &Learned,
-    time_step: f64,
-    warnings: &[String],
-    text: String,
-    is_poor: bool,
-) -> LearnJson {
-    LearnJson {
-        outcome: if is_poor { "poor" } else { "learned" },
-        degree: learned.degree,
-        degrees: (learned.degrees.iter())
-            .map(|&(degree, error)| DegreeJson { degree, error })
-            .collect(),
-        pairs: learned.pairs,
-        equations: learned.equations,
-        determined: learned.determined,
-        time_step,
-        motion: learned.motion,
-        residual: learned.residual,
-        noise: learned.noise,
-        off_leaf: learned.off_leaf,
-        one_step: learned.one_step,
-        step_error: learned.step_error,
-        energy_error: learned.energy_error,
-        hamiltonian_error: learned.hamiltonian_error,
-        largest_leverage: learned.largest_leverage,
-        hamiltonian: learned.hamiltonian.clone(),
-        further: learned.further.clone(),
-        functions: (learned.functions.iter())
-            .map(|own| FunctionJson {
-                function: own.formula.clone(),
-                generating: own.generating,
-                hamiltonian: own.hamiltonian,
-                error: own.error,
-            })
-            .collect(),
-        warnings: warnings.to_vec(),
-        text,
-    }
-}
-
-fn lines(learned: &Learned) -> Vec<String> {
-    let mut lines = vec![
-        format!(
-            "Degree {}: {} functions, {} of them determined by {} equations from {} pairs",
-            learned.degree,
-            learned.functions.len(),
-            learned.determined,
-            learned.equations,
-            learned.pairs
-        ),
-        String::new(),
-    ];
-    let row = |name: &str, value: f64, meaning: &str| {
-        vec![
-            format!("  {name}"),
-            format!("{value:.1e}"),
-            meaning.to_owned(),
-        ]
-    };
-    let mut rows = vec![
-        row("motion", learned.motion, "x' - x, root mean square"),
-        row(
-            "residual",
-            learned.residual,
-            "what is left of it along leaves",
-        ),
-    ];
-    if let Some(off) = learned.off_leaf {
-        rows.push(row(
-            "off leaves",
-            off,
-            "the part of it that no Hamiltonian makes",
-        ));
-    }
-    rows.push(row(
-        "step error",
-        learned.step_error,
-        "standard error of a learned step, by the residuals",
-    ));
-    rows.push(row(
-        "energy error",
-        learned.energy_error,
-        "standard error of H less its mean, over the pairs",
-    ));
-    if let Some(error) = learned.hamiltonian_error {
-        rows.push(row(
-            "flow of H",
-            error,
-            "part of the learned map's velocity that H does not make",
-        ));
-    }
-    lines.extend(words(&rows));
-    if !learned.degrees.is_empty() {
-        lines.push(String::new());
-        lines.push("Degrees by pairs that were held out:".to_owned());
-        let rows: Vec<Vec<String>> = (learned.degrees.iter())
-            .map(|(degree, error)| vec![format!("  {degree}"), format!("{error:.1e}")])
-            .collect();
-        lines.extend(words(&rows));
-    }
-    lines.push(String::new());
-    lines.push("H, largest coefficients first:".to_owned());
-    let mut functions: Vec<_> = learned.functions.iter().collect();
-    functions.sort_by(|a, b| b.hamiltonian.abs().total_cmp(&a.hamiltonian.abs()));
-    let rows: Vec<Vec<String>> = (functions.iter().take(MOST_ROWS))
-        .map(|own| {
-            vec![
-                format!("  {}", own.formula),
-                format!("{:.10}", own.hamiltonian),
-                format!("± {:.1e}", own.error),
-            ]
-        })
-        .collect();
-    lines.extend(words(&rows));
-    if functions.len() > MOST_ROWS {
-        lines.push(format!("  … and {} more", functions.len() - MOST_ROWS));
-    }
-    lines
 }
