@@ -1,9 +1,11 @@
 //! Course of a run's walks, and the functions of the state that they look at.
 
-use leafwise_core::system::SystemInvariants;
+use std::sync::Arc;
+
+use leafwise_core::system::{LeafDirections, SystemInvariants};
 use leafwise_core::{BuildError, Observer};
 use leafwise_expression::Expression;
-use leafwise_walk::{Course, Event, Pace, StateFunctions};
+use leafwise_walk::{Course, Event, Indicators, Pace, StateFunctions};
 
 use super::body_columns::BodyColumns;
 use super::extended::Extension;
@@ -167,6 +169,20 @@ impl ComposedRun {
             invariants_every: 1,
             indicators: self.indicators(),
         })
+    }
+
+    /// The indicators that its walks follow, where any are recorded.
+    fn indicators(&self) -> Option<Indicators> {
+        let which = self.plan.indicators.clone();
+        let count = Indicators::vectors_of(&which);
+        if count == 0 {
+            return None;
+        }
+        let (system, d) = (Arc::new(self.system.clone()), self.dimension());
+        let directions = StateFunctions::each(count * d, move |parameters| {
+            Ok(LeafDirections::new(&system, parameters, count)?.into())
+        });
+        Some(Indicators { which, directions })
     }
 }
 

@@ -1,35 +1,13 @@
 //! Observables that follow tangents along a run: indicators of chaos.
 
-use std::sync::Arc;
-
-use leafwise_core::system::LeafDirections;
 use leafwise_core::{PoissonSystem, Walk};
-use leafwise_walk::{Indicator, Indicators, StateFunctions};
+use leafwise_walk::Indicator;
 
 use super::Refusal;
 use super::dense::DENSE_LIMIT;
-use super::observables::Observable;
-use super::run::ComposedRun;
+use super::observables::{Observable, indicator};
 use super::stepping::Stepping;
 use crate::document::{Located, SceneDocument};
-
-/// Their names; a number k may stand behind the second, for the k-th largest exponent.
-pub(super) const INDICATORS: [&str; 3] = ["megno", "lyapunov", "sali"];
-
-/// The indicator that a text names.
-pub(super) fn indicator(text: &str) -> Option<Indicator> {
-    let text = text.trim();
-    match text {
-        "megno" => Some(Indicator::Megno),
-        "sali" => Some(Indicator::Sali),
-        "lyapunov" => Some(Indicator::Lyapunov(1)),
-        _ => {
-            let number = text.strip_prefix("lyapunov ")?.trim_start();
-            let number: usize = number.parse().ok()?;
-            (number > 0).then_some(Indicator::Lyapunov(number))
-        }
-    }
-}
 
 /// The indicators among a scene's observables, in their order.
 ///
@@ -87,36 +65,4 @@ pub(super) fn indicators(
         .iter()
         .filter_map(|text| indicator(&text.value))
         .collect())
-}
-
-impl ComposedRun {
-    /// The indicators that its walks follow, where any are recorded.
-    pub(super) fn indicators(&self) -> Option<Indicators> {
-        let which = self.plan.indicators.clone();
-        let count = Indicators::vectors_of(&which);
-        if count == 0 {
-            return None;
-        }
-        let (system, d) = (Arc::new(self.system.clone()), self.dimension());
-        let directions = StateFunctions::each(count * d, move |parameters| {
-            Ok(LeafDirections::new(&system, parameters, count)?.into())
-        });
-        Some(Indicators { which, directions })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use leafwise_walk::Indicator;
-
-    use super::indicator;
-
-    #[test]
-    fn a_number_may_stand_behind_the_exponent() {
-        assert_eq!(indicator("lyapunov"), Some(Indicator::Lyapunov(1)));
-        assert_eq!(indicator(" lyapunov  4"), Some(Indicator::Lyapunov(4)));
-        for none in ["lyapunov 0", "lyapunov4", "lyapunov -1", "Megno", "energy"] {
-            assert_eq!(indicator(none), None, "{none}");
-        }
-    }
 }

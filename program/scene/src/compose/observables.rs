@@ -4,15 +4,18 @@ use leafwise_core::lattice::LatticeGeometry;
 use leafwise_core::pairs::{BodyFunction, BodyShape};
 use leafwise_expression::Expression;
 use leafwise_expression::syntax::Scope;
+use leafwise_walk::Indicator;
 
 use super::Refusal;
-use super::indicators::{INDICATORS, indicator};
 use super::names::{function, is_a_sum, parse_text, refusal};
 use super::time::TIME;
 use crate::document::{Located, SceneDocument, nearest};
 
 /// The energy of the map's shadow, alone or with ` of order P` behind it.
 pub(super) const SHADOW_ENERGY: &str = "shadow-energy";
+
+/// Indicators of chaos; a number k may stand behind the second, for the k-th largest exponent.
+const INDICATORS: [&str; 3] = ["megno", "lyapunov", "sali"];
 
 /// One recorded quantity.
 #[derive(Clone, Debug)]
@@ -188,6 +191,21 @@ pub(super) fn shadow_order(text: &str) -> Option<Option<usize>> {
     order.trim().parse().ok().map(Some)
 }
 
+/// The indicator that a text names.
+pub(super) fn indicator(text: &str) -> Option<Indicator> {
+    let text = text.trim();
+    match text {
+        "megno" => Some(Indicator::Megno),
+        "sali" => Some(Indicator::Sali),
+        "lyapunov" => Some(Indicator::Lyapunov(1)),
+        _ => {
+            let number = text.strip_prefix("lyapunov ")?.trim_start();
+            let number: usize = number.parse().ok()?;
+            (number > 0).then_some(Indicator::Lyapunov(number))
+        }
+    }
+}
+
 /// A formula of the state by its text.
 ///
 /// # Errors
@@ -230,7 +248,9 @@ pub(super) fn expression(
 
 #[cfg(test)]
 mod tests {
-    use super::shadow_order;
+    use leafwise_walk::Indicator;
+
+    use super::{indicator, shadow_order};
 
     #[test]
     fn an_order_may_stand_behind_the_name() {
@@ -238,5 +258,14 @@ mod tests {
         assert_eq!(shadow_order(" shadow-energy of order 8 "), Some(Some(8)));
         assert_eq!(shadow_order("shadow-energy of order two"), None);
         assert_eq!(shadow_order("energy"), None);
+    }
+
+    #[test]
+    fn a_number_may_stand_behind_the_exponent() {
+        assert_eq!(indicator("lyapunov"), Some(Indicator::Lyapunov(1)));
+        assert_eq!(indicator(" lyapunov  4"), Some(Indicator::Lyapunov(4)));
+        for none in ["lyapunov 0", "lyapunov4", "lyapunov -1", "Megno", "energy"] {
+            assert_eq!(indicator(none), None, "{none}");
+        }
     }
 }
