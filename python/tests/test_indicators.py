@@ -31,7 +31,7 @@ def test_a_run_says_whether_it_is_chaotic() -> None:
     megno, exponent = (chaotic.observables[name][-1] for name in ("megno", "lyapunov"))
     assert 0.5 < megno / (exponent * chaotic.final_time / 2) < 1.5
     assert chaotic.observables["sali"][-1] < 1e-8
-    assert henon_heiles(REGULAR, 10).set({"run.record.observables": ["energy"]}).run().motion is None
+    assert henon_heiles(REGULAR, 10).set(run__record={"observables": ["energy"]}).run().motion is None
 
 
 def test_members_have_the_indicators_of_runs() -> None:

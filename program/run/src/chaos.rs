@@ -8,19 +8,8 @@
 //! - chaotic, where Ȳ ends at 4 or more and at 1.5 times or more of its value in the middle;
 //! - not yet known elsewhere, and where fewer than 8 samples lie there.
 
-use leafwise_walk::Indicator;
-use serde::Serialize;
-
-use crate::drive::Session;
-use crate::error::RunError;
-use crate::outcome::RunReport;
-use crate::sampled::columns_of_states;
-use crate::summary::rounded;
-use leafwise_scene::compose::{ComposedRun, Observable};
 use leafwise_scene::json::{double, optional};
-
-/// The most samples that are looked at.
-const MOST_SAMPLES: u64 = 50_000;
+use serde::Serialize;
 
 /// Samples in the second half, at least.
 const LEAST_SAMPLES: usize = 8;
@@ -89,48 +78,28 @@ impl ChaosVerdict {
         })
     }
 
-    /// Of a run that has ended, where it records MEGNO.
-    pub(crate) fn of(
-        run: &ComposedRun,
-        session: &Session<'_>,
-        report: &RunReport,
-    ) -> Result<Option<Self>, RunError> {
-        let first = 1 + columns_of_states(session, run);
-        let column = |which: Indicator| {
-            let is_it = |observable: &Observable| {
-                matches!(observable, Observable::Indicator { index, .. }
-                    if run.plan.indicators[*index] == which)
-            };
-            let at = run.plan.observables.iter().position(is_it);
-            at.map(|at| first + at)
-        };
-        let Some(megno) = column(Indicator::Megno) else {
-            return Ok(None);
-        };
-        let stride = usize::try_from(report.samples.div_ceil(MOST_SAMPLES)).unwrap_or(usize::MAX);
-        let rows = session.samples().read(stride)?;
-        let samples: Vec<(f64, f64)> = rows.iter().map(|row| (row[0], row[megno])).collect();
-        let exponent = column(Indicator::Lyapunov(1)).zip(rows.last());
-        Ok(Self::new(&samples, exponent.map(|(at, row)| row[at])))
-    }
-
     /// In a sentence.
     pub fn text(&self) -> String {
         let megno = format!("MEGNO {:.3}", self.megno);
         match (self.motion, self.e_folding_time) {
             (MotionKind::Chaotic, Some(time)) => {
-                let time = rounded(time, 3);
+                let time = rounded(time, 2);
                 format!("chaotic, e-folding time {time}: {megno}, and growing")
             }
             (MotionKind::Regular, _) => format!(
                 "regular: {megno}, and steady; an e-folding time below {} would have shown",
-                rounded(0.25 * self.time, 2)
+                rounded(0.25 * self.time, 1)
             ),
             _ => format!(
                 "not yet known: {megno}; regular motion tends to 2 or stays below, chaotic motion grows; take more steps"
             ),
         }
     }
+}
+
+/// A number with so many digits behind the first.
+fn rounded(value: f64, digits: usize) -> f64 {
+    format!("{value:.digits$e}").parse().unwrap_or(value)
 }
 
 #[cfg(test)]

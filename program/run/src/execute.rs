@@ -18,7 +18,6 @@ use super::samples::{self, Samples};
 use super::summary::{report_data, short};
 use super::{sampled, start, states};
 use crate::advice::{Advice, AdviceKind, about_the_scene, advise, casimir_drift};
-use crate::chaos::ChaosVerdict;
 use crate::csv::Headings;
 use crate::job::{
     Beginning, Content, Folder, Job, JobSession, JobSubject, Kind, Output, RunOptions, files,
@@ -269,7 +268,7 @@ fn judge(
     if report.outcome != RunOutcome::Interrupted {
         report.advice = advice(document, composed, registry, session, report)?;
         report.shadow = sampled::shadow(composed, session, report)?;
-        report.chaos = ChaosVerdict::of(composed, session, report)?;
+        report.chaos = sampled::chaos(composed, session, report)?;
     }
     Ok(())
 }

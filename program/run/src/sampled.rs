@@ -2,15 +2,17 @@
 
 use leafwise_core::solver::judge::larger;
 
+use super::chaos::ChaosVerdict;
 use super::drive::Session;
 use super::error::RunError;
 use super::outcome::RunReport;
 use super::shadow::{Changes, ShadowVerdict};
 use crate::advice::{Advice, EnergyError};
-use leafwise_scene::compose::ComposedRun;
+use leafwise_scene::compose::{ComposedRun, Observable};
 use leafwise_scene::document::SceneDocument;
+use leafwise_walk::Indicator;
 
-/// The most samples of a shadow energy that are looked at.
+/// The most samples of a shadow energy, or of an indicator of chaos, that are looked at.
 const MOST_SAMPLES: u64 = 50_000;
 
 /// How the energy of the map's shadow was kept at the recorded states, where it is recorded.
@@ -38,6 +40,32 @@ pub(super) fn shadow(
     };
     let t = run.plan.epsilon * run.plan.h;
     Ok(Some(ShadowVerdict::new(recorded, changes, t)))
+}
+
+/// Whether the motion is regular or chaotic, where MEGNO is recorded.
+pub(super) fn chaos(
+    run: &ComposedRun,
+    session: &Session<'_>,
+    report: &RunReport,
+) -> Result<Option<ChaosVerdict>, RunError> {
+    let first = 1 + columns_of_states(session, run);
+    let column = |which: Indicator| {
+        let is_it = |observable: &Observable| {
+            matches!(observable, Observable::Indicator { index, .. }
+                if run.plan.indicators[*index] == which)
+        };
+        let at = run.plan.observables.iter().position(is_it);
+        at.map(|at| first + at)
+    };
+    let Some(megno) = column(Indicator::Megno) else {
+        return Ok(None);
+    };
+    let stride = usize::try_from(report.samples.div_ceil(MOST_SAMPLES)).unwrap_or(usize::MAX);
+    let rows = session.samples().read(stride)?;
+    let samples: Vec<(f64, f64)> = rows.iter().map(|row| (row[0], row[megno])).collect();
+    let exponent = column(Indicator::Lyapunov(1)).zip(rows.last());
+    let exponent = exponent.map(|(at, row)| row[at]);
+    Ok(ChaosVerdict::new(&samples, exponent))
 }
 
 /// An energy kept badly, judged along the run's orbit.
