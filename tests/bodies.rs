@@ -315,3 +315,27 @@ fn recorded_sums_over_pairs_are_those_of_the_state() {
         }
     }
 }
+
+/// Kepler's flow of every planet stays where `bodies = "whole"` asks for it, however many planets there are: the error of energy
+/// per planet does not jump where other systems go in loops.
+#[test]
+fn whole_bodies_are_not_taken_in_a_loop() {
+    let drift = |planets: usize| {
+        let sites = format!("families = {{ q = {planets}, p = {planets} }}");
+        let scene = format!(
+            "[system]\nlibrary = \"planets\"\n{sites}\nparameters = {{ G = 1, m0 = 2, \"m[i]\" = \"0.001/(i + 1)^2\" }}\n\
+             [method]\nstepper = {{ name = \"splitting\", bodies = \"whole\" }}\ntime-step = 0.1\n\
+             [run]\nsteps = 40\ninitial = {{ \"q.x[i]\" = \"1 + 0.3*i\", \"q.y[i]\" = 0, \"q.z[i]\" = 0, \"p.x[i]\" = 0, \
+             \"p.y[i]\" = \"0.001/(i + 1)^2*sqrt(2/(1 + 0.3*i))\", \"p.z[i]\" = 0 }}\n"
+        );
+        let run = composed(&scene);
+        let parameters = run.system.parameter_values();
+        let mut walk = run.walk();
+        let first = energy(&run, walk.state());
+        let _ = &parameters;
+        (0..40).for_each(|_| walk.step().expect("a step"));
+        (energy(&run, walk.state()) / first - 1.0).abs()
+    };
+    let (few, many) = (drift(15), drift(16));
+    assert!(many < 2.0 * few, "{few:e} {many:e}");
+}

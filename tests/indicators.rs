@@ -120,6 +120,82 @@ fn the_saddle_of_the_pendulum_has_the_exponent_one() {
     assert!((found - 1.0).abs() < 1e-6, "{found}");
 }
 
+/// Mathieu's H = p²/2 + (a − 2b cos 2t)q²/2 with H plus a function of the time, over so many periods π of so many steps.
+fn mathieu((a, b): (f64, f64), beside: &str, (periods, steps): (u64, u64), names: &str) -> String {
+    let h = std::f64::consts::PI / steps as f64;
+    let run = format!(
+        "initial = [0.3, 0.1]\nsteps = {}\nrecord = {{ observables = [{names}] }}",
+        periods * steps
+    );
+    let hamiltonian = format!("p^2/2 + ({a} - {}*cos(2*t))*q^2/2{beside}", 2.0 * b);
+    canonical(&hamiltonian, (h, 4), &run)
+}
+
+/// The Floquet exponent of q'' = −(a − 2b cos 2t)q, cosh λπ = |tr M|/2, M by the classical Runge–Kutta method over a period.
+fn floquet((a, b): (f64, f64), steps: u32) -> f64 {
+    let h = std::f64::consts::PI / f64::from(steps);
+    let field = |t: f64, [q, p]: [f64; 2]| [p, -(a - 2.0 * b * libm::cos(2.0 * t)) * q];
+    let along = |x: [f64; 2], k: [f64; 2], part: f64| [x[0] + part * k[0], x[1] + part * k[1]];
+    let over_a_period = |mut x: [f64; 2]| {
+        for step in 0..steps {
+            let t = f64::from(step) * h;
+            let one = field(t, x);
+            let two = field(t + 0.5 * h, along(x, one, 0.5 * h));
+            let three = field(t + 0.5 * h, along(x, two, 0.5 * h));
+            let four = field(t + h, along(x, three, h));
+            for i in 0..2 {
+                x[i] += h / 6.0 * (one[i] + 2.0 * two[i] + 2.0 * three[i] + four[i]);
+            }
+        }
+        x
+    };
+    let trace = over_a_period([1.0, 0.0])[0] + over_a_period([0.0, 1.0])[1];
+    libm::acosh(0.5 * trace.abs()) / std::f64::consts::PI
+}
+
+/// Vectors of Mathieu's equation grow as its orbits do, and δe = −Σ(∂H/∂x)δx as the product of both, twice as fast. Between
+/// multiples of the period the growth is that of Mⁿ, up to e^{−2λt₁}. A method of order 4 errs by c h⁴(1 + O(h²)): with half the
+/// step a fifteenth of the difference of both is left, and the difference is a bound.
+#[test]
+fn mathieus_exponent_is_that_of_floquet() {
+    for (place, begin) in [((1.0, 0.5), 16), ((-0.3, 0.5), 8)] {
+        let (expected, coarse) = (floquet(place, 4096), floquet(place, 2048));
+        let found = |steps: u64| {
+            let text = mathieu(place, "", (2 * begin, steps), "\"lyapunov\"");
+            let rows = alone(&text, begin * steps);
+            let time = |at: usize| rows[at].0 as f64 * std::f64::consts::PI / steps as f64;
+            let growth = |at: usize| rows[at].1[0] * time(at);
+            ((growth(1) - growth(0)) / (time(1) - time(0)), time(0))
+        };
+        let ((half, _), (whole, before)) = (found(64), found(32));
+        let bound = (half - whole).abs()
+            + (expected - coarse).abs()
+            + 1e2 * libm::exp(-2.0 * expected * before);
+        println!("{half}, {whole} and {expected}, bound {bound:.1e}");
+        assert!((half - expected).abs() < bound, "{half} and {expected}");
+        assert!(bound < 1e-3 * expected, "{bound}");
+    }
+}
+
+/// H + f(t) moves x as H does, and e otherwise: indicators do not know it, up to the roundings of n steps.
+#[test]
+fn indicators_do_not_depend_on_the_energy_that_the_time_takes_up() {
+    let names = "\"megno\", \"lyapunov\", \"sali\"";
+    let [own, other] = ["", " + 1000*sin(t)"].map(|beside| {
+        let text = mathieu((1.0, 0.5), beside, (8, 32), names);
+        alone(&text, 8).into_iter()
+    });
+    for ((steps, own), (_, other)) in own.zip(other) {
+        for (own, other) in own.iter().zip(&other) {
+            let roundings = 1e3 * f64::EPSILON * steps as f64;
+            assert!(
+                (own - other).abs() < roundings,
+                "{steps}: {own} and {other}"
+            );
+        }
+    }
+}
+
 const BODY: &str = "[system]\nlibrary = \"rigid-body\"\n[method]\nrealization = \"auto\"\n\
     dynamics = { name = \"hamilton-jacobi\", order = 4 }\ntime-step = 0.1\n[run]\ninitial = [1, 3, 3]\nsteps = STEPS\n\
     record = { observables = [OBSERVABLES] }\n";

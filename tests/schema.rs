@@ -110,10 +110,12 @@ fn json(text: &str) -> Value {
 
 fn scenes() -> Vec<String> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes");
-    let gallery = fs::read_dir(folder).expect("the gallery").map(|entry| {
-        let path = entry.expect("an entry").path();
-        fs::read_to_string(path).expect("a scene")
-    });
+    let files = fs::read_dir(folder).expect("the gallery");
+    let files = files.map(|entry| entry.expect("an entry").path());
+    // Folders hold the files that scenes name.
+    let gallery = files
+        .filter(|path| path.is_file())
+        .map(|path| fs::read_to_string(path).expect("a scene"));
     let gallery: Vec<String> = gallery.collect();
     assert!(gallery.len() > 10);
     let others = SCENES_WITH_EVERY_KEY.map(str::to_owned);

@@ -18,6 +18,12 @@ pub struct Equilibrium {
     axis: [f64; 2],
 }
 
+/// The largest normalized flux of the spline at the axis, which is 0 but for the file's interpolation.
+const LARGEST_OFF: f64 = 0.02;
+
+/// The last digit of a file's numbers, of ten.
+const DIGITS: f64 = 1e-9;
+
 /// Steps of Newton's method to the magnetic axis.
 const STEPS: usize = 50;
 
@@ -35,10 +41,22 @@ impl Equilibrium {
     ///
     /// # Errors
     /// [`EquilibriumError`] for a grid without a spline and a flux without an axis within it.
-    pub fn new(file: Geqdsk, degree: u8) -> Result<Self, EquilibriumError> {
-        let table = |name, numbers: &[f64]| spline(&file, name, degree, numbers);
-        let psi = table("psi", &file.psi)?;
+    pub fn new(mut file: Geqdsk, degree: u8) -> Result<Self, EquilibriumError> {
+        let psi = spline(&file, "psi", degree, &file.psi)?;
         let axis = axis(&file, psi)?;
+        let at_axis = psi.value().at(&axis);
+        let off = normalized(&file, at_axis);
+        if off.is_nan() || off.abs() > LARGEST_OFF {
+            return Err(EquilibriumError::Odd(format!(
+                "psi is {at_axis} on the axis, where the file tells {}: its flux at the edge, {}, is not of the same kind",
+                file.psi_range[0], file.psi_range[1]
+            )));
+        }
+        // The extremum lies between nodes, and the file's number is one of another interpolation.
+        if off.abs() > DIGITS {
+            file.psi_range[0] = at_axis;
+        }
+        let table = |name, numbers: &[f64]| spline(&file, name, degree, numbers);
         let edge = file.f[file.f.len() - 1];
         let stream = match file.f.iter().all(|f| *f == edge) {
             true => None,

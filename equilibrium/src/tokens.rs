@@ -10,7 +10,7 @@ pub(crate) struct Tokens<'a> {
 
 impl<'a> Tokens<'a> {
     /// The words of a text from one line on. A sign that follows no letter of an exponent begins a word, since five numbers of
-    /// sixteen places stand in a line without spaces.
+    /// sixteen places stand in a line without spaces. An exponent of three digits is written without its letter: `1.5-103`.
     pub fn of(text: &'a str, first_line: usize) -> Self {
         let mut words = Vec::new();
         for (at, line) in text.lines().enumerate().skip(first_line) {
@@ -19,7 +19,8 @@ impl<'a> Tokens<'a> {
                 let mut before = 'e';
                 for (place, letter) in word.char_indices() {
                     let is_sign = matches!(letter, '+' | '-');
-                    if is_sign && !matches!(before, 'e' | 'E' | 'd' | 'D') {
+                    let is_exponent = begins_exponent(&word[start..place], &word[place..]);
+                    if is_sign && !matches!(before, 'e' | 'E' | 'd' | 'D') && !is_exponent {
                         words.push((at + 1, &word[start..place]));
                         start = place;
                     }
@@ -51,7 +52,13 @@ impl<'a> Tokens<'a> {
         }
         self.next += count;
         let number = |(line, word): &(usize, &str)| {
-            let written = word.replace(['d', 'D'], "e");
+            let mut written = word.replace(['d', 'D'], "e");
+            let sign = written.rfind(['+', '-']).filter(|place| *place > 0);
+            if let Some(place) =
+                sign.filter(|place| begins_exponent(&written[..*place], &written[*place..]))
+            {
+                written.insert(place, 'e');
+            }
             let value = written
                 .parse::<f64>()
                 .ok()
@@ -69,4 +76,14 @@ impl<'a> Tokens<'a> {
     pub fn is_at_end(&self) -> bool {
         self.next == self.words.len()
     }
+}
+
+/// Whether a sign and three digits behind a number with a point are its exponent, as Fortran writes those below −99 and above 99.
+fn begins_exponent(before: &str, from: &str) -> bool {
+    let Some(rest) = from.strip_prefix(['+', '-']) else {
+        return false;
+    };
+    let digits = rest.find(|letter: char| !letter.is_ascii_digit());
+    let ends = digits.unwrap_or(rest.len()) == 3 && !rest[3..].starts_with('.');
+    ends && before.contains('.') && !before.contains(['e', 'E', 'd', 'D'])
 }

@@ -17,7 +17,7 @@ pub struct Written {
 }
 
 /// Steps in the time that a particle with all its speed along B takes around the surface the short way.
-const STEPS: f64 = 100.0;
+const STEPS: f64 = 400.0;
 
 /// The guiding centres of `ions` in an equilibrium, in metres, seconds and tesla; `source` is the name of the file.
 ///
@@ -38,13 +38,17 @@ pub fn written(
             .iter()
             .map(|numbers| ("G.csv".to_owned(), grid(numbers))),
     );
-    let mut scene = head(equilibrium, ions, start, source);
+    let source: String = source
+        .chars()
+        .filter(|letter| !letter.is_control())
+        .collect();
+    let mut scene = head(equilibrium, ions, start, &source);
     scene.push_str(&tables(equilibrium, stream.is_some()));
     scene.push_str(&motion(equilibrium, ions, start)?);
     if ions.members > 0 {
         files.push(("ions.csv".to_owned(), states(&ions.starts(equilibrium)?)));
         scene.push_str(&format!(
-            "\n[ensemble]\nmembers      = {}\ninitial      = {{ file = \"ions.csv\" }}\nrecord       = {{ every = 100 }}\nfinal-states = \"csv\"\n",
+            "\n[ensemble]\nmembers      = {}\ninitial      = {{ file = \"ions.csv\" }}\nrecord       = {{ every = 200 }}\nfinal-states = \"csv\"\n",
             ions.members
         ));
     }
@@ -145,9 +149,9 @@ time-step   = {step:?}
 
 [run]
 initial = [{r:?}, {z:?}, {turn:?}, {u:?}]
-steps   = 2000
+steps   = 4000
 stop    = "s > 1"
-record  = {{ every = 5, observables = ["energy", "s", "B", {{ momentum = "charge_to_mass*psi(R, Z) + u*R*Bphi/B" }}] }}
+record  = {{ every = 10, observables = ["energy", "s", "B", {{ momentum = "charge_to_mass*psi(R, Z) + u*R*Bphi/B" }}] }}
 "#
     ))
 }

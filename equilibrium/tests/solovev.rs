@@ -199,6 +199,11 @@ fn dialects_are_read() {
             expected
         );
     }
+    // Fortran writes exponents of three digits without their letter.
+    let zeros = " 0.000000000E+00 0.000000000E+00";
+    let tiny = text.replacen(zeros, " 1.23456789-103-9.87654321-101", 1);
+    let tiny = Geqdsk::parse(&tiny).expect("a g-file");
+    assert_eq!(tiny.psi, expected.psi);
     // Columns of four places without a space between.
     let wide = geqdsk(9, 0.0).replacen("   3   9   9", "   31024  16", 1);
     let error = Geqdsk::parse(&wide).expect_err("fewer numbers");
@@ -243,6 +248,12 @@ fn broken_files_are_refused() {
         error.to_string()
     };
     assert!(odd(" 7.500000000E-01", "-7.500000000E-01").contains("beside the axis R = 0"));
+    // The flux on the axis is another one than the file tells.
+    let told = [
+        " 0.000000000E+00 4.177856445E-01",
+        "-3.000000000E+00 4.177856445E-01",
+    ];
+    assert!(odd(told[0], told[1]).contains("where the file tells -3"));
     assert!(
         odd(
             " 1.600000000E+00 0.000000000E+00 0.000000000E+00",

@@ -16,7 +16,7 @@ const MOST_SWEEPS: usize = 24;
 const MOST_CORRECTIONS: usize = 50;
 
 /// Changes of y that are round-off, relative to the largest coordinate.
-const SMALL: f64 = 4.0 * f64::EPSILON;
+pub(crate) const SMALL: f64 = 4.0 * f64::EPSILON;
 
 /// Sweeps that changed y by less than this part of the motion have converged.
 const CONVERGED: f64 = 1e-9;
@@ -60,7 +60,7 @@ pub(crate) struct Fitted {
     pub squares: Squares,
     /// Mean square of what is left along leaves, over the degrees of freedom.
     pub noise: f64,
-    /// Root mean square of what is left along leaves.
+    /// Root mean square of what is left along leaves. This and the others are means by the pairs' weights.
     pub residual: f64,
     /// Root mean square of x' − x, and of its part that no H makes, each per direction.
     pub motion: f64,
@@ -103,7 +103,10 @@ pub(crate) fn fit(
         .iter()
         .flatten()
         .fold(0.0_f64, |most, x| most.max(x.abs()));
-    let total: f64 = moved.iter().flatten().map(|b| b * b).sum();
+    let square = |v: &[f64]| v.iter().map(|b| b * b).sum::<f64>();
+    let total: f64 = (0..count)
+        .map(|k| pairs.weight(k) * square(&moved[k]))
+        .sum();
     if total == 0.0 {
         return Err(LearnError::NoMotion);
     }
@@ -120,9 +123,12 @@ pub(crate) fn fit(
         let mut rows: Vec<(usize, Vec<f64>, f64)> = Vec::new();
         let (mut off, mut off_directions) = (0.0, 0);
         for k in 0..count {
-            let outside = |error| LearnError::Outside { pair: k + 1, error };
+            let outside = |error| LearnError::Outside {
+                pair: pairs.number(k),
+                error,
+            };
             let tensor = geometry.tensor(&points[k]).map_err(outside)?;
-            let slopes = values_at(basis, &points[k], names, k)?.1;
+            let slopes = values_at(basis, &points[k], names, pairs.number(k))?.1;
             let right: Vec<f64> = moved[k]
                 .iter()
                 .zip(&further[k])
@@ -132,7 +138,7 @@ pub(crate) fn fit(
             let matrix = rows_at(&tensor, &slopes, setting.h);
             let along = tensor.range.transpose() * &right;
             let rest = &right - &tensor.range * &along;
-            off += rest.norm_squared();
+            off += pairs.weight(k) * rest.norm_squared();
             off_directions += d - along.len();
             let weight = libm::sqrt(pairs.weight(k));
             for i in 0..along.len() {
@@ -223,7 +229,10 @@ pub(crate) fn fit(
                     further[k] = rest;
                 }
                 Err(error) => {
-                    outside = Some(LearnError::Outside { pair: k + 1, error });
+                    outside = Some(LearnError::Outside {
+                        pair: pairs.number(k),
+                        error,
+                    });
                     break;
                 }
             }
@@ -260,7 +269,7 @@ pub(crate) fn fit(
 }
 
 /// The point y with ends of this mean under p = dŜ(y), and what the leading part −εΠ(y)p leaves out of their difference.
-fn corrected(
+pub(crate) fn corrected(
     geometry: &mut Geometry,
     basis: &Basis,
     (y, mean): (&[f64], &[f64]),
@@ -311,7 +320,7 @@ fn covector(slopes: &[f64], coefficients: &[f64], d: usize, h: f64) -> Vec<f64> 
     p
 }
 
-/// Values and slopes of the basis at a point of a pair.
+/// Values and slopes of the basis at a point of a pair, which has this place among those given.
 pub(crate) fn values_at(
     basis: &Basis,
     y: &[f64],
@@ -320,12 +329,12 @@ pub(crate) fn values_at(
 ) -> Result<(Vec<f64>, Vec<f64>), LearnError> {
     basis.values(y).ok_or_else(|| match basis.outside(y) {
         Some(i) => LearnError::Logarithm {
-            pair: pair + 1,
+            pair,
             variable: names[i].clone(),
             value: y[i],
         },
         None => LearnError::Outside {
-            pair: pair + 1,
+            pair,
             error: OUTSIDE,
         },
     })

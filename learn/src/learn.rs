@@ -32,6 +32,9 @@ const MOST_STATES: usize = 400;
 /// A residual off the leaves this many times that along them is no noise.
 const OFF: f64 = 10.0;
 
+/// H whose velocities are uncertain by more than this part of them is told to be so.
+const COARSE: f64 = 1e-3;
+
 /// Leaves are told apart to this part of the motion.
 const LEAVES: f64 = 1e-6;
 
@@ -209,9 +212,17 @@ pub fn learn(
             },
         });
     }
-    if recovered.is_none() {
-        advice.push(LearnAdvice::NotRecovered);
+    match &recovered {
+        Some(own) if own.unresolved > COARSE => advice.push(LearnAdvice::Coarse {
+            part: own.unresolved,
+        }),
+        Some(_) => {}
+        None => advice.push(LearnAdvice::NotRecovered),
     }
+    let uncertainty = match &recovered {
+        Some(own) => squares.least(&own.uncertainty),
+        None => vec![0.0; basis.len()],
+    };
     let hamiltonian = match &recovered {
         Some(own) => &squares.least(&own.coefficients),
         None => generating,
@@ -228,7 +239,8 @@ pub fn learn(
         formula: basis.name(j, names),
         generating: basis.unscaled(j, generating[j]),
         hamiltonian: basis.unscaled(j, hamiltonian[j]),
-        error: basis.unscaled(j, noise * deviations[j]),
+        generating_error: basis.unscaled(j, noise * deviations[j]),
+        error: basis.unscaled(j, libm::hypot(noise * deviations[j], uncertainty[j])),
         is_determined: kept.contains(&j),
     });
     let mut learned = Learned {
@@ -244,7 +256,7 @@ pub fn learn(
         off_leaf: fitted.off_leaf,
         one_step: orbits.one_step,
         step_error: noise * libm::sqrt(squares.rank as f64 / fitted.right.len() as f64),
-        energy_error: energy_error(&basis, &fitted, pairs, names)?,
+        energy_error: energy_error(&basis, &fitted, &uncertainty, pairs, names)?,
         hamiltonian_error: recovered.as_ref().map(|own| own.error),
         hamiltonian: basis.written(hamiltonian, names),
         further: match further.iter().all(|c| *c == 0.0) {
@@ -257,6 +269,9 @@ pub fn learn(
         geometry,
         squares: fitted.squares,
         h,
+        method,
+        parameters: system.parameter_values(),
+        epsilon,
     };
     let undetermined = learned.undetermined(&ranges);
     if undetermined > 0 {
@@ -295,31 +310,36 @@ fn method_of(
     )?)
 }
 
-/// The standard error of H(x) less its mean, over the pairs.
+/// The error of H(x) less its mean, over the pairs.
 fn energy_error(
     basis: &Basis,
     fitted: &Fitted,
+    uncertainty: &[f64],
     pairs: &StatePairs,
     names: &[String],
 ) -> Result<f64, LearnError> {
     let every = pairs.len().div_ceil(MOST_STATES);
     let mut rows = Vec::new();
     for k in (0..pairs.len()).step_by(every) {
-        rows.push(values_at(basis, pairs.before(k), names, k)?.0);
+        let values = values_at(basis, pairs.before(k), names, pairs.number(k))?.0;
+        rows.push((values, pairs.weight(k)));
     }
-    let count = rows.len() as f64;
+    let total: f64 = rows.iter().map(|row| row.1).sum();
     let mut mean = vec![0.0; basis.len()];
-    for row in &rows {
+    for (row, weight) in &rows {
         mean.iter_mut()
             .zip(row)
-            .for_each(|(mean, f)| *mean += f / count);
+            .for_each(|(mean, f)| *mean += f * weight / total);
     }
     let mut sum = 0.0;
-    for row in &rows {
+    for (row, weight) in &rows {
         let centred: Vec<f64> = row.iter().zip(&mean).map(|(f, mean)| f - mean).collect();
-        sum += fitted.squares.variance(&fitted.squares.least(&centred));
+        let variance = fitted.squares.variance(&fitted.squares.least(&centred));
+        let found = centred.iter().zip(uncertainty);
+        let found: f64 = found.map(|(f, c)| f * c).sum();
+        sum += weight * (fitted.noise * variance + found * found);
     }
-    Ok(libm::sqrt(fitted.noise * sum / count))
+    Ok(libm::sqrt(sum / total))
 }
 
 /// The largest leverage of the pairs' own rows.

@@ -2,8 +2,10 @@
 
 use std::fmt;
 
+use leafwise_core::{Method, Walk};
+
 use crate::basis::Basis;
-use crate::fit::rows_at;
+use crate::fit::{SMALL, corrected, rows_at};
 use crate::geometry::Geometry;
 use crate::squares::Squares;
 
@@ -19,7 +21,9 @@ pub struct LearnedFunction {
     pub generating: f64,
     /// Its coefficient in H.
     pub hamiltonian: f64,
-    /// The standard error of either, from the residuals. Functions of which the pairs tell nothing have none.
+    /// The standard error of `generating`, from the residuals. Functions of which the pairs tell nothing have none.
+    pub generating_error: f64,
+    /// The error of `hamiltonian`: the same, and the bound of how far H is found from orbits of the learned map.
     pub error: f64,
     /// Whether the pairs determine the coefficient; 0 stands in its place otherwise.
     pub is_determined: bool,
@@ -75,6 +79,11 @@ pub enum LearnAdvice {
         /// Root mean square of the fit's residual.
         residual: f64,
     },
+    /// Pairs so far apart in time that orbits of the learned map tell H roughly.
+    Coarse {
+        /// The part of the velocity that is uncertain.
+        part: f64,
+    },
     /// Too few steps succeed for H: Ŝ/h stands in its place.
     NotRecovered,
 }
@@ -89,7 +98,7 @@ impl fmt::Display for LearnAdvice {
             ),
             Self::Unexplained { part } => write!(
                 f,
-                "{:.0} % of the motion is left: the bracket, its sign or the time between the states may be another one, or the degree is too low",
+                "{:.0} % of the motion is left: the bracket is another one, or the degree is too low. A wrong sign or time step scales H and leaves nothing",
                 100.0 * part
             ),
             Self::OffLeaf { off, along } => write!(
@@ -116,6 +125,10 @@ impl fmt::Display for LearnAdvice {
                 "steps of the learned map miss the pairs by {one_step:.1e}, and the fit by {residual:.1e}: its formula loses digits; shift and scale the variables, or \
                  lower the degree"
             ),
+            Self::Coarse { part } => write!(
+                f,
+                "H is known to {part:.1e} of its size only: take pairs closer in time; steps of the learned map do not depend on it"
+            ),
             Self::NotRecovered => f.write_str(
                 "H is not recovered, since too few orbits of the learned map succeed: S/h stands in its place, which differs from H by h^2",
             ),
@@ -131,17 +144,17 @@ pub struct Learned {
     pub degrees: Vec<(usize, f64)>,
     /// The functions of the basis.
     pub functions: Vec<LearnedFunction>,
-    /// Pairs, each counted once.
+    /// Pairs of a weight above 0, each counted once.
     pub pairs: usize,
     /// Equations: the rank of Π for each pair.
     pub equations: usize,
     /// Coefficients that they determine; Casimirs are not determined.
     pub determined: usize,
-    /// Root mean square of a coordinate of x' − x.
+    /// Root mean square of a coordinate of x' − x. This and the others over pairs are means by their weights.
     pub motion: f64,
     /// Root mean square of what is left of it along a direction of a leaf.
     pub residual: f64,
-    /// The same over the degrees of freedom: the standard deviation of a difference x' − x.
+    /// The same over the degrees of freedom: the standard deviation of a difference x' − x of mean weight.
     pub noise: f64,
     /// Root mean square of x' − x along a direction off the leaves; `None` where there is none.
     pub off_leaf: Option<f64>,
@@ -149,7 +162,7 @@ pub struct Learned {
     pub one_step: Option<f64>,
     /// The standard error of a step along a direction of a leaf, over the pairs.
     pub step_error: f64,
-    /// The standard error of H less its mean, over the pairs.
+    /// The error of H less its mean, over the pairs: the standard error, and the bound of how far H is found from orbits.
     pub energy_error: f64,
     /// Part of ẋ that differences in time and the basis leave; `None` where H is not recovered.
     pub hamiltonian_error: Option<f64>,
@@ -165,16 +178,49 @@ pub struct Learned {
     pub(crate) geometry: Geometry,
     pub(crate) squares: Squares,
     pub(crate) h: f64,
+    pub(crate) method: Method,
+    pub(crate) parameters: Vec<f64>,
+    pub(crate) epsilon: f64,
 }
 
 impl Learned {
     /// The leverage of a state: the variance of a step from it, in units of the noise, along the worst direction of its leaf. It is infinite
     /// outside of the basis's domain and where a step depends on what no pair tells.
+    ///
+    /// It is taken at the point y of the learned step, as those of the pairs are; at x itself where no step is found.
     pub fn leverage(&mut self, x: &[f64]) -> f64 {
-        let Some((_, slopes)) = self.basis.values(x) else {
+        let mut walk = Walk::new(&self.method, &self.parameters, self.epsilon, self.h, x);
+        match walk.step() {
+            Ok(()) => self.leverage_between(x, walk.state()),
+            Err(_) => self.leverage_at(x),
+        }
+    }
+
+    /// The leverage of a state whose step leads to this next one.
+    pub fn leverage_between(&mut self, x: &[f64], next: &[f64]) -> f64 {
+        let mean: Vec<f64> = (x.iter().zip(next))
+            .map(|(a, b)| a / 2.0 + b / 2.0)
+            .collect();
+        let largest = mean.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let point = corrected(
+            &mut self.geometry,
+            &self.basis,
+            (&mean, &mean),
+            &self.squares.solution,
+            (self.h, SMALL * largest),
+        );
+        match point {
+            Ok((y, _)) => self.leverage_at(&y),
+            Err(_) => self.leverage_at(x),
+        }
+    }
+
+    /// The variance of the rows at a point y, in units of the noise.
+    fn leverage_at(&mut self, y: &[f64]) -> f64 {
+        let Some((_, slopes)) = self.basis.values(y) else {
             return f64::INFINITY;
         };
-        let Ok(tensor) = self.geometry.tensor(x) else {
+        let Ok(tensor) = self.geometry.tensor(y) else {
             return f64::INFINITY;
         };
         let rows = rows_at(&tensor, &slopes, self.h);
@@ -207,7 +253,7 @@ impl Learned {
             let x: Vec<f64> = x
                 .map(|(i, (least, most))| least + (most - least) * part(i, 0.3 * f64::from(at)))
                 .collect();
-            self.leverage(&x) == f64::INFINITY
+            self.leverage_at(&x) == f64::INFINITY
         });
         if is_strange { missing } else { 0 }
     }

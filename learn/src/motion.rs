@@ -19,6 +19,9 @@ const MOST: usize = 8;
 /// Lanes of a walk.
 const LANES: usize = 64;
 
+/// No larger s² is taken, for differences may be round-off: the rest of a series is at most 1000 times its last term.
+const LARGEST_RATIO: f64 = 0.999;
+
 /// H is recovered from at least this part of the states.
 const LEAST_PART: f64 = 0.5;
 
@@ -26,7 +29,11 @@ const LEAST_PART: f64 = 0.5;
 pub(crate) struct Recovered {
     /// Coefficients of H in the basis.
     pub coefficients: Vec<f64>,
-    /// Root mean square of what differences of two orders and the basis leave of ẋ, relative to ẋ.
+    /// Bounds of what differences of all orders would change of them.
+    pub uncertainty: Vec<f64>,
+    /// The same of ẋ, root mean square and relative to ẋ.
+    pub unresolved: f64,
+    /// Root mean square of this and of what the basis leaves of ẋ, relative to ẋ.
     pub error: f64,
 }
 
@@ -34,6 +41,8 @@ pub(crate) struct Recovered {
 pub(crate) struct Orbits {
     /// `[state][j + MOST]`.
     states: Vec<Vec<Vec<f64>>>,
+    /// The place of each state's pair among those given.
+    numbers: Vec<usize>,
     /// Root mean square of Φ(x) − x' over the pairs, `None` where no step succeeds.
     pub one_step: Option<f64>,
     /// How many pairs have a step that fails.
@@ -53,12 +62,14 @@ impl Orbits {
         let states: Vec<&[f64]> = (0..count).map(|k| pairs.before(k)).collect();
         let forward = walked(method, system, &states, epsilon, h);
         let backward = walked(method, system, &states, epsilon, -h);
-        let (mut sum, mut made) = (0.0, 0);
-        let mut found = Vec::new();
+        let (mut sum, mut made, mut weights) = (0.0, 0, 0.0);
+        let (mut found, mut numbers) = (Vec::new(), Vec::new());
         for (k, (ahead, behind)) in forward.into_iter().zip(backward).enumerate() {
             if let Some(next) = ahead.first() {
                 let errors = next.iter().zip(pairs.after(k));
-                sum += errors.map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
+                let square: f64 = errors.map(|(a, b)| (a - b) * (a - b)).sum();
+                sum += pairs.weight(k) * square;
+                weights += pairs.weight(k);
                 made += 1;
             }
             if ahead.len() == MOST && behind.len() == MOST {
@@ -66,11 +77,13 @@ impl Orbits {
                 orbit.push(states[k].to_vec());
                 orbit.extend(ahead);
                 found.push(orbit);
+                numbers.push(pairs.number(k));
             }
         }
         Self {
             states: found,
-            one_step: (made > 0).then(|| libm::sqrt(sum / (made * d) as f64)),
+            numbers,
+            one_step: (made > 0).then(|| libm::sqrt(sum / (weights * d as f64))),
             failed: count - made,
         }
     }
@@ -102,24 +115,31 @@ impl Orbits {
             libm::sqrt(sum)
         };
         // Orbits that leave the pairs' states, or fast motions, make differences of high orders worse.
-        let best = (1..MOST)
-            .map(|m| (m, distance(&velocities[m], &velocities[m - 1])))
-            .min_by(|a, b| a.1.total_cmp(&b.1));
-        let Some((order, differences)) = best else {
+        let distances: Vec<f64> = (1..MOST)
+            .map(|m| distance(&velocities[m], &velocities[m - 1]))
+            .collect();
+        let best = (distances.iter().enumerate()).min_by(|a, b| a.1.total_cmp(b.1));
+        let Some((at, &least)) = best else {
             return Ok(None);
         };
+        let factor = rest_of_series(&distances, at);
+        let differences = factor * least;
         let mut rows: Vec<Vec<f64>> = Vec::new();
-        let mut right = Vec::new();
-        for (k, (orbit, velocity)) in self.states.iter().zip(&velocities[order]).enumerate() {
+        let (mut right, mut below) = (Vec::<f64>::new(), Vec::<f64>::new());
+        for (k, orbit) in self.states.iter().enumerate() {
             let x = &orbit[MOST];
-            let outside = |error| LearnError::Outside { pair: k + 1, error };
+            let pair = self.numbers[k];
+            let outside = |error| LearnError::Outside { pair, error };
             let tensor = geometry.tensor(x).map_err(outside)?;
-            let slopes = values_at(basis, x, names, k)?.1;
+            let slopes = values_at(basis, x, names, pair)?.1;
             let matrix = rows_at(&tensor, &slopes, 1.0);
-            let along = tensor.range.transpose() * DVector::from_column_slice(velocity) * epsilon;
-            for i in 0..along.len() {
-                rows.push(matrix.row(i).iter().copied().collect());
-                right.push(along[i]);
+            let along = |velocity: &[f64]| {
+                tensor.range.transpose() * DVector::from_column_slice(velocity) * epsilon
+            };
+            right.extend(&along(&velocities[at + 1][k]));
+            below.extend(&along(&velocities[at][k]));
+            for row in matrix.row_iter() {
+                rows.push(row.iter().copied().collect());
             }
         }
         if rows.len() < kept.len() {
@@ -139,16 +159,38 @@ impl Orbits {
             .map(|(f, b)| (f - b) * (f - b))
             .sum();
         let total: f64 = right.iter().map(|b| b * b).sum();
-        let mut coefficients = vec![0.0; basis.len()];
-        for (&j, c) in kept.iter().zip(&squares.solution) {
+        let changes: Vec<f64> = right.iter().zip(&below).map(|(a, b)| a - b).collect();
+        let change = Squares::solve(&matrix, &changes, setting.ridge, tolerance).solution;
+        let (mut coefficients, mut uncertainty) = (vec![0.0; basis.len()], vec![0.0; basis.len()]);
+        for ((&j, c), change) in kept.iter().zip(&squares.solution).zip(change) {
             coefficients[j] = *c;
+            uncertainty[j] = factor * change;
         }
-        let error = (libm::sqrt(left) + epsilon * differences) / libm::sqrt(total);
+        let unresolved = epsilon * differences / libm::sqrt(total);
+        let error = libm::sqrt(left / total) + unresolved;
         Ok(error.is_finite().then_some(Recovered {
             coefficients,
+            uncertainty,
+            unresolved,
             error,
         }))
     }
+}
+
+/// The sum of all further differences between orders, in units of the one at `at`, and 1 at least.
+///
+/// Of a motion e^{iωt} central differences over m steps are the first m terms of θ = sin θ Σ_k 4ᵏ k!²/(2k + 1)! s²ᵏ. Here θ = ωh
+/// and s = sin(θ/2). Term k + 1 is s² (2k + 2)/(2k + 3) times term k. Hence two differences give s², and all later ones sum to less than s²/(1 − s²) of the last. Where
+/// differences grow again beyond the least, that one is as near as they come.
+fn rest_of_series(distances: &[f64], at: usize) -> f64 {
+    if at + 1 < distances.len() || at == 0 || distances[at - 1] == 0.0 {
+        return 1.0;
+    }
+    // The difference at `at` is term k + 1 = `at` + 1.
+    let k = at as f64;
+    let ratio = distances[at] / distances[at - 1] * (2.0 * k + 3.0) / (2.0 * k + 2.0);
+    let ratio = ratio.min(LARGEST_RATIO);
+    (ratio / (1.0 - ratio)).max(1.0)
 }
 
 /// Up to `MOST` states after each of these; fewer where a step fails.

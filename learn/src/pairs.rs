@@ -2,18 +2,21 @@
 
 use crate::error::LearnError;
 
-/// N pairs (x, x') of states of d coordinates, x' one step after x, with a weight each.
+/// N pairs (x, x') of states of d coordinates, x' one step after x, with a weight each. The mean of the weights is 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StatePairs {
     dimension: usize,
     before: Vec<f64>,
     after: Vec<f64>,
     weights: Vec<f64>,
+    /// The place of every pair among those given, from 1.
+    numbers: Vec<usize>,
     duplicates: usize,
 }
 
 impl StatePairs {
-    /// Pairs of arrays of shape (N, d), the last axis fastest. A pair that stands twice is counted once.
+    /// Pairs of arrays of shape (N, d), the last axis fastest. A pair that stands twice is counted once, and one of weight 0 not at all.
+    /// Only ratios of weights count.
     ///
     /// # Errors
     /// [`LearnError::Shape`], [`LearnError::NotFinite`] and [`LearnError::Weights`].
@@ -42,11 +45,14 @@ impl StatePairs {
             None => vec![1.0; count],
             Some(weights) => checked(weights, count)?,
         };
+        // By the largest first: equal weights are 1 to the last bit, and no sum overflows.
+        let largest = weights.iter().fold(0.0_f64, |most, w| most.max(*w));
         let mut own = Self {
             dimension,
             before: Vec::with_capacity(before.len()),
             after: Vec::with_capacity(after.len()),
             weights: Vec::with_capacity(count),
+            numbers: Vec::with_capacity(count),
             duplicates: 0,
         };
         let mut known = std::collections::BTreeSet::new();
@@ -54,7 +60,11 @@ impl StatePairs {
             .chunks(dimension)
             .zip(after.chunks(dimension))
             .zip(weights);
-        for ((x, next), weight) in states {
+        for (at, ((x, next), weight)) in states.enumerate() {
+            let weight = weight / largest;
+            if weight == 0.0 {
+                continue;
+            }
             let bits: Vec<u64> = x.iter().chain(next).map(|v| v.to_bits()).collect();
             if !known.insert(bits) {
                 own.duplicates += 1;
@@ -63,11 +73,14 @@ impl StatePairs {
             own.before.extend(x);
             own.after.extend(next);
             own.weights.push(weight);
+            own.numbers.push(at + 1);
         }
+        let mean = own.weights.iter().sum::<f64>() / own.weights.len() as f64;
+        own.weights.iter_mut().for_each(|w| *w /= mean);
         Ok(own)
     }
 
-    /// N, each pair counted once.
+    /// N, each pair of a weight above 0 counted once.
     pub fn len(&self) -> usize {
         self.weights.len()
     }
@@ -97,7 +110,12 @@ impl StatePairs {
         &self.after[k * self.dimension..(k + 1) * self.dimension]
     }
 
-    /// Weight of pair k in the sum of squares.
+    /// The place of pair k among those given, from 1.
+    pub fn number(&self, k: usize) -> usize {
+        self.numbers[k]
+    }
+
+    /// Weight of pair k in the sum of squares, 1 in the mean.
     pub fn weight(&self, k: usize) -> f64 {
         self.weights[k]
     }

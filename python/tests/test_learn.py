@@ -24,7 +24,8 @@ def test_a_rotation_is_learned_with_its_energy() -> None:
     # tan(h/2)/h (q^2 + p^2) generates the rotation, whose H is (q^2 + p^2)/2 to the differences' (h/2)^16.
     assert learned.coefficients["q^2"] == pytest.approx(0.5, abs=1e-9)
     assert learned.coefficients["q*p"] == pytest.approx(0, abs=1e-9)
-    assert learned.errors["q^2"] < 1e-13 and learned.pairs == 60
+    # The last differences over 8 steps change it by 0.16 s^14, s = sin(h/2) = 0.2: 3e-11. All further ones change it by less.
+    assert abs(learned.coefficients["q^2"] - 0.5) < learned.errors["q^2"] < 1e-10 and learned.pairs == 60
     run = learned.scene.run(steps=100)
     exact = np.linalg.matrix_power(TURN, 100) @ [1, 0]
     # 100 steps of round-off.

@@ -10,7 +10,9 @@
 //! - SALI = min(|v̂ + ŵ|, |v̂ − ŵ|) of two vectors at right angles at first. Along chaotic motion it falls as e^{−(λ_1 − λ_2) t}
 //!   (Ch. Skokos, Journal of Physics A 34 (2001)).
 //!
-//! Between steps vectors have length 1, so that nothing overflows.
+//! Between steps vectors have length 1, so that nothing overflows. Lengths and angles may be those of the leading coordinates
+//! alone. In the phase space extended by (t, e), e is the energy that the motion takes up. Its δe grows like the product of
+//! the others with the orbit, twice as fast along an unbounded one.
 
 use leafwise_core::walk::column;
 use leafwise_core::{BuildError, StepError};
@@ -41,9 +43,29 @@ pub struct Indicators {
     pub which: Vec<Indicator>,
     /// So many [vectors](Self::vectors_of) in the leaf of a state, d numbers each, one after the other.
     pub directions: StateFunctions,
+    /// Lengths and angles are those of so many coordinates, the first.
+    pub measured: usize,
+    /// Whether these depend on the coordinates behind them. Where they do not, vectors are 0 there.
+    pub has_feedback: bool,
 }
 
 impl Indicators {
+    /// Whether vectors of d numbers each are independent.
+    pub fn are_independent(vectors: Vec<f64>, d: usize) -> bool {
+        let count = vectors.len() / d.max(1);
+        begin(vectors, (d, d), count).is_some()
+    }
+
+    /// Takes out of vectors of d numbers what no measured coordinate depends on.
+    fn drop_unmeasured(&self, vectors: &mut [f64], d: usize) {
+        if !self.has_feedback {
+            let unmeasured = vectors
+                .chunks_exact_mut(d)
+                .flat_map(|v| &mut v[self.measured..]);
+            unmeasured.for_each(|v| *v = 0.0);
+        }
+    }
+
     /// The number of vectors that indicators are begun with: two for each exponent up to the last, since exponents come in pairs, one
     /// more for SALI.
     pub fn vectors_of(which: &[Indicator]) -> usize {
@@ -85,6 +107,7 @@ impl Deviation {
     fn carry(
         &mut self,
         (tangent, d): (&[f64], usize),
+        of: &Indicators,
         room: &mut Vec<f64>,
     ) -> Result<(), StepError> {
         const LOST: StepError = StepError::NonFinite {
@@ -96,13 +119,16 @@ impl Deviation {
             room.extend(rows.map(|row| dot(row, vector)));
         }
         self.vectors.copy_from_slice(room);
+        of.drop_unmeasured(&mut self.vectors, d);
         self.steps += 1;
         let (ordered, rest) = self.vectors.split_at_mut(self.growth.len() * d);
         for k in 0..self.growth.len() {
             let (before, own) = ordered.split_at_mut(k * d);
             let own = &mut own[..d];
-            before.chunks_exact(d).for_each(|one| take_out(own, one));
-            let logarithm = libm::log(normalise(own).ok_or(LOST)?);
+            before
+                .chunks_exact(d)
+                .for_each(|one| take_out(own, one, of.measured));
+            let logarithm = libm::log(normalise(own, of.measured).ok_or(LOST)?);
             self.growth[k] += logarithm;
             if k == 0 {
                 let n = self.steps as f64;
@@ -111,21 +137,21 @@ impl Deviation {
             }
         }
         for own in rest.chunks_exact_mut(d) {
-            normalise(own).ok_or(LOST)?;
+            normalise(own, of.measured).ok_or(LOST)?;
         }
         Ok(())
     }
 
     /// An indicator after the time |t|: 0 before the first step, but for SALI.
-    fn value(&self, which: Indicator, time: f64, d: usize) -> f64 {
+    fn value(&self, which: Indicator, time: f64, (d, measured): (usize, usize)) -> f64 {
         match which {
             Indicator::Megno if self.steps == 0 => 0.0,
             Indicator::Megno => self.sum / self.steps as f64,
             Indicator::Lyapunov(_) if self.steps == 0 => 0.0,
             Indicator::Lyapunov(k) => self.growth[k - 1] / time.abs(),
             Indicator::Sali => {
-                let v = &self.vectors[..d];
-                let w = &self.vectors[self.growth.len() * d..][..d];
+                let v = &self.vectors[..measured];
+                let w = &self.vectors[self.growth.len() * d..][..measured];
                 let size = |sign: f64| {
                     let squares = v
                         .iter()
@@ -179,13 +205,26 @@ impl<'a> Deviations<'a> {
         let mut flat = Vec::new();
         for (lane, own) in self.own.iter_mut().enumerate() {
             let count = spectrum(&self.of.which);
-            let begun = begin(column(all, lane, lanes), d, 2 * count);
+            let begun = begin(column(all, lane, lanes), (d, d), 2 * count).map(|mut vectors| {
+                // The other exponent of each pair belongs to the leaf's other directions.
+                vectors.drain(count * d..2 * count * d);
+                vectors
+            });
+            let begun = match self.of.measured < d {
+                true => begun.and_then(|mut vectors| {
+                    self.of.drop_unmeasured(&mut vectors, d);
+                    begin(vectors, (d, self.of.measured), count)
+                }),
+                false => begun,
+            };
             if begun.is_none() {
                 flat.push(lane);
             }
-            let mut vectors = begun.unwrap_or_else(|| column(all, lane, lanes));
-            // The other exponent of each pair belongs to the leaf's other directions.
-            vectors.drain(count * d..2 * count * d);
+            let vectors = begun.unwrap_or_else(|| {
+                let mut vectors = column(all, lane, lanes);
+                vectors.drain(count * d..2 * count * d);
+                vectors
+            });
             *own = Deviation {
                 vectors,
                 growth: vec![0.0; count],
@@ -204,15 +243,15 @@ impl<'a> Deviations<'a> {
         time: f64,
     ) -> Result<(), Fault> {
         let tangent = tangent.ok_or(StepError::NoTangent)?;
-        self.own[lane].carry((&tangent, self.dimension), &mut self.room)?;
+        self.own[lane].carry((&tangent, self.dimension), self.of, &mut self.room)?;
         self.evaluate(lane, time);
         Ok(())
     }
 
     fn evaluate(&mut self, lane: usize, time: f64) {
-        let lanes = self.own.len();
+        let (lanes, sizes) = (self.own.len(), (self.dimension, self.of.measured));
         for (i, which) in self.of.which.iter().enumerate() {
-            self.values[i * lanes + lane] = self.own[lane].value(*which, time, self.dimension);
+            self.values[i * lanes + lane] = self.own[lane].value(*which, time, sizes);
         }
     }
 
@@ -241,37 +280,39 @@ impl<'a> Deviations<'a> {
     }
 }
 
-/// The vectors, of length 1: so many at right angles to each other, the others to the first. `None` where they are fewer
-/// directions.
-fn begin(mut vectors: Vec<f64>, d: usize, count: usize) -> Option<Vec<f64>> {
+/// The vectors, of length 1 in the measured coordinates: so many at right angles to each other, the others to the first. `None`
+/// where they are fewer directions.
+fn begin(mut vectors: Vec<f64>, (d, measured): (usize, usize), count: usize) -> Option<Vec<f64>> {
     for k in 0..vectors.len() / d.max(1) {
         let (before, own) = vectors.split_at_mut(k * d);
         let own = &mut own[..d];
         let before = if k < count { before } else { &mut before[..d] };
-        normalise(own)?;
+        normalise(own, measured)?;
         // Twice is enough.
         for _ in 0..2 {
-            before.chunks_exact(d).for_each(|one| take_out(own, one));
+            before
+                .chunks_exact(d)
+                .for_each(|one| take_out(own, one, measured));
         }
-        if norm(own) <= APART {
+        if norm(&own[..measured]) <= APART {
             return None;
         }
-        normalise(own)?;
+        normalise(own, measured)?;
     }
     Some(vectors)
 }
 
 /// Takes the part along a vector of length 1 out.
-fn take_out(own: &mut [f64], one: &[f64]) {
-    let part = dot(own, one);
+fn take_out(own: &mut [f64], one: &[f64], measured: usize) {
+    let part = dot(&own[..measured], &one[..measured]);
     for (x, y) in own.iter_mut().zip(one) {
         *x -= part * y;
     }
 }
 
-/// Divides by the norm, which it returns; `None` where that is 0 or no number.
-fn normalise(own: &mut [f64]) -> Option<f64> {
-    let norm = norm(own);
+/// Divides by the norm of the measured coordinates, which it returns; `None` where that is 0 or no number.
+fn normalise(own: &mut [f64], measured: usize) -> Option<f64> {
+    let norm = norm(&own[..measured]);
     if !(norm > 0.0 && norm.is_finite()) {
         return None;
     }

@@ -413,6 +413,14 @@ fn build(
 ) -> Result<Arc<dyn StepMap>, BuildError> {
     parameters.refuse_unknown(&INFO)?;
     if let Some(system) = system.opaque() {
+        if matches!(bodies(parameters)?, Bodies::Whole) {
+            return Err(BuildError::DoesNotFit {
+                part: NAME,
+                reason:
+                    "of sums over pairs in a loop no body has a flow of its own: leave `bodies` out"
+                        .to_owned(),
+            });
+        }
         return Ok(Arc::new(Shears::new(&INFO, system, parameters)?));
     }
     Ok(Arc::new(Splitting::with_parameters(system, parameters)?))

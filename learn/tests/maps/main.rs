@@ -3,6 +3,7 @@
 mod confidence;
 mod refusals;
 mod support;
+mod weights;
 
 use leafwise_learn::{BasisAxis, FunctionFamily, LearnAdvice, LearnOptions};
 use support::{Draws, PENDULUM, Place, RIGID_BODY, logarithms, orbit, polynomials, rms};

@@ -3,11 +3,15 @@
 //! Ȳ tends to 2 on tori and to 0 where neighbours do not part (isochronous motion). Along chaotic motion it grows like λt/2.
 //! Judged by the second half of a run, the motion is
 //!
-//! - regular, where Ȳ stays at or below 2.2 and changes by 0.2 at most: e-folding times below a quarter of the run would
-//!   have shown;
-//! - chaotic, where Ȳ ends at 4 or more and at 1.5 times or more of its value in the middle;
+//! - regular, where Ȳ stays at or below 2.2 and changes by 0.2 at most. E-folding times below a quarter of the run would
+//!   have shown.
+//! - regular too, where forces make neighbours approach: Ȳ ends at −4 or less, and at 1.5 times or more of its negative
+//!   value in the middle.
+//! - chaotic, where Ȳ ends at 4 or more and at 1.5 times or more of its value in the middle.
+//! - unstable in its place, where the motion is a flow on a leaf of two dimensions, which is not chaotic.
 //! - not yet known elsewhere, and where fewer than 8 samples lie there.
 
+use leafwise_scene::compose::ComposedRun;
 use leafwise_scene::json::{double, optional};
 use serde::Serialize;
 
@@ -18,7 +22,8 @@ const LEAST_SAMPLES: usize = 8;
 const REGULAR: f64 = 2.2;
 const STEADY: f64 = 0.2;
 
-/// The smallest Ȳ of chaotic motion at the end, and its smallest growth from the middle on.
+/// The smallest Ȳ of chaotic motion at the end, and its smallest growth from the middle on; with the other sign, those of
+/// neighbours that approach.
 const CHAOTIC: f64 = 4.0;
 const GROWTH: f64 = 1.5;
 
@@ -26,10 +31,12 @@ const GROWTH: f64 = 1.5;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum MotionKind {
-    /// Neighbours part as on a torus, or not at all.
+    /// Neighbours part as on a torus, or not at all, or approach.
     Regular,
     /// Neighbours part exponentially.
     Chaotic,
+    /// Neighbours part exponentially so far, in two dimensions, where a motion is not chaotic.
+    Unstable,
     /// Neither yet.
     NotYetKnown,
 }
@@ -37,7 +44,7 @@ pub enum MotionKind {
 /// Verdict of MEGNO on a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ChaosVerdict {
-    /// Regular, chaotic or not yet known.
+    /// Regular, chaotic, unstable or not yet known.
     pub motion: MotionKind,
     /// Ȳ at the end.
     #[serde(serialize_with = "double")]
@@ -61,7 +68,9 @@ impl ChaosVerdict {
             (least.min(*value), most.max(*value))
         });
         let is_known = late.len() >= LEAST_SAMPLES && late.iter().all(|(_, y)| y.is_finite());
-        let motion = if is_known && most <= REGULAR && most - least <= STEADY {
+        let is_steady = most <= REGULAR && most - least <= STEADY;
+        let is_falling = half < 0.0 && megno <= -CHAOTIC && megno <= GROWTH * half;
+        let motion = if is_known && (is_steady || is_falling) {
             MotionKind::Regular
         } else if is_known && megno >= CHAOTIC && megno >= GROWTH * half {
             MotionKind::Chaotic
@@ -78,6 +87,21 @@ impl ChaosVerdict {
         })
     }
 
+    /// The same of a run's motion: in two dimensions unstable in the place of chaotic.
+    #[must_use]
+    pub fn of(self, run: &ComposedRun) -> Self {
+        let is_unstable =
+            self.motion == MotionKind::Chaotic && run.is_planar().is_ok_and(|planar| planar);
+        match is_unstable {
+            true => Self {
+                motion: MotionKind::Unstable,
+                e_folding_time: None,
+                ..self
+            },
+            false => self,
+        }
+    }
+
     /// In a sentence.
     pub fn text(&self) -> String {
         let megno = format!("MEGNO {:.3}", self.megno);
@@ -85,6 +109,12 @@ impl ChaosVerdict {
             (MotionKind::Chaotic, Some(time)) => {
                 let time = rounded(time, 2);
                 format!("chaotic, e-folding time {time}: {megno}, and growing")
+            }
+            (MotionKind::Unstable, _) => format!(
+                "unstable: {megno}, and growing; neighbours part exponentially so far, but a motion in two dimensions is not chaotic"
+            ),
+            (MotionKind::Regular, _) if self.megno <= -CHAOTIC => {
+                format!("regular: {megno}, and falling; neighbours approach")
             }
             (MotionKind::Regular, _) => format!(
                 "regular: {megno}, and steady; an e-folding time below {} would have shown",
@@ -127,10 +157,25 @@ mod tests {
     }
 
     #[test]
+    fn neighbours_that_approach_are_those_of_regular_motion() {
+        let sink = of(|t| -0.05 * t, 40);
+        assert_eq!(
+            (sink.motion, sink.e_folding_time),
+            (MotionKind::Regular, None)
+        );
+        assert_eq!(
+            sink.text(),
+            "regular: MEGNO -50.000, and falling; neighbours approach"
+        );
+    }
+
+    #[test]
     fn what_is_neither_is_not_yet_known() {
         // On its way to 2, above 4 and not growing, too few samples, no samples.
         assert_eq!(of(|t| 0.002 * t, 40).motion, MotionKind::NotYetKnown);
         assert_eq!(of(|_| 5.0, 40).motion, MotionKind::NotYetKnown);
+        // Falling from a positive value: neighbours have only begun to approach.
+        assert_eq!(of(|t| 6.0 - 0.011 * t, 40).motion, MotionKind::NotYetKnown);
         assert_eq!(of(|_| 2.0, 4).motion, MotionKind::NotYetKnown);
         assert_eq!(of(|_| f64::NAN, 40).motion, MotionKind::NotYetKnown);
         assert_eq!(ChaosVerdict::new(&[], None), None);

@@ -65,7 +65,8 @@ pub(super) fn chaos(
     let samples: Vec<(f64, f64)> = rows.iter().map(|row| (row[0], row[megno])).collect();
     let exponent = column(Indicator::Lyapunov(1)).zip(rows.last());
     let exponent = exponent.map(|(at, row)| row[at]);
-    Ok(ChaosVerdict::new(&samples, exponent))
+    let verdict = ChaosVerdict::new(&samples, exponent);
+    Ok(verdict.map(|verdict| verdict.of(run)))
 }
 
 /// An energy kept badly, judged along the run's orbit.

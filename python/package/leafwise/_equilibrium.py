@@ -76,7 +76,7 @@ def import_equilibrium(
         "degree": str(count("degree", degree, 2)),
     }
     told: dict[str, Any] = command(
-        "import", "--out", fspath(out), *(f"--{name}={value}" for name, value in options.items()), "--", fspath(file)
+        "import", "--out", fspath(out), *(f"--{name}={value}" for name, value in options.items()), fspath(file)
     )
     return Equilibrium(
         scene=Scene.load(told["scene"]),

@@ -31,11 +31,11 @@ class Learned:
         degree: the degree of the basis.
         degrees: root mean square of what is left of pairs that were held out, by degree; empty where the degree was given.
         coefficients: coefficients of H by function.
-        errors: their standard errors, from the residuals.
-        pairs: how many pairs there were, each counted once.
+        errors: their errors, from the residuals and from how far H is found from orbits of the learned map.
+        pairs: how many pairs of a weight above 0 there were, each counted once.
         residual: root mean square of what is left of a direction of x' - x along leaves.
         step_error: standard error of a learned step, by the residuals.
-        energy_error: standard error of H less its mean, over the pairs.
+        energy_error: error of H less its mean, over the pairs.
         warnings: what is to be known.
         report: everything that ``leafwise learn --json`` prints.
     """
@@ -75,7 +75,7 @@ def learn(
         degree: the degree; by default the lowest that pairs which are held out do not tell from the best.
         time_step: the time between x and x'; by default the scene's.
         ridge: the penalty of coefficients, relative to columns of unit length.
-        weights: a weight for each pair.
+        weights: a weight for each pair. Only their ratios count, and pairs of weight 0 are left out.
         noisy: whether both x and x' have errors of one size. Both are then corrected: total least squares.
 
     Returns:

@@ -156,7 +156,7 @@ pub struct ImportArguments {
     /// The surface where particles start: 0 is the axis, 1 the edge
     #[arg(long, default_value_t = 0.5, value_name = "S")]
     pub surface: f64,
-    /// Particles of an ensemble, uniform on the surface and in u/v [default: no ensemble]
+    /// Particles of an ensemble, uniform in a thin shell about the surface and in u/v [default: no ensemble]
     #[arg(
         long,
         default_value_t = 0,

@@ -73,9 +73,17 @@ pub fn execute(arguments: &ImportArguments, console: &mut Console<'_>) -> Result
     let scene = directory.join("scene.toml");
     files::make_directory(&directory)?;
     let help = "name another directory: --out DIRECTORY";
-    files::write_new(&scene, &written.scene, help)?;
-    for (name, text) in &written.files {
-        files::write(&directory.join(name), text)?;
+    let tables = written.files.iter();
+    let tables = tables.map(|(name, text)| (directory.join(name), text));
+    let all: Vec<(PathBuf, &String)> = tables.chain([(scene.clone(), &written.scene)]).collect();
+    if let Some((known, _)) = all.iter().find(|(file, _)| file.exists()) {
+        return Err(Failure::usage(
+            format!("{} exists and is left as it is", known.display()),
+            help,
+        ));
+    }
+    for (file, text) in all {
+        files::write_new(&file, text, help)?;
     }
     let factors = safety_factors(&equilibrium);
     if arguments.json {

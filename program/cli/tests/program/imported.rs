@@ -46,10 +46,14 @@ fn an_equilibrium_becomes_a_scene_that_runs() {
     assert_eq!(said.code, Some(0), "{}", said.err);
     let said = here.leafwise(&["import", "shot.geqdsk"]);
     assert_eq!(said.code, Some(2));
-    said.says(&[
-        "shot/scene.toml exists and is left as it is",
-        "--out DIRECTORY",
-    ]);
+    said.says(&["exists and is left as it is", "--out DIRECTORY"]);
+    // A table of the user's stays too, and nothing is written beside it.
+    fs::create_dir(here.path("mine")).expect("a folder");
+    here.write("mine/psi.csv", "mine");
+    let said = here.leafwise(&["import", "shot.geqdsk", "--out", "mine"]);
+    assert_eq!(said.code, Some(2));
+    assert_eq!(here.read("mine/psi.csv"), "mine");
+    assert!(!here.path("mine/scene.toml").exists());
 }
 
 #[test]

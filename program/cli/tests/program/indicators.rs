@@ -97,6 +97,18 @@ fn they_are_refused_where_steps_have_no_tangent() {
             ],
         ),
         (
+            vec!["run.record.observables=[\"lyapunov 0\"]"],
+            ["`lyapunov 0` is no indicator of chaos", "`lyapunov 2`"],
+        ),
+        (
+            vec!["run.record.observables=[\"lyapunov 1.5\"]"],
+            ["`lyapunov 1.5` is no indicator of chaos", "`lyapunov 2`"],
+        ),
+        (
+            vec!["run.record.observables=[\"sali 2\"]"],
+            ["`sali 2` is no indicator of chaos", "write `megno`"],
+        ),
+        (
             vec!["run.record.observables=[\"lyapunv\"]"],
             ["unknown observable `lyapunv`", "did you mean `lyapunov`?"],
         ),

@@ -353,10 +353,39 @@ fn vectors_that_do_not_fit_are_refused() {
             "the state has no coordinates `L`",
         ),
         ("\"2*r\"", "\"2 + r\"", "vector"),
+        (
+            "L = \"cross(r, p)\"",
+            "L = \"cross(r, p)\", energy = \"2*r\"",
+            "a vector has a name of its own",
+        ),
+        (
+            "p = 3 }",
+            "p = [\"x\", \"z\", \"y\"] }",
+            "in the order x, y, z",
+        ),
     ] {
         let here = Place::with(&VECTORS.replace(from, to));
         let said = here.leafwise(&["check", "scene.toml"]);
         assert_eq!(said.code, Some(3), "{to}: {}", said.err);
         said.says(&[message]);
     }
+}
+
+/// A vector that is recorded by its name has the names of its own components.
+#[test]
+fn a_vector_by_its_name_keeps_its_letters() {
+    let scene = VECTORS.replace("p = 3 }", "p = [\"u\", \"v\", \"w\"] }");
+    let scene = scene.replace("L.z", "p.w").replace("\"2*r\"", "\"p\"");
+    let pairs = "{ \"r.x,p.u\" = -1, \"r.y,p.v\" = -1, \"r.z,p.w\" = -1 }";
+    let scene = scene.replace("\"canonical\"", pairs);
+    let scene = scene.replace("states = [\"p\", \"r.x\"]", "states = [\"r\"]");
+    let here = Place::with(&scene);
+    let said = here.leafwise(&["run", "scene.toml", "--out", "out"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let samples = here.read("out/samples.csv");
+    let headings = samples.lines().next().expect("headings");
+    assert!(
+        headings.ends_with("lenz.z,p.u,p.v,p.w,norm(A)"),
+        "{headings}"
+    );
 }

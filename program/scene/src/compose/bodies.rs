@@ -2,7 +2,7 @@
 
 use leafwise_core::lattice::{LatticeGeometry, TemplateReach};
 use leafwise_core::pairs::{BodyFunction, BodyShape, BodySum, BodySystem};
-use leafwise_core::part::{Family, PartInfo, PartKind};
+use leafwise_core::part::{Family, ParameterDefault, PartInfo, PartKind};
 use leafwise_core::system::Parameter;
 use leafwise_core::{PartParameters, PoissonSystem, Registry};
 use leafwise_expression::Expression;
@@ -20,7 +20,7 @@ use super::observables::{RecordedFormula, expression, observables_in};
 use super::system::{ComposedSystem, check_contradictions, check_sites};
 use super::tensor::{Entries, entries};
 use super::time::wants_time;
-use crate::document::{Convention, Located, ParameterValue, SceneDocument};
+use crate::document::{Convention, Located, ParameterValue, PartSpec, SceneDocument};
 
 /// The fewest sites whose pairs are evaluated in a loop: those of fewer are written out.
 const FEWEST_SITES: usize = 16;
@@ -94,7 +94,7 @@ pub(super) fn many_bodies(
     })?;
     let system = PoissonSystem::from(compiled);
     let serves = stepper.info.serves_numbers.is_some()
-        || stepper.build(&system, &PartParameters::new()).is_ok();
+        || stepper.build(&system, &words(named, stepper.info)).is_ok();
     if !serves {
         return unless_too_long(document, registry);
     }
@@ -120,6 +120,21 @@ pub(super) fn many_bodies(
         })?,
         events,
     }))
+}
+
+/// The words that a scene gives a stepper: some ask for what a loop has not, as flows of whole bodies.
+fn words(named: Option<&PartSpec>, info: &PartInfo) -> PartParameters {
+    let given = named.into_iter().flat_map(|spec| &spec.parameters);
+    given.fold(PartParameters::new(), |words, (key, value)| {
+        let mut known = info.parameters.iter();
+        let known = known.find(|p| p.name == key.value);
+        match (&value.value, known.map(|p| (p.name, p.default))) {
+            (ParameterValue::Text(word), Some((name, ParameterDefault::Text(_)))) => {
+                words.with(name, word.as_str())
+            }
+            _ => words,
+        }
+    })
 }
 
 /// Whether a scene is a chain of more than a few sites that nothing moves but its H.

@@ -178,11 +178,51 @@ impl ComposedRun {
         if count == 0 {
             return None;
         }
+        // e is the last coordinate. It moves others by its part of K = (H + e) g alone.
+        let measured = self.dimension() - usize::from(self.extension.is_some());
+        Some(Indicators {
+            which,
+            directions: self.leaf_directions(count),
+            measured,
+            has_feedback: self.pace().is_some(),
+        })
+    }
+
+    /// So many vectors in the symplectic leaf of a state, one after the other.
+    fn leaf_directions(&self, count: usize) -> StateFunctions {
         let (system, d) = (Arc::new(self.system.clone()), self.dimension());
-        let directions = StateFunctions::each(count * d, move |parameters| {
+        StateFunctions::each(count * d, move |parameters| {
             Ok(LeafDirections::new(&system, parameters, count)?.into())
-        });
-        Some(Indicators { which, directions })
+        })
+    }
+
+    /// Whether the motion is a flow on a symplectic leaf of two dimensions at most, forces or not: such a motion is not chaotic.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where an entry of the tensor has no code.
+    pub fn is_planar(&self) -> Result<bool, BuildError> {
+        if self.method.lattice().is_some() || self.method.noise().is_some() {
+            return Ok(false);
+        }
+        let beside = match &self.extension {
+            None => 0,
+            // A pace alone: the orbits of x are those of the time.
+            Some(extension) if extension.pace.is_some() && !self.knows_time(extension) => 2,
+            Some(_) => return Ok(false),
+        };
+        // Three vectors are never independent in two dimensions.
+        let directions = self.leaf_directions(3 + beside);
+        let mut directions = directions.values(1, &self.system.parameter_values())?;
+        let vectors = directions.at(&self.plan.initial).to_vec();
+        Ok(!Indicators::are_independent(vectors, self.dimension()))
+    }
+
+    /// Whether H, entries of the tensor, forces or the pace name the time, or the tensor has no entries and may name it.
+    fn knows_time(&self, extension: &Extension) -> bool {
+        self.system.expressions().is_none_or(|formulas| {
+            let names_it = |part: &Expression| part.variables().contains(&extension.coordinates);
+            formulas.tensor().is_empty() || formulas.parts().any(names_it)
+        })
     }
 }
 

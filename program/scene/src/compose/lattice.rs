@@ -17,7 +17,7 @@ use super::instantiate::instantiate;
 use super::lattice_functions::LatticeFunctions;
 use super::lattice_noise::SiteTerms;
 use super::names::{function, is_a_sum, of_lattice, parse, parse_text, refusal};
-use super::observables::{Observable, coordinate, observables};
+use super::observables::{Observable, asks_for_indicator, coordinate, observables};
 use super::sum::summands;
 use super::time::wants_time;
 use crate::document::{BracketSpec, Located, MetricSpec, OneFormSpec, Place, SceneDocument};
@@ -273,12 +273,19 @@ impl<'a> SceneLattice<'a> {
                     .iter()
                     .any(|(casimir, _)| casimir.value == name)
         };
+        let defined = system.define.iter().map(|(name, _)| name);
+        let parameters = system.parameters.iter().map(|(name, _)| name);
+        let own: Vec<&str> = defined
+            .chain(parameters)
+            .map(|name| name.value.as_str())
+            .collect();
         let recorded = self.document.run.record.observables.iter();
         let recorded = recorded
             .map(|observable| &observable.formula)
             .filter(|formula| {
                 let text = &formula.value;
-                !named(text) && coordinate(&self.geometry, text).is_none()
+                let is_indicator = asks_for_indicator(text) && !own.contains(&text.as_str());
+                !named(text) && !is_indicator && coordinate(&self.geometry, text).is_none()
             });
         std::iter::once(&system.hamiltonian)
             .chain(system.casimirs.iter().map(|(_, formula)| formula))

@@ -126,7 +126,10 @@ pub(super) fn observables_in(
             chosen.push(Observable::Invariant { name, index: 0 });
             continue;
         }
-        if indicator(&formula.value).is_some() && !is_declared(formula, &known) {
+        if asks_for_indicator(&formula.value) && !is_declared(formula, &known) {
+            if indicator(&formula.value).is_none() {
+                return Err(no_indicator(document, formula));
+            }
             let earlier = chosen
                 .iter()
                 .filter(|o| matches!(o, Observable::Indicator { .. }));
@@ -206,6 +209,29 @@ pub(super) fn indicator(text: &str) -> Option<Indicator> {
     }
 }
 
+/// Whether a text is that of an indicator, with or without something behind it, rightly or not.
+pub(super) fn asks_for_indicator(text: &str) -> bool {
+    let text = text.trim();
+    let (name, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
+    let rest = rest.trim_start();
+    let behind = rest.strip_prefix(['+', '-']).unwrap_or(rest);
+    let is_word = |c: char| c.is_alphanumeric() || c == '.';
+    INDICATORS.contains(&name) && (rest.is_empty() || behind.starts_with(is_word))
+}
+
+/// The refusal of a text that asks for no indicator there is.
+fn no_indicator(document: &SceneDocument, asked: &Located<String>) -> Refusal {
+    Box::new(document.diagnostic(
+        &document.place_in_formula(asked, 0..asked.value.len()),
+        format!("`{}` is no indicator of chaos", asked.value),
+        "here",
+        Some(
+            "write `megno`, `sali`, `lyapunov`, or `lyapunov 2`, `lyapunov 3`, … for the second, third, … largest exponent"
+                .to_owned(),
+        ),
+    ))
+}
+
 /// A formula of the state by its text.
 ///
 /// # Errors
@@ -250,7 +276,7 @@ pub(super) fn expression(
 mod tests {
     use leafwise_walk::Indicator;
 
-    use super::{indicator, shadow_order};
+    use super::{asks_for_indicator, indicator, shadow_order};
 
     #[test]
     fn an_order_may_stand_behind_the_name() {
@@ -266,6 +292,18 @@ mod tests {
         assert_eq!(indicator(" lyapunov  4"), Some(Indicator::Lyapunov(4)));
         for none in ["lyapunov 0", "lyapunov4", "lyapunov -1", "Megno", "energy"] {
             assert_eq!(indicator(none), None, "{none}");
+        }
+        for wrong in [
+            "lyapunov 0",
+            "lyapunov 1.5",
+            "lyapunov -1",
+            "sali 2",
+            "megno two",
+        ] {
+            assert!(asks_for_indicator(wrong), "{wrong}");
+        }
+        for formula in ["lyapunov - 1", "sali + q", "lyapunov4", "energy", "2*megno"] {
+            assert!(!asks_for_indicator(formula), "{formula}");
         }
     }
 }

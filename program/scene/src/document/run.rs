@@ -6,6 +6,7 @@ use super::error::SceneProblemCause;
 use super::field::{FieldSpec, check_sites_once, read_field};
 use super::located::{Located, Number, Place};
 use super::method::MethodSection;
+use super::observable::ObservableSpec;
 use super::reader::{Item, Problems, Table};
 use super::schema::{RECORD, RUN, SECTION};
 use super::system_section::SystemSection;
@@ -33,22 +34,6 @@ pub struct RecordSpec {
     pub observables: Vec<ObservableSpec>,
     /// The coordinates that are recorded, by names and slices; where not said, all of a small system.
     pub states: Option<Vec<Located<String>>>,
-}
-
-/// One observable.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ObservableSpec {
-    /// Name of its column, where the scene gives it one.
-    pub name: Option<Located<String>>,
-    /// `energy`, a Casimir's name, or a formula of the state.
-    pub formula: Located<String>,
-}
-
-impl ObservableSpec {
-    /// The heading of its column.
-    pub fn heading(&self) -> &str {
-        &self.name.as_ref().unwrap_or(&self.formula).value
-    }
 }
 
 /// In `states`, every coordinate.

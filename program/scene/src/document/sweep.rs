@@ -4,9 +4,10 @@ use toml_edit::Key;
 
 use super::error::SceneProblemCause;
 use super::located::{Located, Place};
+use super::observable::ObservableSpec;
 use super::overrides::{NO_PATH, alternatives, check_path, parse_path};
 use super::reader::{Item, Problems, Table};
-use super::run::{ObservableSpec, read_observables};
+use super::run::read_observables;
 use super::schema::{GRID_RANGES, SWEEP, SWEEP_RECORD};
 use super::system_section::SystemSection;
 

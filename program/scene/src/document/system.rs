@@ -398,7 +398,7 @@ fn read_inline(
     check_sites(&system, problems);
     add_sites(&mut system, problems);
     check_names(&system, problems);
-    define_vectors(&mut system);
+    define_vectors(&mut system, problems);
     force_vectors(&mut system);
     check_dimension(table, &system, problems);
     check_summands(&system, problems);

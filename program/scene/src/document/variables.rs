@@ -67,6 +67,19 @@ fn components(item: &Item<'_>, problems: &mut Problems) -> Option<Vec<Located<St
             problems.push(cause, item.place());
             return None;
         }
+        let letters = names
+            .iter()
+            .map(|name| COMPONENTS.iter().position(|c| *c == name.value));
+        let letters: Option<Vec<usize>> = letters.collect();
+        if letters.is_some_and(|letters| !letters.is_sorted()) {
+            let cause = SceneProblemCause::Shape {
+                what: item.title.clone(),
+                found: "x, y and z in another order".to_owned(),
+                expected: "them in the order x, y, z, in which vectors are multiplied".to_owned(),
+            };
+            problems.push(cause, item.place());
+            return None;
+        }
         return Some(names);
     }
     let most = COMPONENTS.len() as u64;

@@ -1,22 +1,25 @@
 //! Formulas of vectors, written out for their components.
 
-use leafwise_expression::syntax::Formula;
+use leafwise_expression::syntax::{Formula, Scope};
 
 use super::error::SceneProblemCause;
 use super::field::FieldSpec;
 use super::forces::{ByCoordinate, OneFormSpec};
 use super::located::{Located, Place, Source};
+use super::observable::ObservableSpec;
 use super::reader::{Item, Problems};
-use super::run::ObservableSpec;
 use super::system_section::{SystemSection, VectorFamily};
 use super::variables::COMPONENTS;
+
+/// Names of the energy, the time and the derivative.
+const TAKEN: [&str; 3] = ["energy", "t", "D"];
 
 /// The formulas of a vector's components with the components' letters; `None` for a number, and where errors are told later.
 fn components(
     system: &SystemSection,
     name: &str,
     formula: &Located<String>,
-) -> Option<Vec<(&'static str, Located<String>)>> {
+) -> Option<Vec<(String, Located<String>)>> {
     let vectors = system.named_vectors();
     if vectors.is_empty() {
         return None;
@@ -27,8 +30,29 @@ fn components(
         return None;
     }
     let texts = COMPONENTS.into_iter().zip(parts);
-    let texts = texts.map(|(letter, part)| (letter, written(&format!("{name}.{letter}"), &part)));
+    let texts = texts.map(|(letter, part)| {
+        let formula = written(&format!("{name}.{letter}"), &part);
+        (letter.to_owned(), formula)
+    });
     Some(texts.collect())
+}
+
+/// The letters and formulas of a vector that is named alone: those of its own components.
+fn components_by_name(
+    system: &SystemSection,
+    formula: &Located<String>,
+) -> Option<Vec<(String, Located<String>)>> {
+    let mut vectors = system.all_vectors();
+    let vector = vectors.find(|vector| vector.name.value == formula.value.trim())?;
+    let components = vector.components.iter().map(|letter| {
+        let text = vector.family(&letter.value);
+        (letter.value.clone(), formula.clone().map(|_| text))
+    });
+    let is_single = !system
+        .vectors
+        .iter()
+        .any(|family| family.name == vector.name);
+    is_single.then(|| components.collect())
 }
 
 /// A formula with a text of its own: errors underline it there.
@@ -46,7 +70,9 @@ fn written(name: &str, part: &Formula) -> Located<String> {
 }
 
 /// Writes definitions that are vectors out, whatever their order: `L = "cross(r, p)"` defines `L.x`, `L.y` and `L.z`.
-pub(super) fn define_vectors(system: &mut SystemSection) {
+///
+/// Records names that a vector cannot have: those of invariants, of the time and of functions.
+pub(super) fn define_vectors(system: &mut SystemSection, problems: &mut Problems) {
     loop {
         let mut all = system.define.iter().enumerate();
         let next = all.find_map(|(at, (name, formula))| {
@@ -56,15 +82,27 @@ pub(super) fn define_vectors(system: &mut SystemSection) {
         let Some((at, name, parts)) = next else {
             return;
         };
-        let letters = parts.iter().map(|(letter, _)| *letter);
+        let mut casimirs = system.casimirs.iter();
+        let is_taken = casimirs.any(|(casimir, _)| *casimir.value == *name.value)
+            || TAKEN.contains(&name.value.as_str())
+            || Scope::check_name(&name.value).is_err();
+        if is_taken {
+            let cause = SceneProblemCause::InvalidName {
+                kind: "definition",
+                name: name.value.clone(),
+                reason: "a vector has a name of its own: this one is a function, an invariant or the time",
+            };
+            problems.push(cause, name.place());
+        }
+        let letters = parts.iter().map(|(letter, _)| letter.clone());
         let vector = VectorFamily {
             components: letters
-                .map(|letter| Located::new(letter.to_owned(), name.place()))
+                .map(|letter| Located::new(letter, name.place()))
                 .collect(),
             name: name.clone(),
         };
         let parts = parts.into_iter().map(|(letter, formula)| {
-            let component = name.clone().map(|_| vector.family(letter));
+            let component = name.clone().map(|_| vector.family(&letter));
             (component, formula)
         });
         system.define.splice(at..=at, parts.collect::<Vec<_>>());
@@ -110,7 +148,9 @@ pub(super) fn observe_vectors(
     };
     let each = observables.into_iter().flat_map(|spec| {
         let heading = spec.heading().to_owned();
-        let Some(parts) = components(system, &heading, &spec.formula) else {
+        let parts = components_by_name(system, &spec.formula)
+            .or_else(|| components(system, &heading, &spec.formula));
+        let Some(parts) = parts else {
             return vec![spec];
         };
         let place = spec.formula.place();
@@ -130,10 +170,14 @@ pub(super) fn read_vector(
     system: Option<&SystemSection>,
     problems: &mut Problems,
 ) -> Option<Vec<(Located<String>, FieldSpec)>> {
-    let keys = system?.components_of_key(&item.key.value)?;
     if !item.is_list() {
         return None;
     }
+    let Some(system) = system else {
+        // What the system has wrong is told there: whether this is a vector is not known.
+        return Some(Vec::new());
+    };
+    let keys = system.components_of_key(&item.key.value)?;
     let formulas = item.list_of("a list of formulas or numbers", problems, Item::formula)?;
     if formulas.len() != keys.len() {
         let cause = SceneProblemCause::Shape {

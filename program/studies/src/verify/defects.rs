@@ -34,6 +34,9 @@ impl StepDefect {
 /// Steps an eighth of an octave apart, from eight times the problem's down to a 64th of it.
 const SIZES: u32 = 72;
 
+/// Times its bound that round-off may be where large terms cancel.
+const CANCELLED: f64 = 64.0;
+
 /// Round-off of a relative defect, at least and at most.
 const PLATEAU: [f64; 2] = [8.0 * f64::EPSILON, Defect::ROUND_OFF];
 
@@ -82,13 +85,27 @@ impl Defects {
         (!self.points.is_empty()).then(|| self.points.iter().all(|(_, m)| is_none(m)))
     }
 
+    /// Whether defects are those of a step that is no Poisson map: they grow with the step, or are far above round-off.
+    ///
+    /// Where large terms cancel, as in a one-form of charge over mass, round-off is above [`PLATEAU`], and does not grow.
+    fn grows(&self) -> bool {
+        let largest = self.points.iter().filter(|(_, m)| m.is_told());
+        let largest = largest.fold(0.0, |largest, (_, m)| m.defect.max(largest));
+        let exponent = match (self.order.exponent, self.order.tolerance) {
+            (Some(exponent), Some(tolerance)) => Some(exponent - tolerance),
+            _ => self.order.at_least,
+        };
+        largest > CANCELLED * PLATEAU[1] || exponent.is_some_and(|exponent| exponent > 0.0)
+    }
+
     /// The declared structure of a Poisson map against them. Round-off at every step is an exact structure, and better
     /// than any order.
     pub fn judge(&self, declared: MapProperties) -> Judgement {
         match (declared.structure, self.is_round_off()) {
             (_, None) | (Structure::Leaves | Structure::None, _) => Judgement::Open,
             (_, Some(true)) => Judgement::Met,
-            (Structure::Exact, Some(false)) => Judgement::NotMet,
+            (Structure::Exact, Some(false)) if self.grows() => Judgement::NotMet,
+            (Structure::Exact, Some(false)) => Judgement::Undecided,
             (Structure::Order(n), Some(false)) => self.order.judge(n),
         }
     }

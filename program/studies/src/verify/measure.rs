@@ -100,7 +100,7 @@ pub fn measure(
         match declared.structure {
             Structure::Leaves => judge_leaves(problem, run.drift.casimirs),
             Structure::Exact => match defects.judge(declared) {
-                Judgement::Met | Judgement::Open if !run.keeps_structure() => Judgement::NotMet,
+                _ if !run.keeps_structure() => Judgement::NotMet,
                 judgement => judgement,
             },
             Structure::Order(n) => defects.judge(declared).on_rough(n, smooth),

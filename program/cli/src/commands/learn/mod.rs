@@ -40,6 +40,12 @@ pub fn execute(
     plugins: &PluginArguments,
     console: &mut Console<'_>,
 ) -> Result<u8, Failure> {
+    if let Some(file) = arguments.out.as_ref().filter(|file| file.exists()) {
+        return Err(Failure::usage(
+            format!("{} exists and is left as it is", file.display()),
+            "name another file: --out NAME.toml",
+        ));
+    }
     let mut parts = Parts::new(plugins)?;
     let document = parts.scene(&arguments.scene)?;
     let shown = console.shown(false);
@@ -53,6 +59,12 @@ pub fn execute(
             "shorten it",
         ));
     };
+    if run.pace().is_some() {
+        return Err(Failure::usage(
+            "a scene with a pace has steps of different times, and pairs are all one time step apart",
+            "take method.pace out of the scene",
+        ));
+    }
     if run.extension.is_some() || run.plan.coordinates != run.system.dimension() {
         return Err(Failure::usage(
             "a system whose Hamiltonian or bracket names the time, or parameters of sites, has no map of its states alone to learn",
@@ -203,12 +215,18 @@ fn far(learned: &mut Learned, run: &ComposedRun) -> Option<String> {
     let (epsilon, h) = (run.plan.epsilon, run.plan.h);
     let mut walk = Walk::new(run.method.map(), &parameters, epsilon, h, &run.plan.initial);
     let most = FAR * learned.largest_leverage.max(f64::MIN_POSITIVE);
-    let mut first = (learned.leverage(walk.state()) > most).then_some(0);
+    let mut first = None;
+    let mut last = run.plan.initial.clone();
+    // Of each state by its own step: the last one is of the step before.
     let ended = walk.watch(steps, |walk| {
-        if first.is_none() && learned.leverage(walk.state()) > most {
-            first = Some(walk.steps());
+        if first.is_none() && learned.leverage_between(&last, walk.state()) > most {
+            first = Some(walk.steps() - 1);
         }
+        last.copy_from_slice(walk.state());
     });
+    if first.is_none() && learned.leverage(&last) > most {
+        first = Some(walk.steps());
+    }
     let told = match (first, ended) {
         (Some(0), _) => "the scene's initial state is".to_owned(),
         (Some(step), _) => format!("from the scene's initial state on, step {step} is"),

@@ -50,7 +50,7 @@ pub(super) fn lines(learned: &Learned) -> Vec<String> {
     rows.push(row(
         "energy error",
         learned.energy_error,
-        "standard error of H less its mean, over the pairs",
+        "error of H less its mean, over the pairs",
     ));
     if let Some(error) = learned.hamiltonian_error {
         rows.push(row(
