@@ -60,7 +60,7 @@ impl Ring {
 
     /// The same for at most `products` products of terms. Once they are spent every further product
     /// is 0, so that a computation that grows too long soon ends: who sets a limit asks
-    /// [`refusal`](Self::refusal) before taking a result.
+    /// [`refusal`](crate::Arithmetic::refusal) before taking a result.
     pub fn limited(variables: usize, products: u64) -> Self {
         Self {
             remaining: products,
