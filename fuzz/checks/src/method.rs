@@ -199,17 +199,3 @@ fn stepper(source: &mut Source<'_>, tensor: &Tensor, tolerance: &mut f64) -> Str
         _ => format!("\"{name}\""),
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Seeds choose by place: those that need factors stand in front, each sort in the order of the names.
-    #[test]
-    fn compositions_and_lifts_stand_where_seeds_look_for_them() {
-        let [others, needing] = &KNOWN.compositions;
-        assert_eq!((needing.len(), others.len()), (9, 8));
-        assert!(needing.is_sorted() && others.is_sorted());
-        assert_eq!(KNOWN.lifts, ["clebsch", "logarithms"]);
-    }
-}
