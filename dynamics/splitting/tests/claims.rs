@@ -5,6 +5,7 @@ mod bodies;
 mod common;
 mod kepler;
 mod motions;
+mod outer_solar_system;
 mod splits;
 mod strang;
 mod vortices;

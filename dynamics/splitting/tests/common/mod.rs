@@ -176,3 +176,34 @@ pub fn toda(n: usize) -> Problem {
         time_step: 0.1,
     }
 }
+
+/// The splitting of a system whose bodies about centres move whole.
+pub fn whole(system: &PoissonSystem) -> Result<Arc<dyn StepMap>, BuildError> {
+    splitting(system, &PartParameters::new().with("bodies", "whole"))
+}
+
+/// Canonical pairs with this Hamiltonian.
+pub fn canonical(
+    pairs: &[[String; 2]],
+    parameters: &[(&str, f64)],
+    hamiltonian: String,
+    initial: Vec<f64>,
+) -> Problem {
+    Problem {
+        id: "canonical",
+        variables: pairs.iter().flatten().cloned().collect(),
+        parameters: parameters
+            .iter()
+            .map(|(name, value)| ((*name).to_owned(), *value))
+            .collect(),
+        bracket: pairs
+            .iter()
+            .map(|[q, p]| (q.clone(), p.clone(), "1".to_owned()))
+            .collect(),
+        hamiltonian,
+        casimirs: Vec::new(),
+        convention: Convention::HamiltonianSecond,
+        initial,
+        time_step: 0.1,
+    }
+}
