@@ -104,31 +104,13 @@ pub struct FindArguments {
     pub json: bool,
 }
 
-/// Kinds of particles.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum IonKind {
-    /// H⁺
-    Proton,
-    /// ²H⁺
-    Deuteron,
-    /// ³H⁺
-    Triton,
-    /// ⁴He²⁺
-    Alpha,
-    /// e⁻
-    Electron,
-}
-
-impl From<IonKind> for Species {
-    fn from(kind: IonKind) -> Self {
-        match kind {
-            IonKind::Proton => Self::Proton,
-            IonKind::Deuteron => Self::Deuteron,
-            IonKind::Triton => Self::Triton,
-            IonKind::Alpha => Self::Alpha,
-            IonKind::Electron => Self::Electron,
-        }
-    }
+/// The particles of a name.
+fn species(name: &str) -> Result<Species, String> {
+    let known = Species::ALL.into_iter().find(|kind| kind.name() == name);
+    known.ok_or_else(|| {
+        let names = Species::ALL.map(Species::name);
+        format!("there are {}", names.join(", "))
+    })
 }
 
 /// Arguments of `import`.
@@ -139,9 +121,9 @@ pub struct ImportArguments {
     /// The new directory of the scene and its tables [default: the name of the file without its ending]
     #[arg(long, value_name = "DIRECTORY")]
     pub out: Option<PathBuf>,
-    /// The particles
-    #[arg(long, value_enum, default_value_t = IonKind::Deuteron)]
-    pub species: IonKind,
+    /// The particles: proton, deuteron, triton, alpha or electron
+    #[arg(long, default_value = "deuteron", value_parser = species, value_name = "KIND")]
+    pub species: Species,
     /// The kinetic energy, in keV
     #[arg(long, default_value_t = 10.0, value_name = "KEV")]
     pub energy: f64,

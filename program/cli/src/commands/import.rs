@@ -60,7 +60,7 @@ pub fn execute(arguments: &ImportArguments, console: &mut Console<'_>) -> Result
         .and_then(|read| Equilibrium::new(read, arguments.degree))
         .map_err(refused)?;
     let ions = Ions {
-        species: arguments.species.into(),
+        species: arguments.species,
         energy: arguments.energy,
         pitch: arguments.pitch,
         surface: arguments.surface,
