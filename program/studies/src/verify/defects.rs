@@ -34,8 +34,8 @@ impl StepDefect {
 /// Steps an eighth of an octave apart, from eight times the problem's down to a 64th of it.
 const SIZES: u32 = 72;
 
-/// Times its bound that round-off may be where large terms cancel.
-const CANCELLED: f64 = 64.0;
+/// No round-off of a defect is larger: half of the digits.
+const CANCELLED: f64 = 1e-8;
 
 /// Round-off of a relative defect, at least and at most.
 const PLATEAU: [f64; 2] = [8.0 * f64::EPSILON, Defect::ROUND_OFF];
@@ -85,17 +85,30 @@ impl Defects {
         (!self.points.is_empty()).then(|| self.points.iter().all(|(_, m)| is_none(m)))
     }
 
-    /// Whether defects are those of a step that is no Poisson map: they grow with the step, or are far above round-off.
+    /// The largest defect that is told from differences.
+    fn largest(&self) -> f64 {
+        let told = self.points.iter().filter(|(_, m)| m.is_told());
+        told.fold(0.0, |largest, (_, m)| m.defect.max(largest))
+    }
+
+    /// Whether defects are those of a step that is no Poisson map: of order 1 or more in the step, or larger than any round-off.
     ///
-    /// Where large terms cancel, as in a one-form of charge over mass, round-off is above [`PLATEAU`], and does not grow.
-    fn grows(&self) -> bool {
-        let largest = self.points.iter().filter(|(_, m)| m.is_told());
-        let largest = largest.fold(0.0, |largest, (_, m)| m.defect.max(largest));
-        let exponent = match (self.order.exponent, self.order.tolerance) {
-            (Some(exponent), Some(tolerance)) => Some(exponent - tolerance),
+    /// Where large terms cancel, as in a one-form of charge over mass, round-off is above [`PLATEAU`]. It does not fall with the
+    /// step: no order of 1 fits it.
+    fn are_told(&self) -> bool {
+        let order = match (self.order.exponent, self.order.tolerance) {
+            (Some(exponent), Some(tolerance)) => Some(exponent + tolerance),
             _ => self.order.at_least,
         };
-        largest > CANCELLED * PLATEAU[1] || exponent.is_some_and(|exponent| exponent > 0.0)
+        self.largest() > CANCELLED || order.is_some_and(|order| order >= 1.0)
+    }
+
+    /// Round-off of a defect on this problem: that of a sum of terms, or more where defects are round-off of cancelled ones.
+    pub fn round_off(&self) -> f64 {
+        match self.are_told() {
+            true => PLATEAU[1],
+            false => self.largest().max(PLATEAU[1]),
+        }
     }
 
     /// The declared structure of a Poisson map against them. Round-off at every step is an exact structure, and better
@@ -104,7 +117,7 @@ impl Defects {
         match (declared.structure, self.is_round_off()) {
             (_, None) | (Structure::Leaves | Structure::None, _) => Judgement::Open,
             (_, Some(true)) => Judgement::Met,
-            (Structure::Exact, Some(false)) if self.grows() => Judgement::NotMet,
+            (Structure::Exact, Some(false)) if self.are_told() => Judgement::NotMet,
             (Structure::Exact, Some(false)) => Judgement::Undecided,
             (Structure::Order(n), Some(false)) => self.order.judge(n),
         }

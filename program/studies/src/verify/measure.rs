@@ -100,7 +100,7 @@ pub fn measure(
         match declared.structure {
             Structure::Leaves => judge_leaves(problem, run.drift.casimirs),
             Structure::Exact => match defects.judge(declared) {
-                _ if !run.keeps_structure() => Judgement::NotMet,
+                _ if !run.keeps_structure(defects.round_off()) => Judgement::NotMet,
                 judgement => judgement,
             },
             Structure::Order(n) => defects.judge(declared).on_rough(n, smooth),
@@ -162,9 +162,8 @@ const ALONG: f64 = 64.0;
 
 impl Run {
     /// Whether steps keep tensor and Casimirs to round-off along the orbit.
-    fn keeps_structure(&self) -> bool {
-        let is_kept =
-            |told: &StepDefect| told.defect <= ALONG * Defect::ROUND_OFF || !told.is_told();
+    fn keeps_structure(&self, round_off: f64) -> bool {
+        let is_kept = |told: &StepDefect| told.defect <= ALONG * round_off || !told.is_told();
         self.tensor_defect.as_ref().is_none_or(is_kept) && self.drift.keeps_casimirs != Some(false)
     }
 
