@@ -329,10 +329,8 @@ fn whole_bodies_are_not_taken_in_a_loop() {
              \"p.y[i]\" = \"0.001/(i + 1)^2*sqrt(2/(1 + 0.3*i))\", \"p.z[i]\" = 0 }}\n"
         );
         let run = composed(&scene);
-        let parameters = run.system.parameter_values();
         let mut walk = run.walk();
         let first = energy(&run, walk.state());
-        let _ = &parameters;
         (0..40).for_each(|_| walk.step().expect("a step"));
         (energy(&run, walk.state()) / first - 1.0).abs()
     };

@@ -78,6 +78,7 @@ fn files_that_are_none_are_refused_where_they_are_wrong() {
     for (options, message) in [
         (["--energy", "1e7"], "not relativistic"),
         (["--pitch", "-2"], "from -1 to 1"),
+        (["--species", "muon"], "there are proton, deuteron"),
         (["--surface", "1"], "between the axis, 0, and the edge, 1"),
     ] {
         let said = here.leafwise(&["import", "shot.geqdsk", options[0], options[1]]);
