@@ -107,24 +107,9 @@ impl Map {
     /// # Errors
     /// [`LeafwiseError`] for a scene whose samples are not those after so many equal steps.
     pub fn new(run: ComposedRun, functions: Option<Functions>) -> PyResult<Self> {
-        let plan = &run.plan;
-        let is_paced = (run.extension.as_ref()).is_some_and(|extension| extension.pace.is_some());
-        let odd = [
-            (is_paced, "a pace"),
-            (
-                run.method.noise().is_some(),
-                "noise, which every pass would draw anew",
-            ),
-            (plan.events.stop.is_some(), "a condition that stops it"),
-            (!plan.samples.are_steps(), "samples at times"),
-        ];
-        match odd.iter().find(|(is_there, _)| *is_there) {
-            None => Ok(Self { run, functions }),
-            Some((_, what)) => Err(LeafwiseError::new_err(format!(
-                "derivatives are of samples after equal numbers of equal steps, and this scene has {what}; take it out, \
-                 and record every so many steps"
-            ))),
-        }
+        let uneven = run.has_equal_steps();
+        uneven.map_err(|uneven| LeafwiseError::new_err(uneven.to_string()))?;
+        Ok(Self { run, functions })
     }
 
     /// Calls with the trajectories at these parameters; Ctrl-C ends them, and what a function of the system raises.
@@ -179,29 +164,8 @@ impl Map {
         room.map_err(|no_room| no_memory(&no_room))
     }
 
-    /// The state that is stepped from the scene's own coordinates.
-    fn whole(&self, own: &[f64]) -> Vec<f64> {
-        let mut whole = self.run.plan.initial.clone();
-        whole[..own.len()].copy_from_slice(own);
-        whole
-    }
-
-    /// Rows of the scene's own coordinates with zeros behind them.
-    fn padded(&self, rows: &[f64]) -> Vec<f64> {
-        let (own, whole) = (self.dimension(), self.run.plan.initial.len());
-        let pad = |row: &[f64]| [row, &vec![0.0; whole - own]].concat();
-        rows.chunks_exact(own).flat_map(pad).collect()
-    }
-
-    /// The scene's own coordinates of rows of states.
-    fn own(&self, rows: &[f64]) -> Vec<f64> {
-        let (own, whole) = (self.dimension(), self.run.plan.initial.len());
-        let rows = rows.chunks_exact(whole);
-        rows.flat_map(|row| row[..own].iter().copied()).collect()
-    }
-
     fn dimension(&self) -> usize {
-        self.run.own(&self.run.plan.initial).len()
+        self.run.plan.coordinates
     }
 }
 
@@ -249,11 +213,11 @@ impl Map {
         parameters: PyReadonlyArray1<'py, f64>,
         plan: (u64, u64),
     ) -> PyResult<Run<'py>> {
-        let initial = self.whole(initial.as_slice()?);
+        let initial = self.run.whole(initial.as_slice()?);
         let plan = as_plan(plan);
         self.has_room(plan, 0)?;
         let run = self.at(py, parameters.as_slice()?, |at| at.run(&initial, plan))?;
-        let samples = PyArray1::from_vec(py, self.own(&run.samples));
+        let samples = PyArray1::from_vec(py, self.run.own_rows(&run.samples));
         let kept = PyArray1::from_vec(py, run.kept);
         Ok((
             samples.reshape([plan.samples(), self.dimension()])?,
@@ -269,7 +233,7 @@ impl Map {
         parameters: PyReadonlyArray1<'py, f64>,
         steps: u64,
     ) -> PyResult<u64> {
-        let initial = self.whole(initial.as_slice()?);
+        let initial = self.run.whole(initial.as_slice()?);
         let plan = Plan {
             steps,
             every: steps.max(1),
@@ -293,8 +257,8 @@ impl Map {
         by_parameters: PyReadonlyArray2<'py, f64>,
         times: PyReadonlyArray1<'py, f64>,
     ) -> PyResult<Moved<'py>> {
-        let initial = self.whole(initial.as_slice()?);
-        let tangents = self.padded(tangents.as_slice()?);
+        let initial = self.run.whole(initial.as_slice()?);
+        let tangents = self.run.whole_rows(tangents.as_slice()?);
         let (by_parameters, times) = (by_parameters.as_slice()?, times.as_slice()?);
         let (n, k) = (times.len(), tangents.len() / initial.len());
         let (states, moved) = self.at(py, parameters.as_slice()?, |at| {
@@ -302,8 +266,8 @@ impl Map {
         })?;
         let d = self.dimension();
         Ok((
-            PyArray1::from_vec(py, self.own(&states)).reshape([n, d])?,
-            PyArray1::from_vec(py, self.own(&moved)).reshape([n, k, d])?,
+            PyArray1::from_vec(py, self.run.own_rows(&states)).reshape([n, d])?,
+            PyArray1::from_vec(py, self.run.own_rows(&moved)).reshape([n, k, d])?,
         ))
     }
 
@@ -317,8 +281,8 @@ impl Map {
         by_parameters: PyReadonlyArray2<'py, f64>,
         plan: (u64, u64),
     ) -> PyResult<Tangents<'py>> {
-        let initial = self.whole(initial.as_slice()?);
-        let tangents = self.padded(tangents.as_slice()?);
+        let initial = self.run.whole(initial.as_slice()?);
+        let tangents = self.run.whole_rows(tangents.as_slice()?);
         let directions = (&tangents[..], by_parameters.as_slice()?);
         let plan = as_plan(plan);
         self.has_room(plan, tangents.len() / initial.len())?;
@@ -333,8 +297,8 @@ impl Map {
         let (n, d) = (plan.samples(), self.dimension());
         let k = tangents.len() / initial.len();
         Ok((
-            PyArray1::from_vec(py, self.own(&samples)).reshape([n, d])?,
-            PyArray1::from_vec(py, self.own(&moved)).reshape([n, k, d])?,
+            PyArray1::from_vec(py, self.run.own_rows(&samples)).reshape([n, d])?,
+            PyArray1::from_vec(py, self.run.own_rows(&moved)).reshape([n, k, d])?,
             Growth(growth),
         ))
     }
@@ -352,12 +316,12 @@ impl Map {
         by_parameters: bool,
         plan: (u64, u64),
     ) -> PyResult<Gradient<'py>> {
-        let initial = self.whole(initial.as_slice()?);
+        let initial = self.run.whole(initial.as_slice()?);
         let reached = Reached {
             samples: Vec::new(),
             kept: kept.as_slice()?.to_vec(),
         };
-        let cotangents = self.padded(cotangents.as_slice()?);
+        let cotangents = self.run.whole_rows(cotangents.as_slice()?);
         let plan = as_plan(plan);
         let found = self.at(py, parameters.as_slice()?, |at| {
             at.pull(&initial, &reached, &cotangents, plan, (by_parameters, None))

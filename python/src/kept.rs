@@ -8,18 +8,6 @@ use leafwise::scene::compose::Refusal;
 use leafwise::scene::{self, ComposedRun, SceneDocument};
 use pyo3::prelude::*;
 
-/// Keys whose values no part of a method is made of.
-const VALUES: [&str; 8] = [
-    "method.time-step",
-    "method.epsilon",
-    "method.h",
-    "run.initial",
-    "run.steps",
-    "run.record.every",
-    "run.record.interval",
-    "run.record.times",
-];
-
 /// Methods that were composed for runs in this process.
 static COMPOSITIONS: AtomicU64 = AtomicU64::new(0);
 
@@ -39,12 +27,6 @@ pub(crate) fn compose(
 #[pyfunction]
 pub(crate) fn compositions() -> u64 {
     COMPOSITIONS.load(Ordering::Relaxed)
-}
-
-/// Whether overrides leave the method as it is.
-pub(crate) fn are_values(overrides: &[(String, String)]) -> bool {
-    let is_value = |key: &str| VALUES.contains(&key) || key.starts_with("run.initial.");
-    overrides.iter().all(|(key, _)| is_value(key))
 }
 
 /// Room for a composed scene with its text; clones share it.

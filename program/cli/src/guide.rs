@@ -9,13 +9,14 @@ macro_rules! pages {
 }
 
 /// Names and texts of the pages, in the order of the guide's contents.
-pub const PAGES: [(&str, &str); 33] = pages![
+pub const PAGES: [(&str, &str); 34] = pages![
     "start",
     "from-scipy",
     "from-julia",
     "from-rebound",
     "from-boris",
     "from-rust",
+    "from-c",
     "define-a-system",
     "formulas",
     "products",

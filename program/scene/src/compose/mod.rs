@@ -75,6 +75,7 @@ mod tensor;
 mod tests;
 mod time;
 mod torque;
+mod uneven;
 mod values;
 
 pub use channels::{Channel, RunNoise};
@@ -101,6 +102,8 @@ pub use shape::{TensorShape, tensor_shape};
 pub use states::{RecordedStates, StateSlice, WIDEST_STATE};
 pub use stepping::{LatticeBase, LatticeStepping, Stepping};
 pub use system::{ComposedSystem, compose_system};
+pub use uneven::Uneven;
+pub use values::are_values;
 
 use crate::diagnostic::SceneDiagnostic;
 

@@ -8,6 +8,24 @@ use super::sample_times::sample_times;
 use super::system::check_contradictions;
 use crate::document::SceneDocument;
 
+/// Keys whose values no part of a method is made of.
+const VALUES: [&str; 8] = [
+    "method.time-step",
+    "method.epsilon",
+    "method.h",
+    "run.initial",
+    "run.steps",
+    "run.record.every",
+    "run.record.interval",
+    "run.record.times",
+];
+
+/// Whether overrides, keys and values, leave the method as it is, so that [`ComposedRun::at`] serves.
+pub fn are_values(overrides: &[(String, String)]) -> bool {
+    let is_value = |key: &str| VALUES.contains(&key) || key.starts_with("run.initial.");
+    overrides.iter().all(|(key, _)| is_value(key))
+}
+
 impl ComposedRun {
     /// Run of the same method at the values of a scene. This scene differs from the run's own in what
     /// [`assign`](SceneDocument::assign) sets, and in when samples are kept. The method is shared: its kernels take

@@ -1,0 +1,62 @@
+//! One trajectory, step by step.
+
+use leafwise::core::Walk;
+use leafwise::walk::FunctionValues;
+
+use crate::refusal::Refusal;
+use crate::scene::Scene;
+
+/// A trajectory of a scene at its present state.
+pub(crate) struct Integrator {
+    walk: Walk,
+    coordinates: usize,
+    /// The coordinate that is the time, where a pace makes steps of another.
+    clock: Option<usize>,
+    /// Energy and Casimirs.
+    invariants: FunctionValues,
+}
+
+impl Integrator {
+    pub(crate) fn new(scene: &Scene) -> Result<Self, Refusal> {
+        let run = &scene.run;
+        let paced = run.extension.as_ref().filter(|_| run.pace().is_some());
+        let invariants = run.invariant_functions();
+        let invariants =
+            invariants.and_then(|functions| functions.values(1, &run.system.parameter_values()));
+        Ok(Self {
+            walk: run.walk(),
+            coordinates: run.plan.coordinates,
+            clock: paced.map(|extension| extension.coordinates),
+            invariants: invariants.map_err(leafwise_cli::failure::Failure::from)?,
+        })
+    }
+
+    pub(crate) fn advance(&mut self, steps: u64) -> Result<(), Refusal> {
+        self.walk.advance(steps).map_err(|error| {
+            let step = self.walk.steps() + 1;
+            let mut refusal = Refusal::from(error);
+            refusal.message = format!("step {step} failed: {}", refusal.message);
+            refusal
+        })
+    }
+
+    pub(crate) fn state(&self) -> &[f64] {
+        &self.walk.state()[..self.coordinates]
+    }
+
+    pub(crate) fn time(&self) -> f64 {
+        match self.clock {
+            Some(at) => self.walk.state()[at],
+            None => self.walk.time(),
+        }
+    }
+
+    pub(crate) fn steps(&self) -> u64 {
+        self.walk.steps()
+    }
+
+    /// Energy and Casimirs at the present state.
+    pub(crate) fn invariants(&mut self) -> &[f64] {
+        self.invariants.at(self.walk.state())
+    }
+}
