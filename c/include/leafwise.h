@@ -36,7 +36,7 @@ typedef enum LeafwiseCode {
     LEAFWISE_MISTAKE = 6,
 } LeafwiseCode;
 
-// What a name is of.
+// Kinds of names.
 typedef enum LeafwiseName {
     // A coordinate.
     LEAFWISE_COORDINATE = 0,

@@ -4,13 +4,13 @@ use std::ffi::{CStr, c_char};
 use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 
+use crate::call_error::{self, CallError, call};
 use crate::code::LeafwiseCode;
 use crate::handle::{self, LeafwiseHandle, Object};
 use crate::integrator::Integrator;
-use crate::refusal::{self, Refusal, call};
 use crate::samples;
 use crate::scene::{LeafwiseName, LeafwiseShape, Scene};
-use crate::strided::{Rows, Strided};
+use crate::strided::{Strided, StridedRows};
 
 /// The library's version, as "0.1.0".
 #[unsafe(no_mangle)]
@@ -27,7 +27,7 @@ pub extern "C" fn leafwise_version() -> *const c_char {
 /// next call.
 #[unsafe(no_mangle)]
 pub extern "C" fn leafwise_last_error() -> *const c_char {
-    refusal::last()
+    call_error::last()
 }
 
 /// Reads the scene in a file and composes its method. Scenes that name plugins are refused.
@@ -119,19 +119,19 @@ pub unsafe extern "C" fn leafwise_scene_name(
     call(|| {
         let scene = handle::scene(scene)?;
         let kind = LeafwiseName::of(kind);
-        let kind = kind.ok_or_else(|| Refusal::usage("kind is no value of LeafwiseName"))?;
+        let kind = kind.ok_or_else(|| CallError::usage("kind is no value of LeafwiseName"))?;
         let names = scene.names(kind);
         let name = names.get(index).ok_or_else(|| {
-            Refusal::usage(format!(
+            CallError::usage(format!(
                 "there are {} names, and none at {index}",
                 names.len()
             ))
         })?;
         if buffer.is_null() {
-            return Err(Refusal::usage("buffer is NULL"));
+            return Err(CallError::usage("buffer is NULL"));
         }
         if name.len() >= capacity {
-            return Err(Refusal::usage(format!(
+            return Err(CallError::usage(format!(
                 "the name takes {} bytes, and the buffer has {capacity}",
                 name.len() + 1
             )));
@@ -207,7 +207,7 @@ pub unsafe extern "C" fn leafwise_scene_run(
         // SAFETY: as the caller's.
         let scene = unsafe { from(handle::scene(scene)?, initial, n, stride) }?;
         let made = samples::samples(&scene, rows, every)?;
-        let target = Rows {
+        let target = StridedRows {
             data: samples,
             rows,
             row_stride,
@@ -245,7 +245,7 @@ pub unsafe extern "C" fn leafwise_scene_vjp(
     call(|| {
         // SAFETY: as the caller's.
         let scene = unsafe { from(handle::scene(scene)?, initial, n, stride) }?;
-        let source = Rows {
+        let source = StridedRows {
             data: cotangents,
             rows,
             row_stride,
@@ -375,14 +375,14 @@ pub extern "C" fn leafwise_free(handle: LeafwiseHandle) -> LeafwiseCode {
 }
 
 /// The integrator, unless it steps in another thread.
-fn free(integrator: &Mutex<Integrator>) -> Result<MutexGuard<'_, Integrator>, Refusal> {
+fn free(integrator: &Mutex<Integrator>) -> Result<MutexGuard<'_, Integrator>, CallError> {
     match integrator.try_lock() {
         Ok(own) => Ok(own),
-        Err(TryLockError::Poisoned(_)) => Err(Refusal {
+        Err(TryLockError::Poisoned(_)) => Err(CallError {
             code: LeafwiseCode::LEAFWISE_MISTAKE,
             message: "a call on this integrator ended in the middle; make another".to_owned(),
         }),
-        Err(TryLockError::WouldBlock) => Err(Refusal {
+        Err(TryLockError::WouldBlock) => Err(CallError {
             code: LeafwiseCode::LEAFWISE_BUSY,
             message: "the integrator steps in another thread".to_owned(),
         }),
@@ -393,23 +393,23 @@ fn free(integrator: &Mutex<Integrator>) -> Result<MutexGuard<'_, Integrator>, Re
 ///
 /// # Safety
 /// `argument` is NULL or a string with a NUL at its end, which lives as long as the result.
-unsafe fn text<'a>(what: &str, argument: *const c_char) -> Result<&'a str, Refusal> {
+unsafe fn text<'a>(what: &str, argument: *const c_char) -> Result<&'a str, CallError> {
     if argument.is_null() {
-        return Err(Refusal::usage(format!("{what} is NULL")));
+        return Err(CallError::usage(format!("{what} is NULL")));
     }
     // SAFETY: as the caller's.
     let text = unsafe { CStr::from_ptr(argument) };
     text.to_str()
-        .map_err(|_| Refusal::usage(format!("{what} is not UTF-8 text")))
+        .map_err(|_| CallError::usage(format!("{what} is not UTF-8 text")))
 }
 
 /// Writes a value that is made only where there is a place for it.
 ///
 /// # Safety
 /// `place` is NULL or may be written.
-unsafe fn give<T>(what: &str, place: *mut T, value: impl FnOnce() -> T) -> Result<(), Refusal> {
+unsafe fn give<T>(what: &str, place: *mut T, value: impl FnOnce() -> T) -> Result<(), CallError> {
     if place.is_null() {
-        return Err(Refusal::usage(format!("{what} is NULL")));
+        return Err(CallError::usage(format!("{what} is NULL")));
     }
     // SAFETY: as the caller's.
     unsafe { place.write_unaligned(value()) };
@@ -433,7 +433,7 @@ unsafe fn from(
     initial: *const f64,
     n: usize,
     stride: isize,
-) -> Result<Arc<Scene>, Refusal> {
+) -> Result<Arc<Scene>, CallError> {
     if initial.is_null() {
         return Ok(scene);
     }

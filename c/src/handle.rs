@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
 
+use crate::call_error::CallError;
 use crate::integrator::Integrator;
-use crate::refusal::Refusal;
 use crate::scene::Scene;
 
 /// The number of a scene or an integrator. No number is given twice; 0 is none.
@@ -46,41 +46,41 @@ pub(crate) fn hold(object: Object) -> LeafwiseHandle {
 }
 
 /// Lets an object go. A call that works with it in another thread ends first.
-pub(crate) fn release(handle: LeafwiseHandle) -> Result<(), Refusal> {
+pub(crate) fn release(handle: LeafwiseHandle) -> Result<(), CallError> {
     let mut objects = OBJECTS.write().unwrap_or_else(PoisonError::into_inner);
     let held = objects.held.remove(&handle);
     drop(objects);
     held.map(drop).ok_or_else(|| unknown(handle))
 }
 
-pub(crate) fn scene(handle: LeafwiseHandle) -> Result<Arc<Scene>, Refusal> {
+pub(crate) fn scene(handle: LeafwiseHandle) -> Result<Arc<Scene>, CallError> {
     match held(handle)? {
         Object::Scene(scene) => Ok(scene),
         other => Err(wrong(handle, &other, "a scene")),
     }
 }
 
-pub(crate) fn integrator(handle: LeafwiseHandle) -> Result<Arc<Mutex<Integrator>>, Refusal> {
+pub(crate) fn integrator(handle: LeafwiseHandle) -> Result<Arc<Mutex<Integrator>>, CallError> {
     match held(handle)? {
         Object::Integrator(integrator) => Ok(integrator),
         other => Err(wrong(handle, &other, "an integrator")),
     }
 }
 
-fn held(handle: LeafwiseHandle) -> Result<Object, Refusal> {
+fn held(handle: LeafwiseHandle) -> Result<Object, CallError> {
     let objects = OBJECTS.read().unwrap_or_else(PoisonError::into_inner);
     let held = objects.held.get(&handle).cloned();
     held.ok_or_else(|| unknown(handle))
 }
 
-fn unknown(handle: LeafwiseHandle) -> Refusal {
-    Refusal::usage(format!(
+fn unknown(handle: LeafwiseHandle) -> CallError {
+    CallError::usage(format!(
         "{handle} is no handle: it was never given, or was freed"
     ))
 }
 
-fn wrong(handle: LeafwiseHandle, held: &Object, wanted: &str) -> Refusal {
-    Refusal::usage(format!(
+fn wrong(handle: LeafwiseHandle, held: &Object, wanted: &str) -> CallError {
+    CallError::usage(format!(
         "handle {handle} is {}, and the call takes {wanted}",
         held.kind()
     ))

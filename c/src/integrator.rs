@@ -3,7 +3,7 @@
 use leafwise::core::Walk;
 use leafwise::walk::FunctionValues;
 
-use crate::refusal::Refusal;
+use crate::call_error::CallError;
 use crate::scene::Scene;
 
 /// A trajectory of a scene at its present state.
@@ -17,7 +17,7 @@ pub(crate) struct Integrator {
 }
 
 impl Integrator {
-    pub(crate) fn new(scene: &Scene) -> Result<Self, Refusal> {
+    pub(crate) fn new(scene: &Scene) -> Result<Self, CallError> {
         let run = &scene.run;
         let paced = run.extension.as_ref().filter(|_| run.pace().is_some());
         let invariants = run.invariant_functions();
@@ -31,10 +31,10 @@ impl Integrator {
         })
     }
 
-    pub(crate) fn advance(&mut self, steps: u64) -> Result<(), Refusal> {
+    pub(crate) fn advance(&mut self, steps: u64) -> Result<(), CallError> {
         self.walk.advance(steps).map_err(|error| {
             let step = self.walk.steps() + 1;
-            let mut refusal = Refusal::from(error);
+            let mut refusal = CallError::from(error);
             refusal.message = format!("step {step} failed: {}", refusal.message);
             refusal
         })

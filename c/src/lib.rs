@@ -15,11 +15,11 @@
     reason = "names of C: an enumeration's values stand in one namespace"
 )]
 
+mod call_error;
 mod calls;
 mod code;
 mod handle;
 mod integrator;
-mod refusal;
 mod samples;
 mod scene;
 mod strided;

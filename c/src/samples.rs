@@ -2,17 +2,17 @@
 
 use leafwise::core::gradient::{Gradient, Plan, Trajectory};
 
-use crate::refusal::Refusal;
+use crate::call_error::CallError;
 use crate::scene::Scene;
 
 /// The plan of so many samples, the first of them the initial state.
-fn plan(rows: usize, every: u64) -> Result<Plan, Refusal> {
+fn plan(rows: usize, every: u64) -> Result<Plan, CallError> {
     let steps = (rows as u64)
         .checked_sub(1)
         .and_then(|rows| rows.checked_mul(every));
     match steps {
         Some(steps) if every > 0 => Ok(Plan { steps, every }),
-        _ => Err(Refusal::usage(format!(
+        _ => Err(CallError::usage(format!(
             "{rows} samples every {every} steps are none: both are at least 1"
         ))),
     }
@@ -21,10 +21,10 @@ fn plan(rows: usize, every: u64) -> Result<Plan, Refusal> {
 /// Calls with the trajectories of a scene.
 fn along<T>(
     scene: &Scene,
-    call: impl FnOnce(Trajectory<'_>) -> Result<T, Refusal>,
-) -> Result<T, Refusal> {
+    call: impl FnOnce(Trajectory<'_>) -> Result<T, CallError>,
+) -> Result<T, CallError> {
     let run = &scene.run;
-    run.has_equal_steps().map_err(|uneven| Refusal {
+    run.has_equal_steps().map_err(|uneven| CallError {
         code: crate::LeafwiseCode::LEAFWISE_UNSUPPORTED,
         message: uneven.to_string(),
     })?;
@@ -38,7 +38,7 @@ fn along<T>(
 }
 
 /// The samples of a scene, the scene's own coordinates row by row.
-pub(crate) fn samples(scene: &Scene, rows: usize, every: u64) -> Result<Vec<f64>, Refusal> {
+pub(crate) fn samples(scene: &Scene, rows: usize, every: u64) -> Result<Vec<f64>, CallError> {
     let plan = plan(rows, every)?;
     along(scene, |trajectory| {
         let reached = trajectory.run(&scene.run.plan.initial, plan)?;
@@ -52,7 +52,7 @@ pub(crate) fn pull(
     every: u64,
     cotangents: &[f64],
     by_parameters: bool,
-) -> Result<Gradient, Refusal> {
+) -> Result<Gradient, CallError> {
     let rows = cotangents.len() / scene.run.plan.coordinates;
     let plan = plan(rows, every)?;
     let cotangents = scene.run.whole_rows(cotangents);

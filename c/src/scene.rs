@@ -11,7 +11,7 @@ use leafwise_cli::failure::Failure;
 use leafwise_cli::plugins::Parts;
 use leafwise_cli::scene::SceneText;
 
-use crate::refusal::Refusal;
+use crate::call_error::CallError;
 
 /// Numbers of a scene.
 #[repr(C)]
@@ -29,7 +29,7 @@ pub struct LeafwiseShape {
     pub time_step: f64,
 }
 
-/// What a name is of.
+/// Kinds of names.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LeafwiseName {
@@ -62,18 +62,19 @@ pub(crate) struct Scene {
 
 impl Scene {
     /// The scene in a file.
-    pub(crate) fn read(file: &Path) -> Result<Self, Refusal> {
+    pub(crate) fn read(file: &Path) -> Result<Self, CallError> {
         let bytes = read_bounded(file, LARGEST_SCENE);
-        let bytes = bytes
-            .map_err(|error| Refusal::usage(format!("cannot read {}: {error}", file.display())))?;
+        let bytes = bytes.map_err(|error| {
+            CallError::usage(format!("cannot read {}: {error}", file.display()))
+        })?;
         let text = String::from_utf8(bytes);
         let text =
-            text.map_err(|_| Refusal::usage(format!("{} is not UTF-8 text", file.display())))?;
+            text.map_err(|_| CallError::usage(format!("{} is not UTF-8 text", file.display())))?;
         Self::parse(&file.display().to_string(), &text)
     }
 
     /// The scene of a text. Files that it names are beside its own.
-    pub(crate) fn parse(name: &str, text: &str) -> Result<Self, Refusal> {
+    pub(crate) fn parse(name: &str, text: &str) -> Result<Self, CallError> {
         // Trying a plugin starts this process's program anew, which is the caller's.
         let mut parts = Parts::new(&PluginArguments {
             no_plugins: true,
@@ -96,12 +97,12 @@ impl Scene {
     }
 
     /// The same scene with a key at another value; the method is composed anew where it depends on it.
-    pub(crate) fn with(&self, key: &str, value: &str) -> Result<Self, Refusal> {
+    pub(crate) fn with(&self, key: &str, value: &str) -> Result<Self, CallError> {
         let overrides = [(key.trim().to_owned(), value.trim().to_owned())];
         let (name, text) = (&self.document.name, &self.document.text);
         let document = SceneDocument::parse_with(name, text, &overrides, &self.registry);
         let document =
-            document.map_err(|errors| Refusal::from(Failure::Scene(errors.diagnostics())))?;
+            document.map_err(|errors| CallError::from(Failure::Scene(errors.diagnostics())))?;
         let shared = match are_values(&overrides) {
             true => self.run.at(&document)?,
             false => None,
@@ -120,7 +121,7 @@ impl Scene {
     }
 
     /// Refuses a bracket that is not Poisson, and a Casimir that is none.
-    fn checked(self) -> Result<Self, Refusal> {
+    fn checked(self) -> Result<Self, CallError> {
         let checks = SceneChecks::of(&self.run.system, &self.run.near).map_err(Failure::from)?;
         match checks.refusal(&self.document, &self.run.system, false) {
             Some(refusal) => Err(refusal.into()),
@@ -154,9 +155,9 @@ impl Scene {
     }
 
     /// The same scene from another initial state.
-    pub(crate) fn from(&self, initial: &[f64]) -> Result<Self, Refusal> {
+    pub(crate) fn from(&self, initial: &[f64]) -> Result<Self, CallError> {
         if let Some(at) = initial.iter().position(|value| !value.is_finite()) {
-            return Err(Refusal::usage(format!(
+            return Err(CallError::usage(format!(
                 "the initial state has {} at place {at}, which is no finite number",
                 initial[at]
             )));

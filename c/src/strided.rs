@@ -1,6 +1,6 @@
 //! Arrays of a caller, with strides.
 
-use crate::refusal::Refusal;
+use crate::call_error::CallError;
 
 /// The most numbers that an array may have: its bytes are fewer than `isize::MAX`.
 const MOST: usize = isize::MAX as usize / size_of::<f64>();
@@ -13,9 +13,9 @@ pub(crate) struct Strided<T> {
     pub(crate) stride: isize,
 }
 
-/// Rows of numbers: element j of row i at `data[i*row_stride + j*stride]`.
+/// StridedRows of numbers: element j of row i at `data[i*row_stride + j*stride]`.
 #[derive(Clone, Copy)]
-pub(crate) struct Rows<T> {
+pub(crate) struct StridedRows<T> {
     pub(crate) data: T,
     pub(crate) rows: usize,
     pub(crate) row_stride: isize,
@@ -29,12 +29,12 @@ fn check(
     length: usize,
     expected: usize,
     stride: isize,
-) -> Result<(), Refusal> {
+) -> Result<(), CallError> {
     if is_null {
-        return Err(Refusal::usage(format!("{what} is NULL")));
+        return Err(CallError::usage(format!("{what} is NULL")));
     }
     if length != expected {
-        return Err(Refusal::usage(format!(
+        return Err(CallError::usage(format!(
             "{what} has {length} numbers, and the scene {expected}"
         )));
     }
@@ -42,7 +42,7 @@ fn check(
         .checked_mul(stride.unsigned_abs())
         .is_none_or(|reach| reach > MOST)
     {
-        return Err(Refusal::usage(format!(
+        return Err(CallError::usage(format!(
             "{what} has a stride of {stride}, which leads out of memory"
         )));
     }
@@ -54,7 +54,7 @@ impl Strided<*const f64> {
     ///
     /// # Safety
     /// `data` is NULL, or element i may be read for every i < length.
-    pub(crate) unsafe fn read(self, what: &str, expected: usize) -> Result<Vec<f64>, Refusal> {
+    pub(crate) unsafe fn read(self, what: &str, expected: usize) -> Result<Vec<f64>, CallError> {
         check(
             what,
             self.data.is_null(),
@@ -75,7 +75,7 @@ impl Strided<*mut f64> {
     ///
     /// # Safety
     /// `data` is NULL, or element i may be written for every i < length.
-    pub(crate) unsafe fn write(self, what: &str, values: &[f64]) -> Result<(), Refusal> {
+    pub(crate) unsafe fn write(self, what: &str, values: &[f64]) -> Result<(), CallError> {
         check(
             what,
             self.data.is_null(),
@@ -92,16 +92,16 @@ impl Strided<*mut f64> {
     }
 }
 
-impl<T: Copy> Rows<T> {
+impl<T: Copy> StridedRows<T> {
     /// Refuses rows that lead out of memory.
-    fn check(self, what: &str, is_null: bool, width: usize) -> Result<(), Refusal> {
+    fn check(self, what: &str, is_null: bool, width: usize) -> Result<(), CallError> {
         check(what, is_null, self.rows, self.rows, self.row_stride)?;
         check(what, is_null, width, width, self.stride)?;
         let reach = self.rows.checked_mul(self.row_stride.unsigned_abs());
         let reach = reach.and_then(|rows| rows.checked_add(width * self.stride.unsigned_abs()));
         match reach {
             Some(reach) if reach <= MOST => Ok(()),
-            _ => Err(Refusal::usage(format!("{what} leads out of memory"))),
+            _ => Err(CallError::usage(format!("{what} leads out of memory"))),
         }
     }
 
@@ -110,12 +110,12 @@ impl<T: Copy> Rows<T> {
     }
 }
 
-impl Rows<*const f64> {
+impl StridedRows<*const f64> {
     /// The numbers row by row, each row `width` of them.
     ///
     /// # Safety
     /// `data` is NULL, or element j of row i may be read for every i < rows and j < width.
-    pub(crate) unsafe fn read(self, what: &str, width: usize) -> Result<Vec<f64>, Refusal> {
+    pub(crate) unsafe fn read(self, what: &str, width: usize) -> Result<Vec<f64>, CallError> {
         self.check(what, self.data.is_null(), width)?;
         let mut values = Vec::with_capacity(self.rows * width);
         for row in 0..self.rows {
@@ -131,7 +131,7 @@ impl Rows<*const f64> {
     }
 }
 
-impl Rows<*mut f64> {
+impl StridedRows<*mut f64> {
     /// Writes rows of `width` numbers, of which there must be as many as the array has.
     ///
     /// # Safety
@@ -141,7 +141,7 @@ impl Rows<*mut f64> {
         what: &str,
         values: &[f64],
         width: usize,
-    ) -> Result<(), Refusal> {
+    ) -> Result<(), CallError> {
         self.check(what, self.data.is_null(), width)?;
         for (row, values) in values.chunks_exact(width).take(self.rows).enumerate() {
             let row = Strided {

@@ -13,12 +13,12 @@ use leafwise_cli::failure::{Failure, exit};
 use crate::code::LeafwiseCode;
 
 /// Why a call did nothing.
-pub(crate) struct Refusal {
+pub(crate) struct CallError {
     pub(crate) code: LeafwiseCode,
     pub(crate) message: String,
 }
 
-impl Refusal {
+impl CallError {
     pub(crate) fn usage(message: impl Into<String>) -> Self {
         Self {
             code: LeafwiseCode::LEAFWISE_USAGE,
@@ -27,7 +27,7 @@ impl Refusal {
     }
 }
 
-impl From<Failure> for Refusal {
+impl From<Failure> for CallError {
     fn from(failure: Failure) -> Self {
         let (mut out, mut err) = (Vec::new(), Vec::new());
         let exit = failure.print(&mut Console::new(&mut out, &mut err, false, false), false);
@@ -45,13 +45,13 @@ impl From<Failure> for Refusal {
     }
 }
 
-impl From<SceneRefusal> for Refusal {
+impl From<SceneRefusal> for CallError {
     fn from(refusal: SceneRefusal) -> Self {
         Failure::from(refusal).into()
     }
 }
 
-impl From<StepError> for Refusal {
+impl From<StepError> for CallError {
     fn from(error: StepError) -> Self {
         Self {
             code: LeafwiseCode::LEAFWISE_STEP_FAILED,
@@ -60,7 +60,7 @@ impl From<StepError> for Refusal {
     }
 }
 
-impl From<GradientError> for Refusal {
+impl From<GradientError> for CallError {
     fn from(error: GradientError) -> Self {
         let code = match error {
             GradientError::Step { .. } | GradientError::Overflow { .. } => {
@@ -86,10 +86,10 @@ pub(crate) fn last() -> *const c_char {
 }
 
 /// Works, and keeps the message of what failed for [`last`].
-pub(crate) fn call(work: impl FnOnce() -> Result<(), Refusal>) -> LeafwiseCode {
+pub(crate) fn call(work: impl FnOnce() -> Result<(), CallError>) -> LeafwiseCode {
     // What a panic leaves half done is behind mutexes, which say so.
     let ended = catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|_| {
-        Err(Refusal {
+        Err(CallError {
             code: LeafwiseCode::LEAFWISE_MISTAKE,
             message: "the call ended in the middle: this is a mistake of the library".to_owned(),
         })
