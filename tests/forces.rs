@@ -11,7 +11,7 @@ use leafwise::core::part::PartParameters;
 use leafwise::core::system::{Damping, Forces, Metric};
 use leafwise::core::{BuildError, Method, PoissonSystem, Registry, Structure};
 use leafwise::expression::Expression;
-use leafwise::run::advice::{AdviceKind, advise, states_ahead};
+use leafwise::run::advice::{AdviceKind, JudgedStates, advise, states_ahead};
 use leafwise::scene::{ComposedRun, SceneDocument, compose};
 use leafwise_tests::methods::{increment, observe};
 use leafwise_tests::numbers::{UNIT_ROUNDOFF, distance, largest};
@@ -504,7 +504,7 @@ fn a_realization_that_is_not_exact_gives_a_warning() {
         let system = "library = \"lotka-volterra-periodic\"\ndamping = { rate = 0.1 }";
         let method = format!("realization = {realization}");
         let run = until(system, &method, "[1.0, 1.9, 0.5]", (10.0, 100));
-        let advice = advise(&run, &registry, &states_ahead(&run));
+        let advice = advise(&run, &registry, (&states_ahead(&run), JudgedStates::Ahead));
         let mut advice = advice.into_iter();
         advice.find(|advice| advice.kind == AdviceKind::LeftLeaf)
     };

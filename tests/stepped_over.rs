@@ -2,7 +2,7 @@
 //! steps over what is there for the time of a step, against closed forms.
 
 use leafwise::core::Registry;
-use leafwise::run::advice::{Advice, AdviceKind, advise, states_ahead};
+use leafwise::run::advice::{Advice, AdviceKind, JudgedStates, advise, states_ahead};
 use leafwise::trade::{Bench, Judged, Reference, Tolerances, TuneOptions, Tuner, parse_method};
 use leafwise_tests::scenes::{composed, document, end, until};
 use proptest::prelude::*;
@@ -329,7 +329,11 @@ fn what_is_stepped_over_is_told_and_mended_by_shorter_steps() {
     };
     let told = |text: &str| -> Option<Advice> {
         let run = composed(text);
-        let advice = advise(&run, &Registry::with_builtin(), &states_ahead(&run));
+        let advice = advise(
+            &run,
+            &Registry::with_builtin(),
+            (&states_ahead(&run), JudgedStates::Ahead),
+        );
         let mut advice = advice.into_iter();
         advice.find(|advice| advice.kind == AdviceKind::CoarseStep)
     };

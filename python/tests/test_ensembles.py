@@ -129,9 +129,11 @@ def test_a_member_that_fails_ends_no_other() -> None:
     scene = lw.Scene(RIGID_BODY)
     states = CLOUD.copy()
     states[3] *= 1e3
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", lw.LeafwiseWarning)
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always", lw.LeafwiseWarning)
         cloud = scene.ensemble(states, steps=10)
+    message = f"1 of {len(CLOUD)} members failed; statistics are those of the others: see failures"
+    assert cloud.failed == 1 and message in [str(one.message) for one in told]
     assert cloud.outcomes[3] == "failed" and np.count_nonzero(cloud.outcomes == "failed") == 1
     assert cloud.failures[0]["member"] == 3 and cloud.failures[0]["message"]
     assert np.isnan(cloud.drift["energy"][3]) and np.isfinite(cloud.x).all()

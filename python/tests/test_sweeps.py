@@ -37,7 +37,9 @@ def test_rows_are_single_runs() -> None:
 
 def test_methods_as_settings_and_failures() -> None:
     settings = [{"method.stepper": "rk4"}, {"method": {"stepper": "rk4", "time-step": 0.05}}, {"method.time-step": 1e6}]
-    sweep = lw.Scene(RIGID_BODY).sweep(settings=settings, steps=5)
+    with pytest.warns(lw.LeafwiseWarning, match="1 of 3 settings failed: see errors"):
+        sweep = lw.Scene(RIGID_BODY).sweep(settings=settings, steps=5)
+    assert sweep.failed == 1
     assert list(sweep.outcomes) == ["done", "done", "failed"]
     assert sweep.errors[2].startswith("step 1: ")
     assert list(sweep["method.stepper"]) == ["rk4", "", ""]

@@ -238,7 +238,7 @@ impl StepError {
             Self::NoConvergence { .. } => Some(Hint::ReduceStepOrRaiseOrder),
             Self::LeftChart { .. } | Self::OutsideDomain { .. } => Some(Hint::ReduceStep),
             Self::OtherBranch { .. } | Self::LostSign { .. } | Self::Pole { .. } => {
-                Some(Hint::ReduceTimeStep)
+                Some(Hint::ReduceStep)
             }
             Self::Singularity { .. } => Some(Hint::EndBefore),
             Self::NonFinite { .. } => Some(Hint::CheckInitialOrReduceStep),
@@ -434,11 +434,11 @@ mod tests {
             (StepError::LeftChart { ratio }, Some(Hint::ReduceStep)),
             (
                 StepError::OtherBranch { reached: 0.5 },
-                Some(Hint::ReduceTimeStep),
+                Some(Hint::ReduceStep),
             ),
             (
                 StepError::LostSign { coordinate: 1 },
-                Some(Hint::ReduceTimeStep),
+                Some(Hint::ReduceStep),
             ),
             (
                 StepError::Pole {
@@ -446,7 +446,7 @@ mod tests {
                     before: 1.0,
                     after: -1.0,
                 },
-                Some(Hint::ReduceTimeStep),
+                Some(Hint::ReduceStep),
             ),
             (
                 StepError::Singularity { percent: 50.0 },

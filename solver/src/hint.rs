@@ -8,8 +8,6 @@ use std::fmt;
 pub enum Hint {
     /// A shorter step εh.
     ReduceStep,
-    /// A shorter step of the flow.
-    ReduceTimeStep,
     /// A shorter step εh, or more terms of the realization.
     ReduceStepOrRaiseOrder,
     /// A larger tolerance of the stepper's own steps, or a shorter step εh.
@@ -24,21 +22,31 @@ pub enum Hint {
     OfPart(&'static str),
 }
 
-impl fmt::Display for Hint {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::ReduceStep => "reduce epsilon*h",
-            Self::ReduceTimeStep => "reduce the time step",
-            Self::ReduceStepOrRaiseOrder => "reduce epsilon*h or raise the realization's order",
-            Self::RaiseToleranceOrReduceStep => "raise its tolerance or reduce epsilon*h",
-            Self::CheckInitialOrReduceStep => "check `initial` or reduce epsilon*h",
+impl Hint {
+    /// The advice in words, with `step` for what sets the length of a step.
+    pub fn with_step(&self, step: &str) -> String {
+        match self {
+            Self::ReduceStep => format!("reduce {step}"),
+            Self::ReduceStepOrRaiseOrder => {
+                format!("reduce {step} or raise the realization's order")
+            }
+            Self::RaiseToleranceOrReduceStep => format!("raise its tolerance or reduce {step}"),
+            Self::CheckInitialOrReduceStep => format!("check the initial state or reduce {step}"),
             Self::EndBefore => {
                 "end the run before, or take a Poisson map of smaller steps if it only comes close"
+                    .to_owned()
             }
             Self::EndAtWall => {
                 "tabulate a larger box, or end the run a little inside of it by a condition, `stop`"
+                    .to_owned()
             }
-            Self::OfPart(advice) => advice,
-        })
+            Self::OfPart(advice) => (*advice).to_owned(),
+        }
+    }
+}
+
+impl fmt::Display for Hint {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.with_step("the time step"))
     }
 }

@@ -9,7 +9,9 @@ mod steppers;
 mod steps;
 
 use leafwise::prelude::*;
-use leafwise::run::advice::{Advice, AdviceKind, about_the_scene, advise, states_ahead};
+use leafwise::run::advice::{
+    Advice, AdviceKind, JudgedStates, about_the_scene, advise, states_ahead,
+};
 use leafwise::run::{Asked, Quiet, run_in_memory};
 use leafwise_tests::scenes::{composed, document};
 
@@ -27,7 +29,11 @@ fn body(method: &str) -> String {
 
 fn advice(text: &str) -> Vec<Advice> {
     let run = composed(text);
-    advise(&run, &Registry::with_builtin(), &states_ahead(&run))
+    advise(
+        &run,
+        &Registry::with_builtin(),
+        (&states_ahead(&run), JudgedStates::Ahead),
+    )
 }
 
 fn of_kind(text: &str, kind: AdviceKind) -> Option<Advice> {
@@ -66,7 +72,11 @@ fn the_scenes_of_the_gallery_deserve_no_warning() {
         let (name, registry) = (path.display().to_string(), Registry::with_builtin());
         let document = SceneDocument::parse(&name, &text, &registry).expect("a scene");
         let run = compose(&document, &registry).expect("a run");
-        assert_eq!(advise(&run, &registry, &states_ahead(&run)), [], "{name}");
+        assert_eq!(
+            advise(&run, &registry, (&states_ahead(&run), JudgedStates::Ahead)),
+            [],
+            "{name}"
+        );
         assert_eq!(about_the_scene(&document, &run), [], "{name}");
     }
 }

@@ -90,3 +90,43 @@ fn an_energy_is_judged_by_what_it_is_along_the_whole_orbit() {
         assert!(found.is_some(), "{wrong}");
     }
 }
+
+/// Orbits whose radial momentum, latitude or both are 0: all of their motion is round-off. A pendulum at rest above, where sin π is
+/// 1.2e-16.
+#[test]
+fn coordinates_at_rest_are_no_round_off() {
+    let circular = |method: &str| {
+        format!(
+            "[system]\nvariables = [\"r\", \"phi\", \"pr\", \"L\"]\nbracket = {{ \"r,pr\" = \"1\", \"phi,L\" = \"1\" }}\n\
+             convention = \"{{x,H}}\"\nhamiltonian = \"pr^2/2 + L^2/(2*r^2) - 1/r\"\n[method]\n{method}\ntime-step = 0.1\n\
+             [run]\ninitial = [1.3, 0, 0, 1.140175425099138]\nsteps = 1000\n"
+        )
+    };
+    // p_φ² = −g sin⁴θ/cos θ.
+    let conical = |method: &str| {
+        format!(
+            "[system]\nvariables = [\"theta\", \"phi\", \"s\", \"L\"]\nbracket = {{ \"theta,s\" = \"1\", \"phi,L\" = \"1\" }}\n\
+             convention = \"{{x,H}}\"\nhamiltonian = \"s^2/2 + L^2/(2*sin(theta)^2) + 9.81*cos(theta)\"\n[method]\n{method}\n\
+             time-step = 0.02\n[run]\ninitial = [2.5, 0, 0, 1.253332117116018]\nsteps = 500\n"
+        )
+    };
+    let pendulum = |method: &str| {
+        format!(
+            "[system]\nvariables = [\"q\", \"p\"]\nbracket = {{ \"q,p\" = \"1\" }}\nconvention = \"{{x,H}}\"\n\
+             hamiltonian = \"p^2/2 - cos(q)\"\n[method]\n{method}\ntime-step = 0.1\n\
+             [run]\ninitial = [3.141592653589793, 0]\nsteps = 50\n"
+        )
+    };
+    for method in [
+        "stepper = \"splitting\"",
+        "stepper = \"gauss\"",
+        "stepper = \"dop853\"",
+        "realization = \"auto\"\ndynamics = { name = \"hamilton-jacobi\", order = 6 }",
+    ] {
+        for text in [circular(method), conical(method), pendulum(method)] {
+            for kind in [AdviceKind::RoundOff, AdviceKind::CoarseStep] {
+                assert_eq!(told_of_kind(&text, kind), None, "{text}");
+            }
+        }
+    }
+}

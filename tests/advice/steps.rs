@@ -197,3 +197,18 @@ fn what_hardly_moves_is_judged_beside_its_kind() {
         );
     }
 }
+
+/// A pendulum that a constant force holds at rest, with ω = 3.7: splitting into two kicks errs by all of the motion there is, and so does half
+/// a step. Small oscillations about it are what tells: (ωh)²/24 at 0.1, and half a turn and more at 0.8.
+#[test]
+fn an_equilibrium_is_judged_by_the_motion_about_it() {
+    let text = |step: &str| {
+        format!(
+            "[system]\nvariables = [\"q\", \"p\"]\nparameters = {{ g = 9.81, l = 0.7, F = 2.3 }}\nbracket = {{ \"q,p\" = \"1\" }}\n\
+             convention = \"{{x,H}}\"\nhamiltonian = \"p^2/(2*l^2) - g*l*cos(q) - F*q\"\n[method]\nstepper = \"splitting\"\n\
+             time-step = {step}\n[run]\ninitial = [0.3413806463577703, 0]\nsteps = 200\n"
+        )
+    };
+    assert_eq!(told_of_kind(&text("0.1"), AdviceKind::CoarseStep), None);
+    assert!(told_of_kind(&text("0.8"), AdviceKind::CoarseStep).is_some());
+}

@@ -13,7 +13,7 @@ use crate::dop853_coefficients::{FIFTH_ORDER_ERROR, MATRIX, THIRD_ORDER_ERROR, W
 
 static INFO: PartInfo = PartInfo {
     name: "dop853",
-    summary: "Dormand-Prince 8(5,3), explicit, adaptive inside each step of epsilon*h",
+    summary: "Dormand-Prince 8(5,3), explicit, adaptive inside each time step",
     declares: "order 8 before the tolerance takes over; not a Poisson map; not self-adjoint",
     domain: "any system, of formulas or of numbers",
     literature: "Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, section II.5; \

@@ -13,7 +13,7 @@ use crate::adaptive::{Pair, Row, TOLERANCE, adaptive_map};
 
 static INFO: PartInfo = PartInfo {
     name: "dormand-prince45",
-    summary: "Dormand-Prince 5(4), explicit, adaptive inside each step of epsilon*h: as ode45",
+    summary: "Dormand-Prince 5(4), explicit, adaptive inside each time step: as ode45",
     declares: "order 5 before the tolerance takes over; not a Poisson map; not self-adjoint",
     domain: "any system, of formulas or of numbers",
     literature: "Dormand, Prince, A family of embedded Runge-Kutta formulae, J. Comput. Appl. \

@@ -333,7 +333,7 @@ fn one_failing_lane_leaves_the_others_their_steps() {
     assert!(matches!(error, StepError::OutsideDomain { ratio: 1.5, .. }));
     // The part's own words and its name.
     let text = "steps/local failed: increment: outside its domain at point 0 (1.50 times as far as it \
-                reaches): x1 is 2 or more; reduce epsilon*h";
+                reaches): x1 is 2 or more; reduce the time step";
     assert_eq!(error.to_string(), text);
     assert_eq!(local.statistics().failures, 1);
     // A broken instance is called no more, not even to be ended: the fixture would abort. The other

@@ -32,6 +32,8 @@ pub mod exit {
     pub const PLUGIN_REFUSED: u8 = 4;
     /// A check failed.
     pub const CHECK_FAILED: u8 = 5;
+    /// Some members of an ensemble or settings of a sweep failed: the results are those of the others.
+    pub const SOME_FAILED: u8 = 6;
     /// Interrupted, with a checkpoint written.
     pub const INTERRUPTED: u8 = 130;
 }

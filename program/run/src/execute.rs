@@ -17,7 +17,7 @@ use super::round_off::round_off;
 use super::samples::{self, Samples};
 use super::summary::{report_data, short};
 use super::{sampled, start, states};
-use crate::advice::{Advice, AdviceKind, about_the_scene, advise, casimir_drift};
+use crate::advice::{Advice, AdviceKind, JudgedStates, about_the_scene, advise, casimir_drift};
 use crate::csv::Headings;
 use crate::job::{
     Beginning, Content, Folder, Job, JobSession, JobSubject, Kind, Output, RunOptions, files,
@@ -282,8 +282,12 @@ fn advice(
     report: &RunReport,
 ) -> Result<Vec<Advice>, RunError> {
     let mut advice = about_the_scene(document, composed);
-    advice.extend(advise(composed, registry, &session.judged()));
-    advice.extend(sampled::energy_error(document, composed, session, report));
+    advice.extend(advise(
+        composed,
+        registry,
+        (&session.judged(), JudgedStates::OfTheRun),
+    ));
+    advice.extend(sampled::energy_error(composed, session, report));
     advice.extend(casimir_drift(
         composed,
         &report.invariants,

@@ -70,7 +70,7 @@ pub mod sweep;
 mod tests;
 mod watch;
 
-pub use advice::{Advice, AdviceKind, advise};
+pub use advice::{Advice, AdviceKind, JudgedStates, advise};
 pub(crate) use appended::{Appended, Vouched};
 pub use chaos::{ChaosVerdict, MotionKind};
 pub(crate) use checkpoint::StatisticsFields;

@@ -37,7 +37,7 @@ impl Failure {
         let (steps, time, state) = (ended.steps, ended.time, run.own(&ended.state));
         match fault {
             Fault::Step(error) => {
-                let failure = Self::of_step(error, &run.plan.parts, steps, time, state);
+                let failure = Self::of_step(error, run, steps, time, state);
                 let is_of_seams =
                     error.is_of_a_solve() || matches!(error, StepError::Singularity { .. });
                 match crossed(run, &ended.state).filter(|_| is_of_seams) {
@@ -45,8 +45,12 @@ impl Failure {
                     None => failure,
                 }
             }
-            Fault::Undefined(text) => Self::of_observable(&format!("`{text}`"), steps, time, state),
-            Fault::Outside => Self::of_observable(invariant_name(run, 0), steps, time, state),
+            Fault::Undefined(text) => {
+                Self::of_observable(&format!("`{text}`"), run, steps, time, state)
+            }
+            Fault::Outside => {
+                Self::of_observable(invariant_name(run, 0), run, steps, time, state)
+            }
             Fault::Leaf => Self {
                 message: fault.to_string(),
                 step: steps + 1,
@@ -60,8 +64,10 @@ impl Failure {
                 step: steps + 1,
                 time,
                 state: state.to_vec(),
-                hint: "write a pace that is positive along the motion, or reduce epsilon*h"
-                    .to_owned(),
+                hint: format!(
+                    "write a pace that is positive along the motion, or reduce {}",
+                    step_key(run)
+                ),
             },
         }
     }
@@ -80,24 +86,15 @@ impl Failure {
         }
     }
 
-    /// The failure of a step from `state` with these parts.
+    /// The failure of a step of a run from `state`.
     pub(crate) fn of_step(
         error: &StepError,
-        parts: &[PartChoice],
+        run: &ComposedRun,
         steps: u64,
         time: f64,
         state: &[f64],
     ) -> Self {
-        let (message, hint) = match overturns(error, parts) {
-            true => (
-                "the increment is not finite: in one step a body that is taken whole goes further than its flow is formed \
-                 for, about half a nutation, 64 radians or a period about its centre, or falls into the centre, or the state \
-                 left the formulas' domain"
-                    .to_owned(),
-                "reduce epsilon*h, or take bodies by their terms: bodies = \"axes\"".to_owned(),
-            ),
-            false => (error.cause().to_string(), hint(error, parts).to_string()),
-        };
+        let (message, hint) = told(error, &run.plan.parts, &step_key(run));
         Self {
             message,
             step: steps + 1,
@@ -108,7 +105,13 @@ impl Failure {
     }
 
     /// An invariant that has no value at the state after `steps` steps: no further step is taken.
-    pub(crate) fn of_observable(name: &str, steps: u64, time: f64, state: &[f64]) -> Self {
+    pub(crate) fn of_observable(
+        name: &str,
+        run: &ComposedRun,
+        steps: u64,
+        time: f64,
+        state: &[f64],
+    ) -> Self {
         let place = if steps == 0 {
             "the initial state"
         } else {
@@ -117,23 +120,53 @@ impl Failure {
         let hint = if steps == 0 {
             "check `initial` and the parameters: no ln or root of a negative number, no division \
              by zero"
+                .to_owned()
         } else {
-            "reduce epsilon*h, raise the realization's order, or check `initial`: the state left \
-             the formulas' domain (ln or root of a negative number, division by zero)"
+            let shorter = Hint::ReduceStepOrRaiseOrder;
+            let shorter = fitting(shorter, &run.plan.parts).with_step(&step_key(run));
+            format!(
+                "{shorter}, or check `initial`: the state left the formulas' domain (ln or root of a negative number, \
+                 division by zero)"
+            )
         };
         Self {
             message: format!("{name} has no finite value at {place}"),
             step: steps + 1,
             time,
             state: state.to_vec(),
-            hint: hint.to_owned(),
+            hint,
         }
     }
 }
 
-/// Advice with these parts: a stepper has no realization, and an exact realization no order that could be raised.
-fn hint(error: &StepError, parts: &[PartChoice]) -> Hint {
+/// The scene's key of the length of a step, as it is quoted.
+fn step_key(run: &ComposedRun) -> String {
+    format!("`{}`", run.plan.step_key)
+}
+
+/// Message and advice of a step that could not be taken with these parts.
+fn told(error: &StepError, parts: &[PartChoice], step_key: &str) -> (String, String) {
+    if overturns(error, parts) {
+        return (
+            "the increment is not finite: in one step a body that is taken whole goes further than its flow is formed for \
+             (about half a nutation, 64 radians, a period of an ellipse, or 8 units of a hyperbola's anomaly, over which \
+             the distance from the centre grows by up to e^8), or falls into the centre, or the state left the formulas' \
+             domain"
+                .to_owned(),
+            format!("reduce {step_key}, or take bodies by their terms: bodies = \"axes\""),
+        );
+    }
     let stated = error.hint().unwrap_or(Hint::ReduceStep);
+    let hint = match fitting(stated, parts) {
+        // The state has a key too.
+        Hint::CheckInitialOrReduceStep => format!("check `initial` or reduce {step_key}"),
+        hint => hint.with_step(step_key),
+    };
+    (error.cause().to_string(), hint)
+}
+
+/// Advice with these parts: a stepper has no realization, and an exact realization no order that could be raised.
+fn fitting(stated: Hint, parts: &[PartChoice]) -> Hint {
     if stated != Hint::ReduceStepOrRaiseOrder {
         return stated;
     }
@@ -270,8 +303,6 @@ mod tests {
     use leafwise_core::{PartKind, StepError};
     use leafwise_scene::compose::PartChoice;
 
-    use super::Failure;
-
     fn part(kind: PartKind, parameters: Vec<(&'static str, ParameterSetting)>) -> PartChoice {
         PartChoice {
             kind,
@@ -285,8 +316,7 @@ mod tests {
     }
 
     fn told(error: &StepError, parts: &[PartChoice]) -> (String, String) {
-        let failure = Failure::of_step(error, parts, 0, 0.0, &[]);
-        (failure.message, failure.hint)
+        super::told(error, parts, "`h`")
     }
 
     #[test]
@@ -301,10 +331,10 @@ mod tests {
         let adaptive = part(PartKind::Stepper, vec![("tolerance", 1e-6.into())]);
         let message = error.cause().to_string();
         for (part, hint) in [
-            (exact, "reduce epsilon*h"),
-            (series, "reduce epsilon*h or raise the realization's order"),
-            (plain, "reduce epsilon*h"),
-            (adaptive, "raise its tolerance or reduce epsilon*h"),
+            (exact, "reduce `h`"),
+            (series, "reduce `h` or raise the realization's order"),
+            (plain, "reduce `h`"),
+            (adaptive, "raise its tolerance or reduce `h`"),
         ] {
             assert_eq!(told(&error, &[part]), (message.clone(), hint.to_owned()));
         }
@@ -321,7 +351,7 @@ mod tests {
         for (error, parts) in [(&StepError::OF_INCREMENT, &axes), (&other, &whole)] {
             let (message, hint) = told(error, parts);
             assert_eq!(message, error.cause().to_string());
-            assert_eq!(hint, "check `initial` or reduce epsilon*h");
+            assert_eq!(hint, "check `initial` or reduce `h`");
         }
     }
 
@@ -334,6 +364,6 @@ mod tests {
         };
         let (message, hint) = told(&error, &[]);
         assert_eq!(message, error.to_string());
-        assert_eq!(hint, "reduce epsilon*h");
+        assert_eq!(hint, "reduce `h`");
     }
 }

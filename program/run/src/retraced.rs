@@ -160,7 +160,6 @@ impl Retraced {
     fn failure(&self, error: &leafwise_core::StepError) -> Retrace {
         let (steps, time) = (self.walk.steps(), self.walk.time());
         let state = self.run.own(self.walk.state());
-        let parts = &self.run.plan.parts;
-        Retrace::Failed(Failure::of_step(error, parts, steps, time, state))
+        Retrace::Failed(Failure::of_step(error, &self.run, steps, time, state))
     }
 }

@@ -9,7 +9,6 @@ use super::outcome::RunReport;
 use super::shadow::{Changes, ShadowVerdict};
 use crate::advice::{Advice, EnergyError};
 use leafwise_scene::compose::{ComposedRun, Observable};
-use leafwise_scene::document::SceneDocument;
 use leafwise_walk::Indicator;
 
 /// The most samples of a shadow energy, or of an indicator of chaos, that are looked at.
@@ -71,7 +70,6 @@ pub(super) fn chaos(
 
 /// An energy kept badly, judged along the run's orbit.
 pub(super) fn energy_error(
-    document: &SceneDocument,
     run: &ComposedRun,
     session: &Session<'_>,
     report: &RunReport,
@@ -85,7 +83,7 @@ pub(super) fn energy_error(
     };
     let is_notable = error.is_notable();
     is_notable
-        .then(|| error.advice(document, run, &session.along()))
+        .then(|| error.advice(run, &session.along()))
         .flatten()
 }
 

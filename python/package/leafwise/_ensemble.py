@@ -140,6 +140,11 @@ class Ensemble:
         return found
 
     @property
+    def failed(self) -> int:
+        """How many members failed; ``statistics`` are those of the others."""
+        return int(self._ending["failed"])
+
+    @property
     def failures(self) -> list[dict[str, Any]]:
         """The members that failed, the first 1000 of them: member, step, time, message, state."""
         found: list[dict[str, Any]] = self._ending["failures"]

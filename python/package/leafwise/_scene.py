@@ -281,7 +281,7 @@ class Scene:
             allow_non_poisson: step a tensor that violates the Jacobi identity.
             progress: as in :meth:`run`, of the members' steps.
 
-        A member that fails ends no other: see ``outcomes``. Ctrl-C returns the members that had ended, with a warning.
+        A member that fails ends no other: a warning says how many have, and ``outcomes`` and ``failures`` which. Ctrl-C returns the members that had ended, with a warning.
 
         Raises:
             SceneError: the scene, or one of the parameters' names, is not valid.
@@ -330,6 +330,9 @@ class Scene:
         ensemble = Ensemble(left)
         for advice in ensemble.warnings:
             warnings.warn(advice, LeafwiseWarning, stacklevel=3)
+        if failed := ensemble.failed:
+            message = f"{failed} of {len(ensemble)} members failed; statistics are those of the others: see failures"
+            warnings.warn(message, LeafwiseWarning, stacklevel=3)
         if ensemble.outcome == "interrupted":
             warnings.warn(f"interrupted after {len(ensemble)} members", LeafwiseWarning, stacklevel=3)
         return ensemble
@@ -395,6 +398,9 @@ class Scene:
                     out = Path(folder) / "sweep"
                     left = self._scene.sweep(overrides, out, None, threads, allow_non_poisson, told)
         sweep = Sweep(left)
+        if sweep.failed:
+            message = f"{sweep.failed} of {len(sweep)} settings failed: see errors"
+            warnings.warn(message, LeafwiseWarning, stacklevel=2)
         if sweep.outcome == "interrupted":
             warnings.warn(f"interrupted after {len(sweep)} settings", LeafwiseWarning, stacklevel=2)
         return sweep

@@ -67,6 +67,11 @@ class Sweep:
         return list(self._cells["error"])
 
     @property
+    def failed(self) -> int:
+        """How many runs have failed."""
+        return int(self._ending["failed"])
+
+    @property
     def t(self) -> Array:
         """The times of the last states: shape (n,)."""
         return self._numbers("t")
@@ -167,5 +172,4 @@ class Sweep:
         return reduced(self, "_left")
 
     def __repr__(self) -> str:
-        failed = np.count_nonzero(self.outcomes == "failed")
-        return f"<leafwise.Sweep {self.outcome}: {len(self)} settings, {failed} failed>"
+        return f"<leafwise.Sweep {self.outcome}: {len(self)} settings, {self.failed} failed>"

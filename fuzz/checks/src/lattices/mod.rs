@@ -5,6 +5,7 @@ use leafwise::scene::compose::{Observable, RecordedFormula, Stepping};
 use leafwise::scene::{ComposedRun, SceneDocument, compose};
 
 use crate::Reached;
+use crate::method::{compositions, steppers_of_rotations};
 use crate::reference::extrapolated;
 use crate::scenes::same_bits_of;
 use crate::source::Source;
@@ -14,6 +15,9 @@ pub mod drawn;
 use drawn::RandomLattice;
 
 const STEPS: usize = 2;
+
+/// The highest order of compositions whose errors are seen to fall.
+const MOST_ORDER: usize = 6;
 
 /// The product of a step and the rate ẋ/x of a lattice whose motion is compared.
 const STEP: f64 = 0.04;
@@ -227,10 +231,10 @@ fn method(source: &mut Source<'_>, lattice: &RandomLattice) -> (&'static str, St
                 2 * (1 + source.below(2))
             ),
         ),
-        4 if lattice.has_spins() => (
-            "spherical-midpoint",
-            "stepper = \"spherical-midpoint\"\n".to_owned(),
-        ),
+        4 if lattice.has_spins() => {
+            let name = source.pick(steppers_of_rotations());
+            (name, format!("stepper = \"{name}\"\n"))
+        }
         5 => ("rk4", "stepper = \"rk4\"\n".to_owned()),
         6 if lattice.length() < 60 => (
             "gauss",
@@ -249,7 +253,7 @@ fn method(source: &mut Source<'_>, lattice: &RandomLattice) -> (&'static str, St
         }
     };
     if source.chance(80) && name != "rk4" {
-        let composition = source.pick(&["suzuki-4", "kahan-li-6", "blanes-moan-4"]);
+        let composition = source.pick(&compositions(MOST_ORDER));
         text.push_str(&format!("composition = \"{composition}\"\n"));
     }
     (name, text)

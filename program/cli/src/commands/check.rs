@@ -4,7 +4,7 @@ use leafwise::core::diagnostics::{IdentityCheck, Verdict};
 use leafwise::core::system::TensorSource;
 use leafwise::core::{PoissonSystem, SystemFormulas};
 use leafwise::run::Advice;
-use leafwise::run::advice::{about_the_scene, advise, states_ahead};
+use leafwise::run::advice::{JudgedStates, about_the_scene, advise, states_ahead};
 use leafwise::scene::SceneDocument;
 use leafwise::scene::compose::{Motion, SceneChecks, compose};
 use leafwise::scene::json::{Double, doubles, object};
@@ -99,7 +99,11 @@ pub fn execute(
     let mut advice = about_the_scene(&document, &composed);
     if checks.pass() {
         let states = states_ahead(&composed);
-        advice.extend(advise(&composed, &parts.registry, &states));
+        advice.extend(advise(
+            &composed,
+            &parts.registry,
+            (&states, JudgedStates::Ahead),
+        ));
     }
     if arguments.json {
         let casimirs = checks.casimirs.iter();

@@ -21,7 +21,7 @@ use super::shard;
 use crate::arguments::{EnsembleArguments, OutputArguments, PluginArguments};
 use crate::bar::{Bar, while_building};
 use crate::console::Console;
-use crate::failure::{Failure, exit};
+use crate::failure::Failure;
 use crate::plugins::Parts;
 use crate::table::{duration, grouped, numbers, short};
 
@@ -124,6 +124,13 @@ pub(super) fn tell(
         }
         print_advice(advice, console);
     }
+    // As a failed run these are told in any case.
+    if report.reductions.failed > 0 {
+        console.prose("");
+        for line in failures(report, console) {
+            console.prose(&line);
+        }
+    }
     if output.json {
         console.json(&EnsembleJson {
             ending: EnsembleEnding::new(ensemble, report),
@@ -131,16 +138,9 @@ pub(super) fn tell(
             run_directory: report.directory.display().to_string(),
         });
     }
-    Ok(code(report))
-}
-
-fn code(report: &EnsembleReport) -> u8 {
     let all = &report.reductions;
-    match report.outcome {
-        RunOutcome::Interrupted => exit::INTERRUPTED,
-        _ if all.members > 0 && all.failed == all.members => exit::RUN_FAILED,
-        _ => exit::DONE,
-    }
+    let made = [all.members, all.failed];
+    Ok(shard::exit_code(&report.outcome, made, false))
 }
 
 /// The object of `ensemble --shard --json`.
@@ -198,7 +198,7 @@ fn tell_shard(
             run_directory: report.directory.display().to_string(),
         });
     }
-    code(report)
+    shard::exit_code(&report.outcome, [all.members, all.failed], true)
 }
 
 /// One member as a scene of its own.
@@ -259,9 +259,16 @@ fn summary(
     let all = &report.reductions;
     let end = ensemble.end();
     let mut lines = vec![format!(
-        "{}: {} members to t = {} with {}",
+        "{}: {} to t = {} with {}",
         console.bold(report.outcome.word()),
-        grouped(all.members),
+        match all.failed {
+            0 => format!("{} members", grouped(all.members)),
+            failed => format!(
+                "{} members, {} of them failed,",
+                grouped(all.members),
+                grouped(failed)
+            ),
+        },
         short(end),
         method_line(&ensemble.run, registry)
     )];
@@ -311,10 +318,6 @@ fn summary(
         grouped(report.rate() as u64)
     ));
     lines.push(format!("  report   {}", report.report().display()));
-    if all.failed > 0 {
-        lines.push(String::new());
-        lines.extend(failures(report, console));
-    }
     if report.outcome == RunOutcome::Interrupted {
         lines.push(String::new());
         lines.push(format!(

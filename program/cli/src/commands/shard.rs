@@ -3,11 +3,11 @@
 use std::env;
 use std::path::PathBuf;
 
-use leafwise::run::default_directory;
 use leafwise::run::shards::{Portion, Shard, ShardError, Whole};
+use leafwise::run::{RunOutcome, default_directory};
 use leafwise::scene::SceneDocument;
 
-use crate::failure::Failure;
+use crate::failure::{Failure, exit};
 
 /// Environment variables of a task of a Slurm array: its own number, the first and the last number, and how many tasks
 /// there are.
@@ -114,4 +114,15 @@ fn refused(error: &ShardError, of_what: Whole, count: u64) -> Failure {
         error.to_string(),
         format!("the scene's {word} has {count} {items}"),
     )
+}
+
+/// The exit code of so many members or settings of which some have failed. A shard that is complete has done what it was
+/// asked: its files hold the failures, and `merge` tells them.
+pub(super) fn exit_code(outcome: &RunOutcome, [made, failed]: [u64; 2], is_shard: bool) -> u8 {
+    match outcome {
+        RunOutcome::Interrupted => exit::INTERRUPTED,
+        _ if is_shard || failed == 0 => exit::DONE,
+        _ if failed == made => exit::RUN_FAILED,
+        _ => exit::SOME_FAILED,
+    }
 }

@@ -14,7 +14,7 @@ use super::shard;
 use crate::arguments::{OutputArguments, PluginArguments, SweepArguments};
 use crate::bar::{Bar, Steps};
 use crate::console::Console;
-use crate::failure::{Failure, exit};
+use crate::failure::Failure;
 use crate::plugins::Parts;
 use crate::table::{duration, grouped};
 
@@ -82,27 +82,37 @@ pub fn execute(
 /// Prints what a sweep has come to; returns the exit code.
 pub(super) fn tell(
     report: &SweepReport,
-    shard: Option<&Shard>,
+    part: Option<&Shard>,
     output: OutputArguments,
     console: &mut Console<'_>,
 ) -> u8 {
     if !output.quiet {
-        for line in summary(report, shard, console) {
+        for line in summary(report, part, console) {
             console.prose(&line);
         }
+    }
+    // As a failed run these are told in any case.
+    if report.failed > 0 {
+        console.prose(&format!(
+            "{} {} of {} settings failed; the column `error` of {} says why",
+            console.error_word(),
+            grouped(report.failed),
+            grouped(report.done),
+            report.table().display()
+        ));
     }
     if output.json {
         console.json(&SweepJson {
             ending: SweepEnding::new(report),
-            shard: shard.map(|shard| [shard.items().start, shard.items().end]),
+            shard: part.map(|shard| [shard.items().start, shard.items().end]),
             run_directory: report.directory.display().to_string(),
         });
     }
-    match report.outcome {
-        RunOutcome::Interrupted => exit::INTERRUPTED,
-        _ if report.done > 0 && report.failed == report.done => exit::RUN_FAILED,
-        _ => exit::DONE,
-    }
+    shard::exit_code(
+        &report.outcome,
+        [report.done, report.failed],
+        part.is_some(),
+    )
 }
 
 fn summary(report: &SweepReport, shard: Option<&Shard>, console: &Console<'_>) -> Vec<String> {
@@ -132,14 +142,6 @@ fn summary(report: &SweepReport, shard: Option<&Shard>, console: &Console<'_>) -
     lines.push(format!("  table    {}", report.table().display()));
     if shard.is_none() {
         lines.push(format!("  report   {}", report.report().display()));
-    }
-    if report.failed > 0 {
-        lines.push(format!(
-            "{} {} of {} settings failed; the column `error` of the table says why",
-            console.error_word(),
-            grouped(report.failed),
-            grouped(report.done)
-        ));
     }
     if report.outcome == RunOutcome::Interrupted {
         lines.push(format!(

@@ -502,3 +502,42 @@ fn shards_that_are_not_there_are_told_as_such() {
     assert_eq!(said.code, Some(2));
     said.says(&["there is no shard 1 of 0: there is at least one"]);
 }
+
+/// A spin of 4000 leaves the chart in its first step.
+#[test]
+fn members_that_fail_are_told_by_the_exit_code() {
+    let file = "[ensemble]\ninitial = { file = \"states.csv\" }\n";
+    let here = with(file);
+    here.write("states.csv", "1,3,3\n1000,3000,3000\n1,2,3\n");
+    let of = |here: &Place, arguments: &[&str]| {
+        here.leafwise(&[&["ensemble", "scene.toml"][..], arguments].concat())
+    };
+    let said = of(&here, &["--out", "out", "--json"]);
+    assert_eq!(said.code, Some(6), "{}", said.err);
+    said.says(&["3 members, 1 of them failed, to t = 4", "member 1, step 1"]);
+    assert_eq!(said.json()["failed"], 1);
+    for column in ["energy", "spin"] {
+        assert_eq!(said.json()["statistics"][0][column]["count"], 2);
+    }
+    // Told without a summary too, and of an ensemble that is there already.
+    let again = of(&here, &["--out", "out", "--quiet"]);
+    assert_eq!(again.code, Some(6), "{}", again.err);
+    again.says(&["1 of 3 members failed"]);
+    // A shard has made what it was asked for; the whole tells.
+    let shard = of(&here, &["--out", "parts", "--shard", "1/1"]);
+    assert_eq!(shard.code, Some(0), "{}", shard.err);
+    let merged = here.leafwise(&["merge", "parts", "--out", "whole", "--scene", "scene.toml"]);
+    assert_eq!(merged.code, Some(6), "{}", merged.err);
+    let here = with(file);
+    here.write("states.csv", "1000,3000,3000\n2000,3000,3000\n");
+    assert_eq!(of(&here, &["--out", "out"]).code, Some(1));
+}
+
+/// What fails at a member's start is the member's failure, which is counted; it is no step that a run took.
+#[test]
+fn a_member_that_fails_is_no_warning_of_the_method() {
+    let here = with("[ensemble]\ninitial = { file = \"states.csv\" }\n");
+    here.write("states.csv", "1,3,3\n1000,3000,3000\n1,2,3\n");
+    let said = here.leafwise(&["ensemble", "scene.toml", "--json"]);
+    assert!(!said.err.contains("taken anew"), "{}", said.err);
+}

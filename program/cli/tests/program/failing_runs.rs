@@ -93,7 +93,7 @@ fn a_start_without_a_motion_is_refused_where_it_stands() {
 fn a_step_outside_the_chart_ends_the_run() {
     // At 2 a solution inside exists beside others; at 4 there is none.
     let scene = BODY.replace("time-step   = 0.1", "time-step   = 4.0");
-    fails(&scene, &["reduce epsilon*h"]);
+    fails(&scene, &["reduce `time-step`"]);
 }
 
 #[test]
@@ -104,7 +104,7 @@ fn a_solve_that_does_not_converge_ends_the_run() {
         &particle("(-q^3)", "[1, 1]", "0.2"),
         &[
             "the solution of the step's equation that begins at the state was lost",
-            "reduce the time step",
+            "reduce `time-step`",
         ],
     );
     assert_eq!(json["solver"]["failures"], 1);
@@ -124,8 +124,15 @@ fn an_exact_realization_is_not_told_to_raise_its_order() {
     let scene = "[system]\nlibrary = \"heavy-top\"\n[method]\nrealization = \"clebsch\"\n\
                  dynamics = { name = \"collective\", stages = 8 }\ntime-step = 3.0\n\
                  [run]\ninitial = [0.5, 1.0, 1.5, 0.6, 0.0, 0.8]\nsteps = 20\n";
-    fails(scene, &["no convergence", "help: reduce epsilon*h\n"]);
+    fails(scene, &["no convergence", "help: reduce `time-step`\n"]);
     let here = Place::with(&scene.replace("time-step = 3.0", "time-step = 0.3"));
     let said = here.leafwise(&["run", "scene.toml"]);
     assert_eq!(said.code, Some(0), "{}", said.err);
+}
+
+/// The help names the keys that the scene has.
+#[test]
+fn what_to_reduce_is_named_as_in_the_scene() {
+    let scene = BODY.replace("time-step   = 0.1", "epsilon = 0.5\nh = 8.0");
+    fails(&scene, &["reduce `h`"]);
 }

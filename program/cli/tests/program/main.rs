@@ -29,5 +29,6 @@ mod states;
 mod support;
 mod sweeps;
 mod tables;
+mod thousand_sites;
 mod time;
 mod warnings;

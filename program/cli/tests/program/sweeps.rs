@@ -178,8 +178,15 @@ fn a_setting_that_fails_is_a_row() {
         |values: &str| format!("{BODY}[sweep]\ngrid = {{ \"method.time-step\" = {values} }}\n");
     let here = Place::with(&steps("[0.1, 1e6]"));
     let said = sweep(&here, &["--out", "out"]);
-    assert_eq!(said.code, Some(0), "{}", said.err);
+    assert_eq!(said.code, Some(6), "{}", said.err);
     said.says(&["1 of 2 settings failed"]);
+    let again = sweep(&here, &["--out", "out", "--quiet"]);
+    assert_eq!(again.code, Some(6), "{}", again.err);
+    again.says(&["1 of 2 settings failed"]);
+    let shard = sweep(&here, &["--out", "parts", "--shard", "1/1"]);
+    assert_eq!(shard.code, Some(0), "{}", shard.err);
+    let merged = here.leafwise(&["merge", "parts", "--out", "whole"]);
+    assert_eq!(merged.code, Some(6), "{}", merged.err);
     let table = here.read("out/sweep.csv");
     let row = table.lines().nth(2).expect("a row");
     assert!(row.starts_with("1,1e6,failed,"), "{row}");

@@ -12,10 +12,9 @@
 
 use leafwise_core::Evaluator;
 
-use super::step::tighten;
+use super::step::{half_the_step, tighten};
 use super::{Advice, AdviceKind, number};
 use leafwise_scene::compose::ComposedRun;
-use leafwise_scene::document::{SceneDocument, StepSpec};
 
 /// The largest error of the energy, relative to its scale, that nothing is said of.
 const LARGEST: f64 = 0.01;
@@ -48,12 +47,7 @@ impl EnergyError<'_> {
     }
 
     /// A warning where the error is a large part of the energy's scale along `states`.
-    pub fn advice(
-        &self,
-        document: &SceneDocument,
-        run: &ComposedRun,
-        states: &[Vec<f64>],
-    ) -> Option<Advice> {
+    pub fn advice(&self, run: &ComposedRun, states: &[Vec<f64>]) -> Option<Advice> {
         if run.system.has_forces() || run.method.noise().is_some() {
             return None;
         }
@@ -84,10 +78,7 @@ impl EnergyError<'_> {
                     .to_owned(),
             });
         }
-        let change = tighten(run).unwrap_or_else(|| match &document.method.step {
-            StepSpec::TimeStep(step) => format!("time-step = {:?}", step.value.value / 2.0),
-            StepSpec::Factors { h, .. } => format!("h = {:?}", h.value.value / 2.0),
-        });
+        let change = tighten(run).unwrap_or_else(|| half_the_step(run));
         Some(Advice {
             kind: AdviceKind::EnergyError,
             message: format!(

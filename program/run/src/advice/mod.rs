@@ -198,13 +198,28 @@ pub fn about_the_scene(document: &SceneDocument, run: &ComposedRun) -> Vec<Advic
     advice
 }
 
-/// Advice about a scene's method, judged at `states` of its run. Nothing is said of what cannot be measured, of a long
+/// Where states that a method is judged at come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum JudgedStates {
+    /// The run went through them.
+    OfTheRun,
+    /// The first steps of a run that was not made lead to them.
+    Ahead,
+    /// Members of an ensemble, whose own failures are told of them.
+    OfMembers,
+}
+
+/// Advice about a scene's method, judged at `states`. Nothing is said of what cannot be measured, of a long
 /// lattice, and with noise, where two steps differ by what they draw.
-pub fn advise(run: &ComposedRun, registry: &Registry, states: &[Vec<f64>]) -> Vec<Advice> {
+pub fn advise(
+    run: &ComposedRun,
+    registry: &Registry,
+    (states, whose): (&[Vec<f64>], JudgedStates),
+) -> Vec<Advice> {
     if run.dimension() > LARGEST || run.method.noise().is_some() {
         return Vec::new();
     }
-    let coarse = step::advice(run, registry, states);
+    let coarse = step::advice(run, registry, (states, whose));
     let coarse = coarse.or_else(|| rounding::advice(run, states)).into_iter();
     let coarse = claims::advice(run, registry, states)
         .into_iter()

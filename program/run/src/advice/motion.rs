@@ -2,6 +2,7 @@
 
 use leafwise_core::{StepError, StepMap, Walk};
 use leafwise_scene::compose::ComposedRun;
+use nalgebra::DMatrix;
 
 /// A trajectory from a state, by steps of the run's length in so many parts each.
 pub(super) struct Motion {
@@ -33,6 +34,19 @@ impl Motion {
             *place = (x - start) + low;
         }
         Ok(())
+    }
+
+    /// ∂x_k/∂x_0 of the motion so far, by the same map; `None` where it offers none.
+    pub fn tangent(&self, run: &ComposedRun, map: &dyn StepMap) -> Option<DMatrix<f64>> {
+        let (values, plan) = (run.system.parameter_values(), &run.plan);
+        let (h, d) = (plan.h / self.parts as f64, self.start.len());
+        let mut walk = Walk::new(map, &values, plan.epsilon, h, &self.start);
+        let mut tangent = DMatrix::identity(d, d);
+        while walk.steps() < self.walk.steps() {
+            walk.advance(1).ok()?;
+            tangent = DMatrix::from_row_slice(d, d, &walk.tangent(0)?) * tangent;
+        }
+        Some(tangent)
     }
 }
 

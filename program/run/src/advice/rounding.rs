@@ -13,7 +13,7 @@ use leafwise_scene::compose::ComposedRun;
 /// double has, three are left.
 const DECIDED: f64 = 1e-3;
 
-/// The part of an energy's scale Σ_i |x_i ∂H/∂x_i| that its round-off may be.
+/// The part of an energy's scale Σ_i max(|x_i ∂H/∂x_i|, |H(x) − H(x without x_i)|) that its round-off may be.
 const UNRESOLVED: f64 = 0.01;
 
 pub(super) fn advice(run: &ComposedRun, states: &[Vec<f64>]) -> Option<Advice> {
@@ -63,11 +63,18 @@ fn energy(run: &ComposedRun) -> Option<(&Expression, Vec<f64>)> {
 fn of_the_energy(run: &ComposedRun) -> Option<Advice> {
     let (parameters, x) = (run.system.parameter_values(), &run.plan.initial);
     let (hamiltonian, slopes) = energy(run)?;
-    let round_off = f64::EPSILON * hamiltonian.evaluate(x, &parameters).abs();
-    let scale: f64 = x
-        .iter()
-        .zip(&slopes)
-        .map(|(x, slope)| (x * slope).abs())
+    let energy = hamiltonian.evaluate(x, &parameters);
+    let round_off = f64::EPSILON * energy.abs();
+    // Where the state is an equilibrium the slopes are 0: there it is the change from x_i to 0.
+    let without = |at: usize| {
+        let mut moved = x.clone();
+        moved[at] = 0.0;
+        let change = (hamiltonian.evaluate(&moved, &parameters) - energy).abs();
+        if change.is_finite() { change } else { 0.0 }
+    };
+    let sizes = x.iter().zip(&slopes).enumerate();
+    let scale: f64 = sizes
+        .map(|(at, (x, slope))| (x * slope).abs().max(without(at)))
         .sum();
     (scale > 0.0 && round_off > UNRESOLVED * scale).then(|| Advice {
         kind: AdviceKind::RoundOff,

@@ -7,7 +7,7 @@ use leafwise_core::{Registry, StepError, StepMap};
 use super::motion::Motion;
 use super::probe::given;
 use super::sizes::Sizes;
-use super::{Advice, AdviceKind, number};
+use super::{Advice, AdviceKind, JudgedStates, number};
 use leafwise_scene::compose::{ComposedRun, PartChoice};
 
 /// The part of a step's motion that halving it may change. A method of order m then errs by about (2ᵐ − 1)⁻¹ of it, and
@@ -38,9 +38,9 @@ const LEAST: f64 = 1e-14;
 pub(super) fn advice(
     run: &ComposedRun,
     registry: &Registry,
-    states: &[Vec<f64>],
+    (states, whose): (&[Vec<f64>], JudgedStates),
 ) -> Option<Advice> {
-    let finer = Finer::of(run, registry, states);
+    let finer = Finer::of(run, registry, states, whose);
     let message = states.iter().find_map(|x| finer.over_one_step(x));
     let message = message.or_else(|| finer.over_the_first());
     let (message, change) = match message {
@@ -56,10 +56,12 @@ pub(super) fn advice(
 
 /// The line that halves the step.
 pub(super) fn half_the_step(run: &ComposedRun) -> String {
-    // ε·h with the digits that were written: 0.1·0.3 is 0.03.
-    let half = 0.5 * run.plan.epsilon * run.plan.h;
+    // With the digits that were written: 0.1·0.3 is 0.03.
+    let (plan, key) = (&run.plan, run.plan.step_key);
+    let factor = if key == "h" { 1.0 } else { plan.epsilon };
+    let half = 0.5 * factor * plan.h;
     let short: f64 = format!("{half:.12e}").parse().unwrap_or(half);
-    format!("time-step = {short:?}")
+    format!("{key} = {short:?}")
 }
 
 /// The line with a hundredth of the stepper's tolerance, where it has one and takes that.
@@ -97,10 +99,16 @@ struct Finer<'a> {
     /// The root of the tolerance, of which errors within it stay far below; infinite without one.
     outgrown: f64,
     sizes: Sizes,
+    whose: JudgedStates,
 }
 
 impl<'a> Finer<'a> {
-    fn of(run: &'a ComposedRun, registry: &Registry, states: &[Vec<f64>]) -> Self {
+    fn of(
+        run: &'a ComposedRun,
+        registry: &Registry,
+        states: &[Vec<f64>],
+        whose: JudgedStates,
+    ) -> Self {
         let tighter = adaptive(run).and_then(|(stepper, tolerance)| {
             let part = registry.stepper(stepper.name).ok()?;
             let with = |tolerance: f64| {
@@ -117,6 +125,7 @@ impl<'a> Finer<'a> {
             tighter,
             outgrown,
             sizes: Sizes::of(run, states),
+            whose,
         }
     }
 
@@ -134,10 +143,14 @@ impl<'a> Finer<'a> {
     fn over_one_step(&self, x: &[f64]) -> Option<String> {
         let [mut whole, mut finer, _] = self.walks(x);
         if let Err(error) = whole.advance() {
-            // The run itself says that its first step fails.
+            // A run and the members of an ensemble say themselves that their first step fails.
             let is_first = *x == self.run.plan.initial;
-            let message = format!("a step that the run took fails where it is taken anew: {error}");
-            return (!is_first).then_some(message);
+            let what = match self.whose {
+                JudgedStates::OfTheRun => "a step that the run took fails where it is taken anew",
+                JudgedStates::Ahead => "a step on the way of the run fails where it is taken anew",
+                JudgedStates::OfMembers => return None,
+            };
+            return (!is_first).then(|| format!("{what}: {error}"));
         }
         if let Err(error) = finer.advance() {
             return self.refusal(
@@ -145,7 +158,7 @@ impl<'a> Finer<'a> {
                 &error,
             );
         }
-        let part = self.sizes.difference(x, &whole.increment, &finer.increment);
+        let part = self.difference(x, [&whole, &finer], COARSE);
         (part > self.outgrown.min(COARSE)).then(|| match self.tighter {
             None => format!(
                 "a step is too long for its order: two of half its length change a coordinate's motion by {} of it",
@@ -170,11 +183,8 @@ impl<'a> Finer<'a> {
                 );
                 return self.refusal(&what, &error);
             }
-            let part = self.sizes.difference(x, &whole.increment, &finer.increment);
-            let part = part.max(
-                self.sizes
-                    .difference(x, &finer.increment, &finest.increment),
-            );
+            let part = self.difference(x, [&whole, &finer], ASTRAY);
+            let part = part.max(self.difference(x, [&finer, &finest], ASTRAY));
             if part > self.outgrown.min(ASTRAY) {
                 let part = number(part);
                 return Some(match self.tighter {
@@ -208,6 +218,23 @@ impl<'a> Finer<'a> {
                 )
             })
         })
+    }
+
+    /// How far the motions of two are apart, as a part of the finer one; of a state at rest, whose motion is all error,
+    /// those of its neighbours.
+    fn difference(&self, x: &[f64], [coarse, finer]: [&Motion; 2], allowed: f64) -> f64 {
+        let increments = [coarse, finer].map(|motion| motion.increment.as_slice());
+        let part = self.sizes.difference(x, increments[0], increments[1]);
+        if part <= allowed || self.tighter.is_some() {
+            return part;
+        }
+        let (run, own) = (self.run, self.run.method.map());
+        let of_neighbours = || {
+            let tangents = [coarse.tangent(run, own)?, finer.tangent(run, own)?];
+            self.sizes
+                .at_rest(x, increments, [&tangents[0], &tangents[1]])
+        };
+        of_neighbours().unwrap_or(part)
     }
 
     /// Shorter steps that fail say something of the step; substeps of a smaller tolerance may be too many.

@@ -1,9 +1,7 @@
 //! Parameters that nothing depends on.
 
 use super::{Advice, AdviceKind};
-use leafwise_scene::document::{
-    BracketSpec, FieldSpec, InitialSpec, ParameterValue, SceneDocument,
-};
+use leafwise_scene::document::{FieldSpec, InitialSpec, ParameterValue, SceneDocument};
 
 /// A warning of each parameter that stands in no formula of the scene; those of library systems are not
 /// looked at.
@@ -29,32 +27,14 @@ pub(super) fn unused_parameters(document: &SceneDocument) -> Vec<Advice> {
         .collect()
 }
 
-fn of_bracket(bracket: &BracketSpec) -> Vec<&str> {
-    match bracket {
-        BracketSpec::Entries(entries) | BracketSpec::TwoForm(entries) => {
-            entries.iter().map(|(_, f)| f.value.as_str()).collect()
-        }
-        BracketSpec::MagneticField(field) | BracketSpec::OneForm(field) => {
-            field.iter().map(|f| f.value.as_str()).collect()
-        }
-        BracketSpec::LieAlgebra(_) | BracketSpec::LogCanonical(_) => Vec::new(),
-        BracketSpec::Sum(summands) => {
-            let constraints = summands.iter().flat_map(|summand| &summand.constraints);
-            let constraints = constraints.map(|f| f.value.as_str());
-            let brackets = summands.iter();
-            let brackets = brackets.flat_map(|summand| of_bracket(&summand.bracket.value));
-            brackets.chain(constraints).collect()
-        }
-    }
-}
-
 /// Every text of a scene that may name a parameter.
 fn formulas(document: &SceneDocument) -> Vec<&str> {
     let system = &document.system;
     let mut formulas = vec![system.hamiltonian.value.as_str()];
     formulas.extend(system.sites.iter().filter_map(|(_, field)| of_field(field)));
     formulas.extend(system.define.iter().map(|(_, f)| f.value.as_str()));
-    formulas.extend(of_bracket(&system.bracket.value));
+    let bracket = system.bracket.value.formulas();
+    formulas.extend(bracket.iter().map(|formula| formula.value.as_str()));
     formulas.extend(system.forces.formulas().iter().map(|f| f.value.as_str()));
     let noise = system.noise.iter();
     formulas.extend(noise.flat_map(|c| [c.hamiltonian.value.as_str(), c.strength.value.as_str()]));

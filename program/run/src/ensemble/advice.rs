@@ -7,8 +7,8 @@ use super::plan::ComposedEnsemble;
 use super::report::EnsembleReport;
 use super::tables::summaries;
 use crate::advice::{
-    Advice, AdviceKind, EnergyError, MOST_STATES, about_the_scene, advise, off_constraints,
-    orbit_from, states_from,
+    Advice, AdviceKind, EnergyError, JudgedStates, MOST_STATES, about_the_scene, advise,
+    off_constraints, orbit_from, states_from,
 };
 use crate::short;
 use leafwise_scene::document::SceneDocument;
@@ -70,7 +70,7 @@ pub(super) fn measured(
         if error.is_notable() {
             let steps = ensemble.run.plan.steps.min(MOST_ORBIT_STATES);
             let states = orbit_from(&ensemble.run, &parameters, &state, steps);
-            advice.extend(error.advice(document, &ensemble.run, &states));
+            advice.extend(error.advice(&ensemble.run, &states));
         }
     }
     let names = ensemble.observables();
@@ -112,8 +112,11 @@ pub fn advise_ensemble(ensemble: &ComposedEnsemble, registry: &Registry) -> Vec<
         })
         .flat_map(|(state, _)| states_from(&ensemble.run, &state, each))
         .collect();
-    if states.is_empty() {
+    let Some(first) = states.first() else {
         return Vec::new();
-    }
-    advise(&ensemble.run, registry, &states)
+    };
+    // Members need not lie near the initial state of [run].
+    let mut run = ensemble.run.clone();
+    run.plan.initial.clone_from(first);
+    advise(&run, registry, (&states, JudgedStates::OfMembers))
 }

@@ -38,7 +38,10 @@ pub(super) fn indicators(
     let name = &first.value;
     if method.lattice().is_some() {
         return refuse(
-            format!("`{name}` is not offered on a lattice of more than {DENSE_LIMIT} coordinates"),
+            format!(
+                "`{name}` is not offered on a lattice of more than {DENSE_LIMIT} coordinates: it follows displacements by the \
+                 derivative of every step, which couples all sites"
+            ),
             "take a shorter lattice, or tangents in Python: `scene.trajectory().jvp`",
         );
     }

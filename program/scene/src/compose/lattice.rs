@@ -17,7 +17,7 @@ use super::instantiate::instantiate;
 use super::lattice_functions::LatticeFunctions;
 use super::lattice_noise::SiteTerms;
 use super::names::{function, is_a_sum, of_lattice, parse, parse_text, refusal};
-use super::observables::{Observable, asks_for_indicator, coordinate, observables};
+use super::observables::{Observable, asks_for_indicator, coordinate, observables, shadow_order};
 use super::sum::summands;
 use super::time::wants_time;
 use crate::document::{BracketSpec, Located, MetricSpec, OneFormSpec, Place, SceneDocument};
@@ -285,7 +285,11 @@ impl<'a> SceneLattice<'a> {
             .filter(|formula| {
                 let text = &formula.value;
                 let is_indicator = asks_for_indicator(text) && !own.contains(&text.as_str());
-                !named(text) && !is_indicator && coordinate(&self.geometry, text).is_none()
+                let is_shadow = shadow_order(text).is_some();
+                !named(text)
+                    && !is_indicator
+                    && !is_shadow
+                    && coordinate(&self.geometry, text).is_none()
             });
         std::iter::once(&system.hamiltonian)
             .chain(system.casimirs.iter().map(|(_, formula)| formula))

@@ -41,6 +41,8 @@ pub struct RunPlan {
     pub epsilon: f64,
     /// h.
     pub h: f64,
+    /// The scene's key that sets how long a step is: `time-step`, or `h` beside `epsilon`.
+    pub step_key: &'static str,
     /// The number of steps.
     pub steps: u64,
     /// The time at the end, in place of a number of steps.
@@ -220,6 +222,7 @@ fn compose_at_its_values(
     let plan = RunPlan {
         epsilon: step.epsilon(),
         h: step.h(),
+        step_key: step.key(),
         steps: document.run.steps.value,
         until: document.run.until.as_ref().map(|until| until.value.value),
         samples: sample_times(document),

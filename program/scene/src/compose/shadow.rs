@@ -222,7 +222,10 @@ pub(super) fn with_shadows(
             help: "record `energy`".to_owned(),
         };
         if method.lattice().is_some() {
-            let what = format!("on a lattice of more than {DENSE_LIMIT} coordinates");
+            let what = format!(
+                "on a lattice of more than {DENSE_LIMIT} coordinates: its terms are brackets within brackets, each of which \
+                 reaches farther sites, and they are formed of every site written out"
+            );
             return Err(refuse(of_a(&what)));
         }
         if method.noise().is_some() {

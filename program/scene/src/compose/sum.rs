@@ -162,21 +162,16 @@ fn check_formulas(
             name,
         ),
     };
-    match &spec.bracket.value {
-        BracketSpec::Entries(entries) | BracketSpec::TwoForm(entries) => {
-            for (key, entry) in entries {
-                let pair = VariablePattern::parse_pair(&key.value);
-                let named = pair.iter().flat_map(|(a, b)| [a.name(), b.name()]);
-                if let Some(name) = named.into_iter().find(|name| foreign.contains(name)) {
-                    return couples(&key.place(), "an entry", name);
-                }
-                formula(entry)?;
+    if let BracketSpec::Entries(entries) | BracketSpec::TwoForm(entries) = &spec.bracket.value {
+        for (key, _) in entries {
+            let pair = VariablePattern::parse_pair(&key.value);
+            let named = pair.iter().flat_map(|(a, b)| [a.name(), b.name()]);
+            if let Some(name) = named.into_iter().find(|name| foreign.contains(name)) {
+                return couples(&key.place(), "an entry", name);
             }
         }
-        BracketSpec::MagneticField(formulas) | BracketSpec::OneForm(formulas) => {
-            formulas.iter().try_for_each(formula)?;
-        }
-        BracketSpec::LieAlgebra(_) | BracketSpec::LogCanonical(_) | BracketSpec::Sum(_) => {}
     }
+    let own = spec.bracket.value.formulas();
+    own.into_iter().try_for_each(formula)?;
     spec.constraints.iter().try_for_each(formula)
 }

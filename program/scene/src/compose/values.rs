@@ -63,6 +63,7 @@ impl ComposedRun {
         run.near.clone_from(&initial);
         let step = &document.method.step;
         (run.plan.epsilon, run.plan.h) = (step.epsilon(), step.h());
+        run.plan.step_key = step.key();
         run.plan.steps = document.run.steps.value;
         run.plan.samples = sample_times(document);
         run.plan.initial = initial;

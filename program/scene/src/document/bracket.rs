@@ -28,6 +28,25 @@ pub enum BracketSpec {
     Sum(Vec<SummandSpec>),
 }
 
+impl BracketSpec {
+    /// Its formulas, those of the summands of a sum and their constraints among them.
+    pub fn formulas(&self) -> Vec<&Located<String>> {
+        match self {
+            Self::Entries(entries) | Self::TwoForm(entries) => {
+                entries.iter().map(|(_, formula)| formula).collect()
+            }
+            Self::MagneticField(formulas) | Self::OneForm(formulas) => formulas.iter().collect(),
+            Self::LieAlgebra(_) | Self::LogCanonical(_) => Vec::new(),
+            Self::Sum(summands) => (summands.iter())
+                .flat_map(|summand| {
+                    let own = summand.bracket.value.formulas();
+                    own.into_iter().chain(&summand.constraints)
+                })
+                .collect(),
+        }
+    }
+}
+
 /// A summand of a direct sum.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SummandSpec {

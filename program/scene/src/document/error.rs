@@ -3,7 +3,9 @@
 use thiserror::Error;
 
 use super::located::{FOUND, Place, Source};
+use super::shape::names;
 use super::suggest::nearest;
+use super::system_schema::{BRACKET, SUM};
 use crate::diagnostic::SceneDiagnostic;
 
 /// One thing wrong with a scene, and where.
@@ -322,11 +324,13 @@ impl SceneProblemCause {
                 nearest: Some(name),
                 ..
             } => Some(format!("did you mean `{name}`?")),
-            Self::BracketKey { nearest: None, .. } => Some(
-                "write \"x1,x2\" = \"…\" for {x1, x2}, or one of canonical, lie-algebra, log-canonical, \
-                 magnetic-field, one-form, two-form, sum"
-                    .to_owned(),
-            ),
+            Self::BracketKey { nearest: None, .. } => {
+                let kinds: Vec<&str> = names(&BRACKET).chain(names(&SUM)).collect();
+                Some(format!(
+                    "write \"x1,x2\" = \"…\" for {{x1, x2}}, or one of {}",
+                    kinds.join(", ")
+                ))
+            }
             Self::CanonicalPair { .. } => Some(
                 "pairs that are known: q and p, q1 and p1, x and px, theta and L; write others out, the coordinate first: \
                  bracket = { canonical = [[\"theta\", \"L\"], …] }"

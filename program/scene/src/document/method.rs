@@ -91,6 +91,14 @@ impl StepSpec {
         }
     }
 
+    /// The key that sets how long a step is.
+    pub fn key(&self) -> &'static str {
+        match self {
+            Self::Factors { .. } => "h",
+            Self::TimeStep(_) => "time-step",
+        }
+    }
+
     /// Makes h shorter, of a given time of a step and its part of the one before.
     pub(super) fn shorten(&mut self, time: f64, part: f64) {
         let (number, value) = match self {

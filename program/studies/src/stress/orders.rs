@@ -32,9 +32,16 @@ fn realization(_: &StressOptions) -> Result<Outcome, StressError> {
     let problem = Problem::of_library("rigid-body")?;
     let parameters = problem.system.parameter_values();
     let truncated = method(&problem.system, 30, 12)?;
+    let exact = Registry::with_builtin().exact_realization(&problem.system, false);
+    let Some(exact) = exact else {
+        return Ok(Outcome {
+            is_met: false,
+            measured: "no realization of the rigid body is exact".to_owned(),
+        });
+    };
     let exact = pair(
         &problem.system,
-        ("so3-exponential", PartParameters::new()),
+        (exact.info.name, PartParameters::new()),
         (
             "hamilton-jacobi",
             PartParameters::new().with("order", 12_i64),

@@ -1,6 +1,6 @@
 //! Steps from 1e-12 to beyond the chart's wall.
 
-use leafwise_core::{PartParameters, StepError};
+use leafwise_core::{PartParameters, Registry, StepError};
 
 use super::attempt::{Attempt, attempt, increment};
 use super::case::{Case, Outcome, StressError, StressOptions, Tally};
@@ -121,10 +121,18 @@ fn wall(_: &StressOptions) -> Result<Outcome, StressError> {
     let size = squared(&problem.initial);
     let mut tally = Tally::default();
     let (mut last_solved, mut refused, mut unexplained) = (0.0_f64, 0, 0);
-    for realization in ["so3-exponential", "lie-poisson"] {
+    // The exponential chart: of those that fit, whose maps are no step of their own.
+    let registry = Registry::with_builtin();
+    for (info, _) in registry.exact_realizations() {
+        let (realization, defaults) = (info.name, PartParameters::new());
+        let part = registry.realization(realization)?;
+        let built = part.build(&problem.system, &defaults);
+        if !built.is_ok_and(|built| built.abilities().fused.is_none()) {
+            continue;
+        }
         let method = pair(
             &problem.system,
-            (realization, PartParameters::new()),
+            (realization, defaults),
             (
                 "hamilton-jacobi",
                 PartParameters::new().with("order", 2_i64),
