@@ -116,6 +116,7 @@ impl Map {
                 "noise, which every pass would draw anew",
             ),
             (plan.events.stop.is_some(), "a condition that stops it"),
+            (plan.events.act.is_some(), "events that change the state"),
             (!plan.samples.are_steps(), "samples at times"),
         ];
         match odd.iter().find(|(is_there, _)| *is_there) {
