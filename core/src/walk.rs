@@ -200,6 +200,17 @@ impl Walk {
         }
     }
 
+    /// Sets a lane that lives to another state, from which it goes on.
+    ///
+    /// # Panics
+    /// When the state does not have the map's dimension.
+    pub fn put(&mut self, lane: usize, state: &[f64]) {
+        assert_eq!(state.len() * self.lanes, self.state.len());
+        for (at, value) in (lane..self.state.len()).step_by(self.lanes).zip(state) {
+            (self.state[at], self.low[at]) = (*value, 0.0);
+        }
+    }
+
     /// Ends a lane at its present state.
     pub fn rest(&mut self, lane: usize) {
         self.end(lane, None);

@@ -15,11 +15,29 @@ pub struct Equilibrium {
     psi: TableFunction,
     /// ∫ (F − F_edge)/R dR from the first node on; `None` where F is constant.
     stream: Option<TableFunction>,
+    /// F by the normalized flux; `None` where it is constant.
+    f: Option<TableFunction>,
     axis: [f64; 2],
 }
 
 /// The largest normalized flux of the spline at the axis, which is 0 but for the file's interpolation.
 const LARGEST_OFF: f64 = 0.02;
+
+/// Places a cell at which tables are compared with what they are of.
+const PER_CELL: usize = 7;
+
+/// The part of F's variation by which its table is off where it is smeared, and the part of F below which nobody sees it.
+const SMEARED: f64 = 0.01;
+const SEEN: f64 = 1e-6;
+
+/// A place where F is smeared.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Smeared {
+    /// The normalized flux where the table is off by most.
+    pub surface: f64,
+    /// By which part of F's variation.
+    pub part: f64,
+}
 
 /// The last digit of a file's numbers, of ten.
 const DIGITS: f64 = 1e-9;
@@ -58,11 +76,12 @@ impl Equilibrium {
         }
         let table = |name, numbers: &[f64]| spline(&file, name, degree, numbers);
         let edge = file.f[file.f.len() - 1];
-        let stream = match file.f.iter().all(|f| *f == edge) {
-            true => None,
+        let (stream, f) = match file.f.iter().all(|f| *f == edge) {
+            true => (None, None),
             false => {
-                let slope = table("(F - F_edge)/R", &excess(&file, degree)?)?;
-                Some(table("G", &primitive(&file, slope))?)
+                let f = along_flux(&file, degree)?;
+                let slope = table("(F - F_edge)/R", &excess(&file, f))?;
+                (Some(table("G", &primitive(&file, slope))?), Some(f))
             }
         };
         Ok(Self {
@@ -70,6 +89,7 @@ impl Equilibrium {
             degree,
             psi,
             stream,
+            f,
             axis,
         })
     }
@@ -110,6 +130,36 @@ impl Equilibrium {
         let [along_r, along_z] = self.slopes([r, z]);
         let stream = self.stream.map_or(0.0, |stream| slope(stream, 0, [r, z]));
         [-along_z / r, along_r / r, self.edge_f() / r + stream]
+    }
+
+    /// Where F changes within so few cells of the grid that its table is smeared; `None` where it follows F.
+    ///
+    /// F of the table and F of the flux are compared on the axis' height, between the nodes.
+    pub fn smeared(&self) -> Option<Smeared> {
+        let f = self.f?;
+        let bounds = |pick: fn(f64, f64) -> f64| self.file.f.iter().copied().reduce(pick);
+        let range = bounds(f64::max)? - bounds(f64::min)?;
+        let [first, last] = self.file.r;
+        let [axis, z] = self.axis;
+        let count = PER_CELL * (self.file.nodes[0] - 1);
+        let mut worst = Smeared {
+            surface: 0.0,
+            part: 0.0,
+        };
+        for at in 0..=count {
+            let r = (first + (last - first) * at as f64 / count as f64).min(last);
+            let surface = self.flux([r, z]);
+            // Beyond the edge, on either side, F is no measure.
+            if !(0.0..=1.0).contains(&surface) || (r - axis).abs() > last - first {
+                continue;
+            }
+            let part = (self.field([r, z])[2] * r - f.value().at(&[surface])).abs() / range;
+            if part > worst.part {
+                worst = Smeared { surface, part };
+            }
+        }
+        let is_seen = worst.part * range > SEEN * self.edge_f().abs();
+        (worst.part > SMEARED && is_seen).then_some(worst)
     }
 
     /// |B|, in T.
@@ -179,7 +229,14 @@ fn normalized(file: &Geqdsk, psi: f64) -> f64 {
 ///
 /// Beyond the edge F goes on as a smooth function. With the vacuum's constant, the kink at the edge would ring in the spline. It
 /// would move the field within by 1e-6 of it on 65 × 65 nodes.
-fn excess(file: &Geqdsk, degree: u8) -> Result<Vec<f64>, EquilibriumError> {
+fn excess(file: &Geqdsk, f: TableFunction) -> Vec<f64> {
+    let edge = file.f[file.f.len() - 1];
+    let at = |([r, _], psi): ([f64; 2], &f64)| (continued(f, normalized(file, *psi)) - edge) / r;
+    points(file).zip(&file.psi).map(at).collect()
+}
+
+/// F by the normalized flux.
+fn along_flux(file: &Geqdsk, degree: u8) -> Result<TableFunction, EquilibriumError> {
     let name = "F";
     let axis = TableAxis {
         name: "s".to_owned(),
@@ -188,11 +245,8 @@ fn excess(file: &Geqdsk, degree: u8) -> Result<Vec<f64>, EquilibriumError> {
         nodes: file.f.len(),
         is_periodic: false,
     };
-    let f = TableFunction::new(name, vec![axis], degree, &file.f)
-        .map_err(|error| EquilibriumError::Table { name, error })?;
-    let edge = file.f[file.f.len() - 1];
-    let at = |([r, _], psi): ([f64; 2], &f64)| (continued(f, normalized(file, *psi)) - edge) / r;
-    Ok(points(file).zip(&file.psi).map(at).collect())
+    TableFunction::new(name, vec![axis], degree, &file.f)
+        .map_err(|error| EquilibriumError::Table { name, error })
 }
 
 /// The normalized flux beyond an end of [0, 1] from where on a continued function is nearly constant.

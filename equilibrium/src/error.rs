@@ -35,6 +35,21 @@ pub enum EquilibriumError {
     /// Numbers that no equilibrium has.
     #[error("{0}")]
     Odd(String),
+    /// F that is 0 at a node, or changes its sign behind it.
+    #[error(
+        "F = R B_phi is {f} at the value {node} of {count}, at s = {surface}, and {next}: a field without a toroidal part has no such one-form",
+        next = if *f == 0.0 { "must not be 0" } else { "changes its sign behind it" }
+    )]
+    NoToroidalField {
+        /// The number of the value, from 1 on the axis.
+        node: usize,
+        /// How many there are.
+        count: usize,
+        /// Its normalized flux.
+        surface: f64,
+        /// F there.
+        f: f64,
+    },
     /// A grid that makes no spline.
     #[error("the table of {name}: {error}")]
     Table {

@@ -93,21 +93,59 @@ impl Geqdsk {
                 self.psi_range[0]
             ));
         }
-        if self.f.contains(&0.0) {
-            return odd(
-                "F = R B_phi is 0: a field without a toroidal part has no such one-form".to_owned(),
-            );
-        }
-        Ok(())
+        let count = self.f.len();
+        let changes = |at: &usize| {
+            self.f
+                .get(at + 1)
+                .is_some_and(|next| self.f[*at] * next < 0.0)
+        };
+        let vanishing = (0..count).find(|at| self.f[*at] == 0.0 || changes(at));
+        vanishing.map_or(Ok(()), |at| {
+            Err(EquilibriumError::NoToroidalField {
+                node: at + 1,
+                count,
+                surface: at as f64 / (count - 1) as f64,
+                f: self.f[at],
+            })
+        })
     }
 }
+
+/// The nodes of three numbers in four places each behind the title's.
+fn behind_title(line: &str, count: impl Fn(&str) -> Option<usize>) -> Option<[usize; 2]> {
+    let place = |at: usize| line.get(TITLE + 4 * at..TITLE + 4 * (at + 1));
+    let is_alone = line
+        .get(TITLE + 12..)
+        .is_none_or(|rest| !rest.starts_with(|c: char| c.is_ascii_digit()));
+    place(0)?.trim().parse::<i64>().ok()?;
+    let nodes = [count(place(1)?)?, count(place(2)?)?];
+    is_alone.then_some(nodes)
+}
+
+/// The last two of the last three whole numbers that follow each other, between spaces.
+fn in_a_row(line: &str, count: impl Fn(&str) -> Option<usize>) -> Option<[usize; 2]> {
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let mut threes = words.windows(3).rev();
+    threes.find_map(|three| {
+        three[0].parse::<i64>().ok()?;
+        let nodes = [count(three[1])?, count(three[2])?];
+        nodes.iter().all(|count| *count >= LEAST).then_some(nodes)
+    })
+}
+
+/// Nodes of a grid between other whole numbers, at least.
+const LEAST: usize = 10;
 
 /// The first five numbers.
 fn first_of(numbers: &[f64]) -> [f64; 5] {
     std::array::from_fn(|at| numbers[at])
 }
 
-/// The title and the nodes: whole numbers at the end of the first line, between spaces or of four places each.
+/// Places of the title in the first line, before three whole numbers of four places each: one without meaning, and the nodes.
+const TITLE: usize = 48;
+
+/// The title and the nodes: whole numbers at the end of the first line, between spaces or of four places each. Some programs write a
+/// text behind them: then they are those behind the title's places, or the last two of three in a row.
 fn header(line: &str) -> Result<(String, [usize; 2]), EquilibriumError> {
     let count = |word: &str| {
         word.trim()
@@ -123,12 +161,14 @@ fn header(line: &str) -> Result<(String, [usize; 2]), EquilibriumError> {
         let (_, first) = rest.split_at_checked(rest.len().checked_sub(4)?)?;
         Some([count(first)?, count(last)?])
     };
-    let nodes = match spaced {
+    let at_end = || match spaced {
         [Some(z), Some(r)] if line.split_whitespace().count() > 2 && r < 10_000 && z < 10_000 => {
             Some([r, z])
         }
-        _ => fixed(),
+        _ => None,
     };
+    let nodes = behind_title(line, count).or_else(at_end);
+    let nodes = nodes.or_else(|| in_a_row(line, count)).or_else(fixed);
     let title: String = line.chars().take(48).collect();
     let nodes = nodes.ok_or(EquilibriumError::Header)?;
     Ok((

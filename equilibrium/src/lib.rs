@@ -18,7 +18,7 @@ mod surface;
 mod tokens;
 mod written;
 
-pub use equilibrium::Equilibrium;
+pub use equilibrium::{Equilibrium, Smeared};
 pub use error::EquilibriumError;
 pub use geqdsk::Geqdsk;
 pub use ions::{Ions, Species, Start};

@@ -60,6 +60,78 @@ fn geqdsk(nodes: usize, excess: f64) -> String {
     text
 }
 
+/// Text behind the nodes, as some programs write it, with whole numbers in it or not.
+#[test]
+fn text_behind_the_nodes_is_no_number_of_them() {
+    let plain = geqdsk(33, -0.3);
+    let expected = Geqdsk::parse(&plain).expect("a g-file");
+    let (first, rest) = plain.split_once('\n').expect("lines");
+    let spaced = format!("EFIT of #7 {:5} 33 33", 3);
+    for header in [
+        format!("{first} cerqtk"),
+        format!("{first} run 12 of 2026"),
+        format!("{first} 05 06"),
+        format!("{spaced} cerqtk"),
+        format!("{spaced} 2 s"),
+    ] {
+        let found = Geqdsk::parse(&format!("{header}\n{rest}"));
+        let found = found.unwrap_or_else(|error| panic!("{header}: {error}"));
+        assert_eq!(
+            (found.nodes, found.f),
+            (expected.nodes, expected.f.clone()),
+            "{header}"
+        );
+    }
+    assert!(matches!(
+        Geqdsk::parse("a text without nodes\n1 2"),
+        Err(EquilibriumError::Header)
+    ));
+}
+
+/// F passes 0 between two nodes, and lies on one.
+#[test]
+fn a_field_without_a_toroidal_part_is_told_by_its_node() {
+    // F = 3.2 − x (1 − s), 0 at s = 1 − 3.2/x.
+    for (excess, f) in [(-6.4, 0.0), (-6.0, -0.175)] {
+        match Geqdsk::parse(&geqdsk(33, excess)) {
+            Err(EquilibriumError::NoToroidalField {
+                node,
+                count,
+                surface,
+                f: found,
+            }) => {
+                let at = (1.0 - 3.2 / -excess) * 32.0;
+                assert_eq!((node, count), (at as usize + 1, 33));
+                assert_eq!(surface, (node - 1) as f64 / 32.0);
+                assert!((found - f).abs() < 1e-9, "{found}");
+            }
+            other => panic!("{excess}: {other:?}"),
+        }
+    }
+}
+
+/// A pedestal of F of a width w of s is told where it is thinner than a cell, and followed where it is not. One cell is 0.07 of s there.
+#[test]
+fn a_thin_pedestal_is_told() {
+    let with = |nodes: usize, width: f64| {
+        let mut file = Geqdsk::parse(&geqdsk(nodes, 0.0)).expect("a g-file");
+        let count = file.f.len() - 1;
+        for (at, f) in file.f.iter_mut().enumerate() {
+            *f += 0.05 * libm::tanh((at as f64 / count as f64 - 0.8) / width);
+        }
+        Equilibrium::new(file, 5).expect("an equilibrium").smeared()
+    };
+    let smeared = with(65, 0.02).expect("a thin pedestal");
+    assert!(
+        (0.7..0.9).contains(&smeared.surface) && smeared.part > 0.02,
+        "{smeared:?}"
+    );
+    assert_eq!(with(65, 0.2), None);
+    assert_eq!(with(257, 0.1), None);
+    assert_eq!(equilibrium(65, -0.3).smeared(), None);
+    assert_eq!(equilibrium(33, 0.0).smeared(), None);
+}
+
 /// As the format 1PE16.9.
 fn fortran(number: f64) -> String {
     let text = format!("{number:.9E}");

@@ -82,7 +82,11 @@ impl Read {
             let section = run.section(&self.document, text, direction);
             let section = section.map_err(|refusal| exception(&Failure::from(refusal)))?;
             let last = *last;
-            Ok(Event { section, last })
+            Ok(Event {
+                section,
+                act: None,
+                last,
+            })
         });
         events.collect()
     }

@@ -85,6 +85,8 @@ impl<'a> Alones<'a> {
             own.clear();
             own.extend(all.iter().skip(lane).step_by(lanes));
         }
+        own.from.clear();
+        own.from.extend(start.from.get(lane));
         Ok(alone)
     }
 }

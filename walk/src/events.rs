@@ -45,6 +45,17 @@ pub struct Section {
     pub direction: Direction,
 }
 
+impl Event {
+    /// Left − right, then the values that coordinates take.
+    pub fn formulas(&self) -> Vec<&Expression> {
+        let set = self.act.iter().flat_map(|act| &act.set);
+        let set = set.map(|(_, value)| value);
+        std::iter::once(&self.section.difference)
+            .chain(set)
+            .collect()
+    }
+}
+
 impl Section {
     /// Whether a crossing to this side counts: 1 where left > right, −1 where left < right.
     pub fn counts(&self, side: f64) -> bool {
@@ -65,11 +76,22 @@ impl Section {
     }
 }
 
+/// A change of the state where a walk crosses a surface: coordinates take values of formulas of the state before, all at once.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Act {
+    /// The change as it is written.
+    pub text: String,
+    /// Coordinates and their values.
+    pub set: Vec<(usize, Expression)>,
+}
+
 /// A surface that a walk looks for, and whether it ends there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Event {
     /// The surface, and which crossings count.
     pub section: Section,
+    /// What happens to the state there, if anything does.
+    pub act: Option<Act>,
     /// The crossing that ends the walk, counted from 1, where one does.
     pub last: Option<u64>,
 }
@@ -124,6 +146,27 @@ impl Side {
             reach: value.abs(),
             is_changed: false,
         }
+    }
+
+    /// Behind an event that has changed the state: left − right there, and the side that the motion leaves to, 1 or −1.
+    pub(crate) fn behind(self, value: f64, sign: f64) -> Self {
+        Self {
+            sign,
+            value,
+            largest: self.largest,
+            reach: self.reach.max(value.abs()),
+            is_changed: false,
+        }
+    }
+
+    /// Whether a value counts as on the surface after so many steps.
+    pub(crate) fn is_on(&self, value: f64, steps: u64) -> bool {
+        value.abs() <= round_off(steps) * self.largest
+    }
+
+    /// The side on which the walk is.
+    pub(crate) fn sign(&self) -> f64 {
+        self.sign
     }
 
     /// Where nothing is to be looked for in a step after which left − right has this value: the side then.

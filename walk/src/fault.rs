@@ -15,6 +15,9 @@ pub enum Fault {
     /// A formula, by its text, has no value.
     #[error("`{0}` has no finite value at this state")]
     Undefined(String),
+    /// Events, by the text of their surface, follow each other without end within one step, or leave the state on the surface.
+    #[error("events at `{0}` follow each other without end: the motion comes to rest there")]
+    Accumulates(String),
     /// The state is outside the domain of the first invariant, the energy.
     #[error("energy has no finite value at this state")]
     Outside,

@@ -5,11 +5,13 @@
 //!
 //! 1. the step itself: a lane whose step fails ends at its last good state; with [`Indicators`], the step's tangent;
 //! 2. the [`Pace`]: a lane whose time does not advance as it should ends at the state before;
-//! 3. the condition of [`Stop`]: a lane ends at the first state at which it holds, between two steps;
-//! 4. [`Event`]s in the order of their times, up to one that ends the lane;
-//! 5. invariants: a lane that has left the energy's domain ends;
-//! 6. samples at steps or at times ([`SampleTimes`]);
-//! 7. the end: all steps, or a time.
+//! 3. [`Event`]s that act: each [`Act`] changes the state where it is, the rest of the step begins there, and what follows looks at that
+//!    rest alone. Samples at times before are taken first;
+//! 4. the condition of [`Stop`]: a lane ends at the first state at which it holds, between two steps;
+//! 5. other [`Event`]s in the order of their times, up to one that ends the lane;
+//! 6. invariants: a lane that has left the energy's domain ends;
+//! 7. samples at steps or at times ([`SampleTimes`]);
+//! 8. the end: all steps, or a time.
 //!
 //! States between two steps are ends of shorter steps from the first ([`LastStep`]). They are of the map's own order,
 //! lie on the leaf of the trajectory, and do not influence later steps. Where nobody looks between steps, many are made
@@ -31,7 +33,7 @@ mod watched;
 
 pub use course::Course;
 pub use domain::outside;
-pub use events::{Direction, Event, Section, Side, Stop};
+pub use events::{Act, Direction, Event, Section, Side, Stop};
 pub use fault::{Ended, Fault, Why};
 pub use functions::{FunctionValues, StateFunctions};
 pub use indicators::{Deviation, Indicator, Indicators};

@@ -19,6 +19,9 @@ pub struct StepStart {
     pub state: Vec<f64>,
     /// Compensation of x_{k−1}: the part that a double does not hold.
     pub compensation: Vec<f64>,
+    /// Of a lane that an event has changed within the step: the part of the step that came before, from where the states above begin.
+    /// Empty where there is none.
+    pub from: Vec<f64>,
 }
 
 /// The state of one lane after the last step.
@@ -50,10 +53,25 @@ impl StepStart {
         self.state.extend_from_slice(walk.state());
         self.compensation.clear();
         self.compensation.extend_from_slice(walk.compensation());
+        self.from.clear();
+    }
+
+    /// The part of the step at which a lane's states begin.
+    pub fn from(&self, lane: usize) -> f64 {
+        self.from.get(lane).copied().unwrap_or(0.0)
+    }
+
+    /// Lets a lane begin at another state after a part of the step.
+    pub(crate) fn put(&mut self, lane: usize, lanes: usize, state: &[f64], from: f64) {
+        for (at, value) in (lane..self.state.len()).step_by(lanes).zip(state) {
+            (self.state[at], self.compensation[at]) = (*value, 0.0);
+        }
+        self.from.resize(lanes, 0.0);
+        self.from[lane] = from;
     }
 }
 
-/// The last step of one trajectory.
+/// The last step of one trajectory, or what is left of it behind an event.
 pub struct LastStep<'a> {
     map: &'a dyn StepMap,
     parameters: Vec<f64>,
@@ -109,7 +127,13 @@ impl<'a> LastStep<'a> {
 
     /// Where t = k ε h advances by the same each step, the time after a part of the last one.
     pub fn time(&self, steps: u64, part: f64) -> f64 {
-        ((steps - 1) as f64 + part) * (self.epsilon * self.h)
+        ((steps - 1) as f64 + self.whole(part)) * (self.epsilon * self.h)
+    }
+
+    /// The part of the whole step that a part of what is left of it ends at.
+    pub fn whole(&self, part: f64) -> f64 {
+        let from = self.start.from(0);
+        from + part * (1.0 - from)
     }
 
     /// The state at a time within the last step, where t = k ε h advances by the same each step.
@@ -118,7 +142,8 @@ impl<'a> LastStep<'a> {
     /// The [`StepError`] of the shorter step.
     pub fn state_at(&mut self, steps: u64, time: f64) -> Result<Vec<f64>, StepError> {
         let step = self.epsilon * self.h;
-        let part = (time - (steps - 1) as f64 * step) / step;
+        let from = self.start.from(0);
+        let part = (time - ((steps - 1) as f64 + from) * step) / (step * (1.0 - from));
         self.part(part.clamp(0.0, 1.0))
     }
 
@@ -228,7 +253,7 @@ impl<'a> LastStep<'a> {
 
     /// The increment over a part of the last step. The stepper knows nothing of earlier ones.
     fn increment(&mut self, part: f64) -> Result<Vec<f64>, StepError> {
-        let h = self.h * part;
+        let h = self.h * (1.0 - self.start.from(0)) * part;
         let is_ready = self
             .stepper
             .as_mut()

@@ -46,6 +46,7 @@ mod tree;
 mod value;
 mod vectors;
 mod vocabulary;
+mod written_out;
 
 pub use density::Density;
 pub use error::{SyntaxError, SyntaxErrorKind};

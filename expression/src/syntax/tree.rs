@@ -1,6 +1,8 @@
 //! The tree of a formula before its names are resolved.
 
 use super::composite::{Composite, Relation};
+use super::error::SyntaxError;
+use super::parser::Parsed;
 use crate::expression::Function;
 use crate::rational::Rational;
 
@@ -163,6 +165,45 @@ pub(super) enum Kind {
 }
 
 impl Kind {
+    /// The same with other parts.
+    pub(super) fn with_parts(
+        &self,
+        one: &mut impl FnMut(&Node) -> Parsed,
+    ) -> Result<Kind, Box<SyntaxError>> {
+        let mut list = |parts: &[Node]| -> Result<Vec<Node>, Box<SyntaxError>> {
+            parts.iter().map(|part| Ok(*one(part)?)).collect()
+        };
+        Ok(match self {
+            Kind::Number { .. } | Kind::Pi | Kind::Length | Kind::Reference(_) => self.clone(),
+            Kind::Sum(parts) => Kind::Sum(list(parts)?),
+            Kind::Product(parts) => Kind::Product(list(parts)?),
+            Kind::Composite(composite, parts) => Kind::Composite(*composite, list(parts)?),
+            Kind::Lookup(name, parts) => Kind::Lookup(*name, list(parts)?),
+            Kind::And(parts) => Kind::And(list(parts)?),
+            Kind::Or(parts) => Kind::Or(list(parts)?),
+            Kind::Call(function, part) => Kind::Call(*function, one(part)?),
+            Kind::Negate(part) => Kind::Negate(one(part)?),
+            Kind::Not(part) => Kind::Not(one(part)?),
+            Kind::SumOver { index, above, body } => Kind::SumOver {
+                index: *index,
+                above: *above,
+                body: one(body)?,
+            },
+            Kind::Quotient(pair) => Kind::Quotient(Box::new([*one(&pair[0])?, *one(&pair[1])?])),
+            Kind::Power(pair) => Kind::Power(Box::new([*one(&pair[0])?, *one(&pair[1])?])),
+            Kind::Compare(relation, pair) => {
+                Kind::Compare(*relation, Box::new([*one(&pair[0])?, *one(&pair[1])?]))
+            }
+            Kind::Derivative(pair) => {
+                Kind::Derivative(Box::new([*one(&pair[0])?, *one(&pair[1])?]))
+            }
+            Kind::If(parts) => {
+                let [c, a, b] = &**parts;
+                Kind::If(Box::new([*one(c)?, *one(a)?, *one(b)?]))
+            }
+        })
+    }
+
     pub(super) fn children(&self) -> &[Node] {
         match self {
             Kind::Number { .. } | Kind::Pi | Kind::Length | Kind::Reference(_) => &[],

@@ -140,7 +140,7 @@ impl Expander<'_> {
                 Err(Box::new(SyntaxError::new(of.span, kind)))
             }
             _ => {
-                let kind = self.with_numbers(&of.kind)?;
+                let kind = of.kind.with_parts(&mut |part| self.number(part))?;
                 node(of.span, kind)
             }
         }
@@ -324,44 +324,6 @@ impl Expander<'_> {
         let components = components.map_or_else(Vec::new, |at| self.vectors[at].components.clone());
         let kind = SyntaxErrorKind::VectorAsNumber { text, components };
         Box::new(SyntaxError::new(of.span, kind))
-    }
-
-    /// The same with every part as a number.
-    fn with_numbers(&mut self, kind: &Kind) -> Result<Kind, Box<SyntaxError>> {
-        let mut one = |part: &Node| self.number(part);
-        Ok(match kind {
-            Kind::Number { .. } | Kind::Pi | Kind::Length | Kind::Reference(_) => kind.clone(),
-            Kind::Call(function, part) => Kind::Call(*function, one(part)?),
-            Kind::Negate(part) => Kind::Negate(one(part)?),
-            Kind::Not(part) => Kind::Not(one(part)?),
-            Kind::SumOver { index, above, body } => Kind::SumOver {
-                index: *index,
-                above: *above,
-                body: one(body)?,
-            },
-            Kind::Sum(parts) => Kind::Sum(self.numbers(parts)?),
-            Kind::Product(parts) => Kind::Product(self.numbers(parts)?),
-            Kind::Composite(composite, parts) => Kind::Composite(*composite, self.numbers(parts)?),
-            Kind::Lookup(name, parts) => Kind::Lookup(*name, self.numbers(parts)?),
-            Kind::And(parts) => Kind::And(self.numbers(parts)?),
-            Kind::Or(parts) => Kind::Or(self.numbers(parts)?),
-            Kind::Quotient(pair) => Kind::Quotient(Box::new([*one(&pair[0])?, *one(&pair[1])?])),
-            Kind::Power(pair) => Kind::Power(Box::new([*one(&pair[0])?, *one(&pair[1])?])),
-            Kind::Compare(relation, pair) => {
-                Kind::Compare(*relation, Box::new([*one(&pair[0])?, *one(&pair[1])?]))
-            }
-            Kind::Derivative(pair) => {
-                Kind::Derivative(Box::new([*one(&pair[0])?, *one(&pair[1])?]))
-            }
-            Kind::If(parts) => {
-                let [c, a, b] = &**parts;
-                Kind::If(Box::new([*one(c)?, *one(a)?, *one(b)?]))
-            }
-        })
-    }
-
-    fn numbers(&mut self, parts: &[Node]) -> Result<Vec<Node>, Box<SyntaxError>> {
-        parts.iter().map(|part| Ok(*self.number(part)?)).collect()
     }
 }
 

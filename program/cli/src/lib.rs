@@ -127,6 +127,7 @@ fn execute(
         Command::Evaluate(arguments) => commands::evaluate::execute(&arguments, plugins, console),
         Command::Find(arguments) => commands::find::execute(&arguments, plugins, console),
         Command::Import(arguments) => commands::import::execute(&arguments, console),
+        Command::Plot(arguments) => commands::plot::execute(&arguments, console),
         Command::Learn(arguments) => commands::learn::execute(&arguments, plugins, console),
         Command::Shadow(arguments) => commands::shadow::execute(&arguments, plugins, console),
         Command::Tune(arguments) => commands::tune::execute(&arguments, plugins, console),

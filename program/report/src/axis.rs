@@ -1,5 +1,7 @@
 //! Axes: where a value stands, and which values get a label.
 
+use std::f64::consts::PI;
+
 use super::canvas::{AXIS, Anchor, Canvas, GRID, TEXT};
 use super::number::power_of_ten;
 
@@ -20,6 +22,8 @@ pub(super) enum Axis {
         /// The exponent of the upper end.
         high: i32,
     },
+    /// A turn, from −π to π.
+    Turn,
 }
 
 /// Labels of an axis and the power of ten they leave out.
@@ -96,6 +100,7 @@ impl Axis {
                 (libm::log10(value) - f64::from(low)) / f64::from(high - low)
             }
             Self::Logarithmic { .. } => 0.0,
+            Self::Turn => (value + PI) / (2.0 * PI),
         };
         if fraction.is_nan() {
             0.0
@@ -118,6 +123,16 @@ impl Axis {
                 }
             }
             Self::Linear { low, high } => linear_ticks(low, high, count),
+            Self::Turn => {
+                let names = ["−π", "−π/2", "0", "π/2", "π"];
+                let labels = names.into_iter().zip(-2..=2);
+                Ticks {
+                    labels: labels
+                        .map(|(name, quarter)| (f64::from(quarter) * PI / 2.0, name.to_owned()))
+                        .collect(),
+                    factor: String::new(),
+                }
+            }
         }
     }
 }

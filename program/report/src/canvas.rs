@@ -12,7 +12,7 @@ use super::error::ReportError;
 use super::html::escaped;
 
 /// How many SVG units make a logical pixel.
-const SCALE: f64 = 4.0;
+pub(super) const SCALE: f64 = 4.0;
 
 /// The back end writes font sizes divided by this.
 const FONT_FACTOR: f64 = 1.24;
@@ -59,12 +59,13 @@ pub(super) enum Anchor {
 
 /// A picture under construction.
 pub(super) struct Canvas {
-    width: f64,
-    height: f64,
-    pieces: Vec<Piece>,
+    pub(super) width: f64,
+    pub(super) height: f64,
+    pub(super) pieces: Vec<Piece>,
 }
 
-enum Piece {
+/// A part of a picture, in drawing units.
+pub(super) enum Piece {
     Area {
         points: Vec<(i32, i32)>,
         style: ShapeStyle,

@@ -14,6 +14,14 @@ pub enum ReportError {
         /// The library's message.
         message: String,
     },
+    /// A letter that the fonts of PDF do not have.
+    #[error("the fonts of PDF have no {letter:?}, in \"{text}\": write SVG, or other letters")]
+    Letter {
+        /// The text.
+        text: String,
+        /// The letter.
+        letter: char,
+    },
     /// A template does not fit the values that it was given.
     #[error("cannot write the page {page}: {message}")]
     Page {

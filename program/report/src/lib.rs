@@ -10,12 +10,14 @@
 //! - `reproduction`, `panel`: a paper's printed values beside measured ones, as a page of its own;
 //! - `survey`: declarations of parts beside measurements, as a page of its own;
 //! - `drift`, `history`, `orbit`, `space`, `lattice`: the figures;
+//! - `chart`: a figure of several runs for a paper, with labels of one's own; `pdf`: pictures as PDF;
 //! - `heat`: values as colours;
 //! - `axis`, `decimate`, `canvas`, `stroke`: axes, long series reduced to pixels, drawing, points of orbits;
 //! - `html`, `number`: text and numbers in HTML.
 
 mod axis;
 mod canvas;
+mod chart;
 mod comparison;
 mod data;
 mod decimate;
@@ -31,6 +33,7 @@ mod lattice;
 mod number;
 mod orbit;
 mod panel;
+mod pdf;
 mod planes;
 mod reproduction;
 mod run;
@@ -44,6 +47,7 @@ mod template;
 mod tests;
 mod work_precision;
 
+pub use chart::{Chart, ChartAxis, ChartScale};
 pub use comparison::{ComparisonData, render_comparison};
 pub use data::{
     Ellipsoid, InvariantSeries, Outcome, PlaneMap, Recorded, ReportData, SectionPoints, TimeSeries,

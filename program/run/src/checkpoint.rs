@@ -22,7 +22,7 @@ use crate::job::SceneDigest;
 /// Format of the checkpoint of a run: the name of its content, and its number.
 const FORMAT: Format = Format {
     name: b"leafwis",
-    number: b'F',
+    number: b'G',
 };
 
 /// A run between two steps. Another field, order or type is another format.
@@ -183,6 +183,7 @@ mod tests {
             start: StepStart {
                 state: vec![0.1, 0.2],
                 compensation: vec![0.0, -1e-18],
+                from: vec![0.25],
             },
             deviation: Deviation::default(),
         }

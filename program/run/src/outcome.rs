@@ -59,6 +59,13 @@ impl Failure {
                 hint: "record fewer exponents: the others are their negatives; and none at a state where the bracket vanishes"
                     .to_owned(),
             },
+            Fault::Accumulates(_) => Self {
+                message: fault.to_string(),
+                step: steps + 1,
+                time,
+                state: state.to_vec(),
+                hint: "end the run before, by a condition that holds near rest, as stop = \"p^2/2 + q < 1e-6\"".to_owned(),
+            },
             fault => Self {
                 message: fault.to_string(),
                 step: steps + 1,

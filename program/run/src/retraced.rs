@@ -46,9 +46,9 @@ pub struct Retraced {
 }
 
 impl Retraced {
-    /// Nothing is stepped yet; `None` where steps are of another time than the states'.
+    /// Nothing is stepped yet; `None` where steps are of another time than the states', and where events change these.
     pub fn of(run: ComposedRun) -> Option<Self> {
-        if run.pace().is_some() {
+        if run.pace().is_some() || run.plan.events.act.is_some() {
             return None;
         }
         let walk = run.walk();

@@ -42,6 +42,9 @@ pub enum NoStateError {
         "with a pace steps of another length end at other times: compare with `leafwise compare`"
     )]
     Pace,
+    /// Events change the state.
+    #[error("events change the state: run it with half the step, and compare")]
+    Acts,
     /// The formulas are smooth in pieces.
     #[error(
         "steps across the seams of functions in pieces err alike in both passes: run it with other steps, and compare"
@@ -85,6 +88,7 @@ impl StateError {
             (Some(_), ..) => return Err(NoStateError::Noise),
             (_, Some(_), _) => return Err(NoStateError::Pace),
             (.., 0) => return Err(NoStateError::NoOrder),
+            _ if run.plan.events.act.is_some() => return Err(NoStateError::Acts),
             _ if has_tolerance => return Err(NoStateError::NoOrder),
             _ => {}
         }

@@ -338,6 +338,8 @@ fn facts(run: &ComposedRun, session: &Session<'_>, report: &RunReport) -> Vec<(S
             section.direction_in_words()
         );
         facts.push(("Section".to_owned(), text));
+        let acts = run.plan.events.act_text();
+        facts.extend(acts.map(|text| ("Events".to_owned(), text)));
     }
     if let Some(directory) = session.directory() {
         facts.push(("Data".to_owned(), directory.display().to_string()));

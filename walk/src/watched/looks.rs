@@ -12,7 +12,12 @@ use crate::step::{Between, LastStep, StepEnd};
 use crate::times::is_same_time;
 
 /// The time of a state within the last of so many steps.
-fn time_of(pace: Option<&Pace>, last: &LastStep<'_>, steps: u64, between: &Between) -> f64 {
+pub(super) fn time_of(
+    pace: Option<&Pace>,
+    last: &LastStep<'_>,
+    steps: u64,
+    between: &Between,
+) -> f64 {
     match pace {
         Some(pace) => pace.time_at(&between.state),
         None => last.time(steps, between.part),
@@ -168,7 +173,7 @@ impl Watched<'_> {
         Ok(())
     }
 
-    fn end_between(&mut self, lane: usize, why: Why, time: f64, state: Vec<f64>) {
+    pub(super) fn end_between(&mut self, lane: usize, why: Why, time: f64, state: Vec<f64>) {
         let ended = Ended {
             why,
             steps: self.walk.steps(),
@@ -180,7 +185,7 @@ impl Watched<'_> {
     }
 
     /// Whether a time comes before a lane's end, where that is known.
-    fn is_on_the_way(&self, lane: usize, time: f64) -> bool {
+    pub(super) fn is_on_the_way(&self, lane: usize, time: f64) -> bool {
         let ended = self.ends[lane].as_ref().map(|ended| ended.time);
         let end = ended.or(self.course.until);
         end.is_none_or(|end| !self.course.is_before(end, time))
@@ -205,7 +210,7 @@ impl Watched<'_> {
         Ok(())
     }
 
-    fn has_failed(&self, lane: usize) -> bool {
+    pub(super) fn has_failed(&self, lane: usize) -> bool {
         let why = self.ends[lane].as_ref().map(|ended| &ended.why);
         matches!(why, Some(Why::Failed(_)))
     }
@@ -219,6 +224,9 @@ impl Watched<'_> {
         let mut found = Vec::new();
         for at in 0..self.events.len() {
             let own = &mut self.events[at];
+            if own.event.act.is_some() {
+                continue;
+            }
             let (side, value) = (own.sides[lane], own.values.last()[lane]);
             if let Some(side) = side.stays(value) {
                 own.sides[lane] = side;
@@ -262,7 +270,7 @@ impl Watched<'_> {
     }
 
     /// Takes in a crossing, and ends the lane where that is the last one asked for.
-    fn take_crossing<E: From<BuildError>, F: FnMut(Look<'_>) -> Result<(), E>>(
+    pub(super) fn take_crossing<E: From<BuildError>, F: FnMut(Look<'_>) -> Result<(), E>>(
         &mut self,
         at: usize,
         lane: usize,
@@ -356,7 +364,8 @@ impl Watched<'_> {
         }
         for lane in 0..self.walk.lanes() {
             while self.moved[lane] && !self.has_failed(lane) {
-                let Some(time) = self.passed_time(lane) else {
+                let present = self.time(lane);
+                let Some(time) = self.passed_time(lane, present) else {
                     break;
                 };
                 self.take_time(lane, time, take)?;
@@ -399,8 +408,8 @@ impl Watched<'_> {
         }
     }
 
-    /// The time of a lane's next sample, where the last step has passed it.
-    fn passed_time(&self, lane: usize) -> Option<f64> {
+    /// The time of a lane's next sample, where the last step has passed it on the way to its `present` time.
+    pub(super) fn passed_time(&self, lane: usize, present: f64) -> Option<f64> {
         let course = self.course;
         let time = course.samples.time(self.next[lane], course.step())?;
         // The end itself is recorded as the end.
@@ -410,7 +419,6 @@ impl Watched<'_> {
         if !ended.into_iter().chain(course.until).all(is_ahead) {
             return None;
         }
-        let present = self.time(lane);
         let is_met = course.pace.is_none() && is_same_time(present, time);
         (is_met || !course.is_before(present, time)).then_some(time)
     }

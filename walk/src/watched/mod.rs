@@ -1,5 +1,6 @@
 //! The step loop: one step of all lanes, and the looks at it in their order.
 
+mod acts;
 mod at_once;
 mod deviations;
 mod looks;
@@ -397,6 +398,7 @@ impl<'a> Watched<'a> {
         if looks_between {
             self.look_at_paces()?;
             self.mark_moved();
+            self.act(take)?;
             self.look_for_stops()?;
             self.look_for_events(take)?;
         }

@@ -9,8 +9,9 @@ pub use jobs::{
     SceneArguments, SweepArguments,
 };
 pub use questions::{
-    DescribeArguments, EvaluateArguments, ExplainArguments, FindArguments, ImportArguments, Kind,
-    LearnArguments, ListArguments, NewArguments, SchemaArguments, ShadowArguments,
+    AxisName, DescribeArguments, EvaluateArguments, ExplainArguments, FindArguments,
+    ImportArguments, Kind, LearnArguments, ListArguments, NewArguments, PlotArguments,
+    SchemaArguments, ShadowArguments,
 };
 pub use studies::{
     CompareArguments, ReproduceArguments, StressArguments, TuneArguments, VerifyArguments,
@@ -105,6 +106,8 @@ pub enum Command {
     Find(FindArguments),
     /// Write a scene of guiding centres in a tokamak's equilibrium, from a g-file
     Import(ImportArguments),
+    /// Draw columns of one or more runs as a figure for a paper, SVG or PDF
+    Plot(PlotArguments),
     /// Learn a Poisson map and its Hamiltonian from pairs of states one step apart
     Learn(LearnArguments),
     /// Print the shadow Hamiltonian of a scene's method, and how well it is kept
@@ -178,6 +181,7 @@ impl Command {
             Self::Evaluate(arguments) => arguments.json,
             Self::Find(arguments) => arguments.json,
             Self::Import(arguments) => arguments.json,
+            Self::Plot(arguments) => arguments.json,
             Self::Learn(arguments) => arguments.json,
             Self::Shadow(arguments) => arguments.json,
             Self::Verify(arguments) => arguments.json,

@@ -157,6 +157,78 @@ pub struct ImportArguments {
     pub json: bool,
 }
 
+/// Arguments of `plot`.
+#[derive(Args, Clone, Debug)]
+pub struct PlotArguments {
+    /// Run directories, or tables of numbers as CSV: a curve each, for each of the columns --y
+    #[arg(required = true)]
+    pub runs: Vec<PathBuf>,
+    /// The column along the horizontal axis [default: the first one, the time]
+    #[arg(long, value_name = "COLUMN")]
+    pub x: Option<String>,
+    /// A column along the vertical axis; several times for several curves of each run
+    #[arg(long, value_name = "COLUMN", required = true)]
+    pub y: Vec<String>,
+    /// The table of a run directory, as section.csv
+    #[arg(long, value_name = "FILE", default_value = "samples.csv")]
+    pub table: PathBuf,
+    /// The label of the horizontal axis, with its unit [default: the column]
+    #[arg(long, value_name = "LABEL")]
+    pub x_label: Option<String>,
+    /// The label of the vertical axis, with its unit [default: the columns]
+    #[arg(long, value_name = "LABEL")]
+    pub y_label: Option<String>,
+    /// The number by which horizontal values are multiplied, for another unit
+    #[arg(
+        long,
+        value_name = "FACTOR",
+        default_value_t = 1.0,
+        allow_hyphen_values = true
+    )]
+    pub x_scale: f64,
+    /// The number by which vertical values are multiplied, for another unit
+    #[arg(
+        long,
+        value_name = "FACTOR",
+        default_value_t = 1.0,
+        allow_hyphen_values = true
+    )]
+    pub y_scale: f64,
+    /// The name of a curve in the legend, in the order of the runs and, within one, of --y [default: directory and column]
+    #[arg(long, value_name = "NAME")]
+    pub name: Vec<String>,
+    /// Make a logarithmic axis of x, y or both
+    #[arg(long, value_name = "AXIS")]
+    pub log: Vec<AxisName>,
+    /// Show angles of x, y or both modulo 2 pi, from -pi to pi
+    #[arg(long, value_name = "AXIS")]
+    pub angle: Vec<AxisName>,
+    /// Make a unit as long along both axes
+    #[arg(long)]
+    pub equal: bool,
+    /// Draw points, not lines
+    #[arg(long)]
+    pub points: bool,
+    /// The new file; its ending says which: .svg or .pdf
+    #[arg(long, value_name = "FILE", default_value = "plot.svg")]
+    pub out: PathBuf,
+    /// Replace the file where it exists
+    #[arg(long)]
+    pub force: bool,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// An axis of a figure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum AxisName {
+    /// The horizontal one
+    X,
+    /// The vertical one
+    Y,
+}
+
 /// Arguments of `learn`.
 #[derive(Args, Clone, Debug)]
 pub struct LearnArguments {

@@ -27,6 +27,8 @@ struct ImportJson<'a> {
     safety_factors: Vec<SafetyFactor>,
     /// Whether the edge is closed inside the grid.
     has_edge: bool,
+    /// Where the table of F is smeared: the normalized flux, and the part of F's variation by which it is off.
+    smeared: Option<[f64; 2]>,
     scene: &'a Path,
 }
 
@@ -85,7 +87,7 @@ pub fn execute(arguments: &ImportArguments, console: &mut Console<'_>) -> Result
     for (file, text) in all {
         files::write_new(&file, text, help)?;
     }
-    let factors = safety_factors(&equilibrium);
+    let (factors, smeared) = (safety_factors(&equilibrium), equilibrium.smeared());
     if arguments.json {
         console.json(&ImportJson {
             outcome: "written",
@@ -95,6 +97,7 @@ pub fn execute(arguments: &ImportArguments, console: &mut Console<'_>) -> Result
             field_on_axis: equilibrium.field(equilibrium.axis()),
             safety_factors: factors,
             has_edge: equilibrium.has_edge(),
+            smeared: smeared.map(|smeared| [smeared.surface, smeared.part]),
             scene: &scene,
         });
     } else {
@@ -107,6 +110,15 @@ pub fn execute(arguments: &ImportArguments, console: &mut Console<'_>) -> Result
         console.prose(&format!(
             "{word} the edge, s = 1, is not closed inside the grid: particles leave the tables before they are lost\n  = change: \
              write the equilibrium on a larger grid"
+        ));
+    }
+    if let Some(smeared) = smeared {
+        let word = console.warning_word();
+        console.prose(&format!(
+            "{word} F = R B_phi changes within a few cells of the grid: its table is off by {:.0} % of its variation at s = {:.3}\n  = change: \
+             write the equilibrium on a finer grid",
+            100.0 * smeared.part,
+            smeared.surface
         ));
     }
     console.prose(&format!(

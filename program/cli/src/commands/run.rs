@@ -247,6 +247,8 @@ fn summary(
             section.text,
             section.direction_in_words()
         ));
+        let acts = composed.plan.events.act_text();
+        lines.extend(acts.map(|text| format!("  events   each {text}")));
     }
     lines.extend(
         report

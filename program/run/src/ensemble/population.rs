@@ -10,7 +10,7 @@ use thiserror::Error;
 
 use super::leaf::{WayOntoLeaf, leaves};
 use super::states::Members;
-use leafwise_scene::compose::{ComposedRun, Extension, NoStart, Refusal};
+use leafwise_scene::compose::{ComposedRun, Extension, NoStart, Refusal, state_beside};
 use leafwise_scene::document::{
     Distribution, EnsembleSection, InitialDraw, Located, ParameterDraw, SceneDocument,
 };
@@ -93,7 +93,8 @@ impl Population {
                 center: given,
             }) => {
                 if let Some(given) = given {
-                    center[..own].copy_from_slice(given);
+                    let given = state_beside(document, given, &center[..own])?;
+                    center[..own].copy_from_slice(&given);
                 }
                 if matches!(distribution, Distribution::Leaf(_)) {
                     invariants = Some(leaves(document, ensemble, run, &center)?);

@@ -68,8 +68,8 @@ proptest! {
         let Prepared { document, registry, composed } = Prepared::new(&scene(step, &[step * 700.0]));
         let section = |text, direction| composed.section(&document, text, direction).expect("a surface");
         let events = [
-            Event { section: section("q = 0.25*p", Direction::Down), last },
-            Event { section: section("q = p/4", Direction::Both), last: None },
+            Event { section: section("q = 0.25*p", Direction::Down), act: None, last },
+            Event { section: section("q = p/4", Direction::Both), act: None, last: None },
         ];
         let asked = Asked { events: &events, ..Asked::default() };
         let run = run_in_memory(&document, &composed, &registry, asked, &mut StopAfter(u32::MAX)).expect("a run");

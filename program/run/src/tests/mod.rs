@@ -1,5 +1,6 @@
 //! Runs in directories.
 
+mod acts;
 mod between;
 mod damage;
 mod directories;

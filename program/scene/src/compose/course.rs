@@ -126,23 +126,24 @@ impl ComposedRun {
     /// [`BuildError::Algebra`] where a formula has no code.
     pub fn course(&self, events: &[Event]) -> Result<Course, BuildError> {
         let plan = &self.plan;
-        let code = |formula: &Expression| -> Result<StateFunctions, BuildError> {
+        let code = |formulas: &[&Expression]| -> Result<StateFunctions, BuildError> {
             match self.method.lattice() {
-                Some(_) => of_coordinates(formula, self.system.parameters().len()),
-                None => Ok(self.observables(&[formula])?.into()),
+                Some(_) => of_coordinates(formulas, self.system.parameters().len()),
+                None => Ok(self.observables(formulas)?.into()),
             }
         };
         let stop = plan.events.stop.clone().map(|stop| {
-            let difference = code(&stop.difference)?;
+            let difference = code(&[&stop.difference])?;
             Ok::<_, BuildError>((stop, difference))
         });
         let section = plan.events.section.iter().map(|section| Event {
             section: section.clone(),
+            act: plan.events.act.clone(),
             last: None,
         });
         let events = section.chain(events.iter().cloned()).map(|event| {
-            let difference = code(&event.section.difference)?;
-            Ok::<_, BuildError>((event, difference))
+            let functions = code(&event.formulas())?;
+            Ok::<_, BuildError>((event, functions))
         });
         let pace = match (self.pace(), &self.extension) {
             (Some(pace), Some(extension)) => Some(Pace {

@@ -44,7 +44,10 @@ pub(super) fn scope(
         if time.is_none() && names_time(document, formula) {
             continue;
         }
-        check_families(document, formula, &parsed[at])?;
+        if names_families(document, &parsed[at]) {
+            check_families(document, &scope, formula, &parsed[at])?;
+            continue;
+        }
         let value = function(document, &scope, formula)?;
         if value.height() > DEPTH_LIMIT {
             return Err(Box::new(document.diagnostic(
@@ -144,27 +147,40 @@ fn cycle(
     ))
 }
 
-/// A definition has one value; members of a family are many.
+fn names_families(document: &SceneDocument, parsed: &Formula) -> bool {
+    let names = parsed.references();
+    let mut families = document.system.families.iter();
+    families.any(|(family, _)| names.contains(family.value.as_str()))
+}
+
+/// A definition has one value; members of a family are many. One that sums over them, or names single ones, is written out where it is
+/// used: of names here the unknown ones are told.
 fn check_families(
     document: &SceneDocument,
+    scope: &Scope,
     formula: &Located<String>,
     parsed: &Formula,
 ) -> Result<(), Refusal> {
-    let names = parsed.references();
-    let mut families = document.system.families.iter();
-    let Some((family, _)) = families.find(|(family, _)| names.contains(family.value.as_str()))
-    else {
-        return Ok(());
-    };
-    Err(Box::new(document.diagnostic(
-        &document.place_in_formula(formula, 0..formula.value.len()),
-        format!(
-            "a definition cannot use the family `{}`: it has one value, and a lattice one a site",
-            family.value
-        ),
-        "of a family",
-        Some("write it out in the formulas that use it".to_owned()),
-    )))
+    if let Some(index) = parsed
+        .free_indices()
+        .into_iter()
+        .find(|name| !name.is_empty())
+    {
+        return Err(Box::new(document.diagnostic(
+            &document.place_in_formula(formula, 0..formula.value.len()),
+            format!("a definition has one value, and this one has another for every `{index}`"),
+            "of every site",
+            Some(format!(
+                "sum over the sites, as in \"sum({index}, …)\", or write it out in the formulas that use it"
+            )),
+        )));
+    }
+    match parsed.resolve(scope, None) {
+        Err(error) if matches!(error.kind, SyntaxErrorKind::UnknownName { .. }) => {
+            Err(refusal(document, formula, &error))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// The names of invariants are taken: as an observable a name stands for one thing.

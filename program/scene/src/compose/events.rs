@@ -1,14 +1,16 @@
 //! Events that a run watches between its steps: the stop that ends it, and the section that it is recorded on.
 
+use leafwise_core::PoissonSystem;
 use leafwise_expression::Expression;
 use leafwise_expression::syntax::{EQUAL_MARGIN, Formula, Scope, SyntaxErrorKind};
-use leafwise_walk::{Direction, Section, Stop};
+use leafwise_walk::{Act, Direction, Section, Stop};
 
 use super::Refusal;
+use super::acts::{ActTensor, act, tensor_of};
 use super::definitions::scope;
 use super::extended::Extension;
 use super::geometry::geometry;
-use super::names::{check_code, function, refusal};
+use super::names::{check_code, function, refusal, with_families};
 use super::observables::Observable;
 use super::states::RecordedStates;
 use crate::document::{Located, Place, SceneDocument, Source, nearest};
@@ -20,6 +22,10 @@ pub struct Events {
     pub stop: Option<Stop>,
     /// The surface whose crossings are recorded.
     pub section: Option<Section>,
+    /// What happens to the state there, where something does, and what that does to the tensor.
+    pub act: Option<Act>,
+    /// Whether the motion through it is a Poisson map.
+    pub act_tensor: Option<ActTensor>,
     /// The columns of `section.csv` that the report draws over each other, where the scene names them.
     pub axes: Option<[String; 2]>,
 }
@@ -47,14 +53,42 @@ pub(super) fn events(document: &SceneDocument, scope: &Scope) -> Result<Events, 
         .as_ref()
         .and_then(|section| section.axes.clone());
     let axes = axes.map(|axes| axes.map(|axis| axis.value));
+    let act = match &run.section {
+        Some(section) => act(document, scope, section)?,
+        None => None,
+    };
     Ok(Events {
         stop,
         section,
+        act_tensor: act.as_ref().map(|_| ActTensor::Unknown),
+        act,
         axes,
     })
 }
 
 impl Events {
+    /// Looks whether the motion through what acts is a Poisson map.
+    pub(super) fn look_at_tensor(
+        &mut self,
+        document: &SceneDocument,
+        system: &PoissonSystem,
+        initial: &[f64],
+    ) {
+        if let (Some(section), Some(act)) = (&self.section, &self.act) {
+            let step = &document.method.step;
+            let step = step.epsilon() * step.h();
+            let (own, parameters) = (document.system.coordinates(), system.parameter_values());
+            let at = (initial, &*parameters);
+            self.act_tensor = Some(tensor_of(system, (section, act), at, (own, step)));
+        }
+    }
+
+    /// The act and what it does to the tensor, in words.
+    pub fn act_text(&self) -> Option<String> {
+        let (act, tensor) = (self.act.as_ref()?, self.act_tensor?);
+        Some(format!("sets {}; {}", act.text, tensor.text()))
+    }
+
     /// Refuses what has no value where the run begins, and a run that would make no step.
     pub(super) fn check(
         &self,
@@ -169,8 +203,9 @@ fn margin(
         return Err(refuse(document, text, message, "no comparison", EXAMPLE));
     }
     let vectors = document.system.named_vectors();
-    let condition =
-        Formula::parse_condition(&text.value).and_then(|parsed| parsed.in_components(&vectors));
+    let condition = Formula::parse_condition(&text.value)
+        .and_then(|parsed| parsed.in_components(&vectors))
+        .and_then(|parsed| with_families(document, parsed));
     let condition = condition.map_err(|error| match error.kind {
         SyntaxErrorKind::UnexpectedCharacter { character: '=' } => Box::new(document.diagnostic(
             &document.place_in_formula(text, error.span.clone()),

@@ -117,7 +117,7 @@ fn by_coordinate(
 ///
 /// # Errors
 /// What cannot be read, and those of `take`.
-fn for_each_coordinate(
+pub(super) fn for_each_coordinate(
     document: &SceneDocument,
     scope: &Scope,
     entries: &ByCoordinate,

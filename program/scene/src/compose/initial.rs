@@ -22,31 +22,33 @@ pub(super) fn initial_state(document: &SceneDocument) -> Result<Vec<f64>, Refusa
         is_given: vec![false; system.dimension()],
     };
     state.assign_all(&system.sites)?;
-    match &document.run.initial.value {
-        InitialSpec::Vector(numbers) => {
-            let dimension = system.coordinates();
-            if numbers.len() != dimension {
-                return Err(Box::new(document.diagnostic(
-                    &document.run.initial.place(),
-                    format!(
-                        "initial has {} entries, and the state has {dimension} coordinates",
-                        numbers.len()
-                    ),
-                    format!("expected {dimension} numbers"),
-                    None,
-                )));
-            }
-            for (at, number) in numbers.iter().enumerate() {
-                state.values[at] = number.value.value;
-                state.is_given[at] = true;
-            }
-        }
-        InitialSpec::Fields(fields) => {
-            state.check_moving(fields)?;
-            state.assign_all(fields)?;
-        }
-    }
+    state.assign_spec(&document.run.initial)?;
     state.finish()
+}
+
+/// A state of the scene's coordinates written as its initial state is; those that it does not name have the values of `others`.
+///
+/// # Errors
+/// A name that is no coordinate, and a formula without a value, underlined in the scene.
+pub fn state_beside(
+    document: &SceneDocument,
+    spec: &Located<InitialSpec>,
+    others: &[f64],
+) -> Result<Vec<f64>, Refusal> {
+    let (lattice, dimension) = (geometry(document), document.system.dimension());
+    let parameters = document.system.parameters.iter();
+    let mut values = others.to_vec();
+    values.resize(dimension, 0.0);
+    let mut state = State {
+        document,
+        scope: scope(document, &lattice, None)?,
+        parameters: parameters.map(|(_, value)| value.value.value).collect(),
+        values,
+        is_given: vec![true; dimension],
+    };
+    state.assign_spec(spec)?;
+    state.values.truncate(others.len());
+    Ok(state.values)
 }
 
 struct State<'a> {
@@ -58,6 +60,34 @@ struct State<'a> {
 }
 
 impl State<'_> {
+    fn assign_spec(&mut self, spec: &Located<InitialSpec>) -> Result<(), Refusal> {
+        match &spec.value {
+            InitialSpec::Vector(numbers) => {
+                let dimension = self.document.system.coordinates();
+                if numbers.len() != dimension {
+                    return Err(Box::new(self.document.diagnostic(
+                        &spec.place(),
+                        format!(
+                            "initial has {} entries, and the state has {dimension} coordinates",
+                            numbers.len()
+                        ),
+                        format!("expected {dimension} numbers"),
+                        None,
+                    )));
+                }
+                for (at, number) in numbers.iter().enumerate() {
+                    self.values[at] = number.value.value;
+                    self.is_given[at] = true;
+                }
+                Ok(())
+            }
+            InitialSpec::Fields(fields) => {
+                self.check_moving(fields)?;
+                self.assign_all(fields)
+            }
+        }
+    }
+
     /// Parameters of sites have their values in `[system]`.
     fn check_moving(&self, fields: &[(Located<String>, FieldSpec)]) -> Result<(), Refusal> {
         for (key, _) in fields {

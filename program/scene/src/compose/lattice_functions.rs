@@ -1,5 +1,6 @@
 //! Functions of a long lattice's state: sums over sites, and what is written out.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use leafwise_core::lattice::LatticeObservables;
@@ -104,30 +105,35 @@ impl From<LatticeFunctions> for Observer {
     }
 }
 
-/// A formula of some coordinates of a long lattice, as code of these alone.
+/// Formulas of some coordinates of a long lattice, as code of these alone.
 ///
 /// # Errors
-/// [`BuildError::Algebra`] where it has no code.
+/// [`BuildError::Algebra`] where one has no code.
 pub(super) fn of_coordinates(
-    formula: &Expression,
+    formulas: &[&Expression],
     parameters: usize,
 ) -> Result<StateFunctions, BuildError> {
-    let named: Vec<usize> = formula.variables().into_iter().collect();
+    let named = formulas.iter().flat_map(|formula| formula.variables());
+    let named: Vec<usize> = named.collect::<BTreeSet<_>>().into_iter().collect();
     let mut graph = Graph::new();
     let inputs: Vec<Term> = (0..named.len()).map(|at| graph.input(at)).collect();
-    let value = formula.evaluate_in(&mut graph, &mut |_, coordinate| {
-        // Every variable is among the named ones.
-        let at = named.binary_search(&coordinate).unwrap_or_default();
-        Ok(inputs[at].clone())
-    })?;
-    let kernel = Arc::new(Kernel::compile(&graph, &[value], parameters, named.len()));
+    let values = formulas.iter().map(|formula| {
+        formula.evaluate_in(&mut graph, &mut |_, coordinate| {
+            // Every variable is among the named ones.
+            let at = named.binary_search(&coordinate).unwrap_or_default();
+            Ok(inputs[at].clone())
+        })
+    });
+    let values = values.collect::<Result<Vec<_>, _>>()?;
+    let (count, whole) = (values.len(), named.len());
+    let kernel = Arc::new(Kernel::compile(&graph, &values, parameters, whole));
     let named = Arc::new(named);
-    Ok(StateFunctions::each(1, move |parameters| {
+    Ok(StateFunctions::each(count, move |parameters| {
         let mut workspace = kernel.workspace(1);
         kernel.prepare(&mut workspace, parameters, &[1.0], &[1.0]);
         let (kernel, named) = (Arc::clone(&kernel), Arc::clone(&named));
         let mut own = vec![0.0; named.len()];
-        Ok(Observer::new(1, move |state, values| {
+        Ok(Observer::new(count, move |state, values| {
             for (value, coordinate) in own.iter_mut().zip(&*named) {
                 *value = state[*coordinate];
             }

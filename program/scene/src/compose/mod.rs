@@ -29,6 +29,7 @@
 //! - `checks`: the Jacobi identity and the Casimirs;
 //! - `shape`: constant, linear, log-canonical, polynomial, general.
 
+mod acts;
 mod bodies;
 mod body_columns;
 mod channels;
@@ -78,6 +79,7 @@ mod torque;
 mod uneven;
 mod values;
 
+pub use acts::ActTensor;
 pub use channels::{Channel, RunNoise};
 pub use checks::{CasimirCheck, SceneChecks};
 pub use dense::DENSE_LIMIT;
@@ -88,6 +90,7 @@ pub use extended::{Extension, NoStart, PaceFormula};
 pub use fit::{check_first_order, check_tensor};
 pub use forms::Forms;
 pub use fragment::system_of_fragment;
+pub use initial::state_beside;
 pub use instantiate::{Instantiated, instantiate};
 pub use lattice_functions::LatticeFunctions;
 pub use lie_algebra::{LIE_ALGEBRAS, LieAlgebra, StructureEntry};

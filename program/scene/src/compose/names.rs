@@ -135,9 +135,66 @@ pub(super) fn parse(
     parse_text(document, &formula.value).map_err(|error| refusal(document, formula, &error))
 }
 
-/// Parses a formula in the components of the scene's vectors.
+/// Parses a formula in the components of the scene's vectors, definitions of families written out in it.
 pub(super) fn parse_text(document: &SceneDocument, text: &str) -> Result<Formula, SyntaxError> {
-    let (formula, vectors) = (Formula::parse(text)?, document.system.named_vectors());
+    let formula = in_components(document, Formula::parse(text)?)?;
+    with_families(document, formula)
+}
+
+/// A formula with the definitions written out that name families: such a one stands for a formula, which long lattices repeat.
+pub(super) fn with_families(
+    document: &SceneDocument,
+    mut formula: Formula,
+) -> Result<Formula, SyntaxError> {
+    let define = definitions_of_families(document);
+    let define: Vec<(&str, &Formula)> = define.iter().map(|(name, of)| (&**name, of)).collect();
+    // Each round goes one level deeper. Those that lead back to themselves are refused where they are ordered.
+    for _ in 0..define.len() {
+        let names = formula.references();
+        if !define.iter().any(|(name, _)| names.contains(name)) {
+            break;
+        }
+        formula = formula.written_out(&define)?;
+    }
+    Ok(formula)
+}
+
+/// Definitions that name families, themselves or by others, in components. What is wrong with one is told where it stands.
+fn definitions_of_families(document: &SceneDocument) -> Vec<(String, Formula)> {
+    let system = &document.system;
+    if system.families.is_empty() {
+        return Vec::new();
+    }
+    let mut others: Vec<(String, Formula)> = (system.define.iter())
+        .filter_map(|(name, formula)| {
+            let parsed = Formula::parse(&formula.value);
+            let parsed = parsed.and_then(|formula| in_components(document, formula));
+            Some((name.value.clone(), parsed.ok()?))
+        })
+        .collect();
+    let mut found = Vec::new();
+    loop {
+        let names_one = |name: &str| {
+            let mut families = system.families.iter();
+            families.any(|(family, _)| family.value == name)
+                || found
+                    .iter()
+                    .any(|(known, _): &(String, Formula)| known == name)
+        };
+        let (more, rest): (Vec<_>, Vec<_>) = others.into_iter().partition(|(_, formula)| {
+            let is_one = formula.free_indices().is_empty();
+            is_one && formula.references().into_iter().any(names_one)
+        });
+        if more.is_empty() {
+            return found;
+        }
+        found.extend(more);
+        others = rest;
+    }
+}
+
+fn in_components(document: &SceneDocument, formula: Formula) -> Result<Formula, SyntaxError> {
+    let vectors = document.system.named_vectors();
     // A formula that would be a vector, were it right, is told by what is wrong in it.
     let broken = formula.components(&vectors).err();
     formula

@@ -217,6 +217,17 @@ fn compose_at_its_values(
         (step.epsilon(), step.h()),
         (system, &composed.initial),
     )?;
+    let section = document.run.section.as_ref();
+    if let Some(set) = section.and_then(|section| section.set.as_ref())
+        && !indicators.is_empty()
+    {
+        return Err(Box::new(document.diagnostic(
+            &set.place(),
+            "events that change the state are not offered with indicators of chaos",
+            "here",
+            Some("take the indicators out of the observables".to_owned()),
+        )));
+    }
     let states = recorded_states(document)?;
     check_axes(document, &states, &composed.observables)?;
     let plan = RunPlan {

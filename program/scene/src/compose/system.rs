@@ -151,7 +151,7 @@ pub(super) fn check_sites(document: &SceneDocument) -> Result<(), Refusal> {
 pub(super) fn written_out(document: &SceneDocument) -> Result<ComposedSystem, Refusal> {
     let mut instantiated = instantiate(document, &geometry(document))?;
     let observables = std::mem::take(&mut instantiated.observables);
-    let events = std::mem::take(&mut instantiated.events);
+    let mut events = std::mem::take(&mut instantiated.events);
     let forms = std::mem::take(&mut instantiated.forms);
     let extension = instantiated.extension.take();
     let noise = std::mem::take(&mut instantiated.noise);
@@ -172,6 +172,7 @@ pub(super) fn written_out(document: &SceneDocument) -> Result<ComposedSystem, Re
         check_begin(document, &system, &initial, extension.coordinates)?;
     }
     events.check(document, &initial, &system.parameter_values())?;
+    events.look_at_tensor(document, &system, &initial);
     check_forces(document, &system, &initial)?;
     let system = system.with_near(&initial).unwrap_or(system);
     let system = forms.apply(document, system)?;

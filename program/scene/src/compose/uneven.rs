@@ -29,6 +29,10 @@ impl ComposedRun {
                 "noise, which every pass would draw anew",
             ),
             (self.plan.events.stop.is_some(), "a condition that stops it"),
+            (
+                self.plan.events.act.is_some(),
+                "events that change the state",
+            ),
             (!self.plan.samples.are_steps(), "samples at times"),
         ];
         match odd.into_iter().find(|(is_there, _)| *is_there) {

@@ -84,12 +84,13 @@ impl Coordinates {
                 [(momentum, true)] => pairs.push((at, momentum)),
                 [(_, false)] => {}
                 _ => {
-                    let partners = partners
-                        .iter()
-                        .map(|(other, _)| self.names[*other].0.clone());
+                    let partners = partners.iter().map(|(other, _)| self.whole(*other));
+                    let mut partners: Vec<String> = partners.collect();
+                    partners.dedup();
                     let cause = SceneProblemCause::CanonicalPair {
-                        name: name.clone(),
-                        partners: partners.collect(),
+                        name: self.whole(at),
+                        partners,
+                        example: self.example(at),
                     };
                     problems.push(cause, place.clone());
                     return None;
@@ -99,6 +100,28 @@ impl Coordinates {
         let entry =
             |(coordinate, momentum): (usize, usize)| self.entry(coordinate, momentum, place);
         Some(pairs.into_iter().map(entry).collect())
+    }
+
+    /// The name that a scene gives: of a vector's component that of the vector.
+    fn whole(&self, at: usize) -> String {
+        let name = &self.names[at].0;
+        name.split_once('.')
+            .map_or(&**name, |(vector, _)| vector)
+            .to_owned()
+    }
+
+    /// A name and the first other one that may be paired with it where neither is paired by its name.
+    fn example(&self, at: usize) -> Option<[String; 2]> {
+        let is_in_a_pair = |of: usize| {
+            self.names.iter().any(|(other, _)| {
+                is_pair(other, &self.names[of].0) || is_pair(&self.names[of].0, other)
+            })
+        };
+        let mut free = (0..self.names.len()).filter(|of| !is_in_a_pair(*of));
+        let other =
+            free.find(|other| self.whole(*other) != self.whole(at) && self.are_alike(at, *other))?;
+        let pair = [self.whole(at), self.whole(other)];
+        (!is_in_a_pair(at)).then_some(pair)
     }
 
     /// The entries of pairs that are written out, the coordinate first; of vectors one for each component.

@@ -10,7 +10,7 @@ use crate::diagnostic::SceneDiagnostic;
 type PlaceOf = fn(&SceneDocument) -> Option<Place>;
 
 /// The keys that are declared not to stand beside keys of other tables, and these.
-const PLACES: [(&str, PlaceOf); 9] = [
+const PLACES: [(&str, PlaceOf); 10] = [
     ("system.forces", |scene| {
         scene.system.forces.one_form.as_ref().map(Located::place)
     }),
@@ -34,6 +34,11 @@ const PLACES: [(&str, PlaceOf); 9] = [
     ("run.section", |scene| {
         let section = scene.run.section.as_ref();
         section.map(|section| section.at.place())
+    }),
+    ("run.section.set", |scene| {
+        let section = scene.run.section.as_ref();
+        let set = section.and_then(|section| section.set.as_ref());
+        set.map(Located::place)
     }),
     ("run.record.interval", |scene| {
         scene.run.record.interval.as_ref().map(Located::place)

@@ -3,7 +3,9 @@
 use super::error::SceneProblemCause;
 use super::located::{Located, Place};
 use super::reader::{Item, Problems, Table};
-use super::run::{RecordSpec, read_observables, read_sample_times};
+use super::run::{
+    InitialSpec, RecordSpec, read_initial as read_state, read_observables, read_sample_times,
+};
 use super::schema::{CENTER, DRAWS, ENSEMBLE, ENSEMBLE_RECORD, WAYS};
 use super::shape::Key;
 use super::system_section::SystemSection;
@@ -42,8 +44,8 @@ pub enum InitialDraw {
     Drawn {
         /// From what.
         distribution: Distribution,
-        /// About what.
-        center: Option<Vec<f64>>,
+        /// About what. Coordinates that it does not name are those of the scene's initial state.
+        center: Option<Located<InitialSpec>>,
     },
     /// The rows of a file, beside the scene.
     File(String),
@@ -176,7 +178,7 @@ fn read_initial(
     let chosen = one_of(&table, &DRAWS, "initial = { ball = 0.1 }", problems)?;
     let dimension = system.map(SystemSection::coordinates);
     let center = optional(&table, CENTER, problems, |item, problems| {
-        vector(item, dimension, problems)
+        read_state(item, system, problems)
     })?;
     let distribution = match chosen.key.value.as_str() {
         "ball" => Distribution::Ball(positive(chosen, problems)?),

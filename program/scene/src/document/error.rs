@@ -181,6 +181,8 @@ pub enum SceneProblemCause {
         name: String,
         /// Those that might be.
         partners: Vec<String>,
+        /// Two names in no pair that would be one, written out.
+        example: Option<[String; 2]>,
     },
     /// A variable in two summands of a direct sum.
     #[error("`{name}` is in two summands of the bracket")]
@@ -331,11 +333,16 @@ impl SceneProblemCause {
                     kinds.join(", ")
                 ))
             }
-            Self::CanonicalPair { .. } => Some(
-                "pairs that are known: q and p, q1 and p1, x and px, theta and L; write others out, the coordinate first: \
-                 bracket = { canonical = [[\"theta\", \"L\"], …] }"
-                    .to_owned(),
-            ),
+            Self::CanonicalPair { example, .. } => {
+                let [coordinate, momentum] = match example {
+                    Some([coordinate, momentum]) => [coordinate.as_str(), momentum.as_str()],
+                    None => ["theta", "L"],
+                };
+                Some(format!(
+                    "pairs that are known: q and p, q1 and p1, x and px, theta and L; write others out, the coordinate \
+                     first: bracket = {{ canonical = [[\"{coordinate}\", \"{momentum}\"], …] }}"
+                ))
+            }
             Self::TwoSummands { .. } => Some(
                 "each variable is of one summand; couple the summands by the Hamiltonian".to_owned(),
             ),

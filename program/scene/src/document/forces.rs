@@ -196,7 +196,7 @@ fn read_damping(item: &Item<'_>, problems: &mut Problems) -> Option<DampingSpec>
 }
 
 /// `{ "p[i]" = "0.1*p[i]" }`.
-fn read_by_coordinate(item: &Item<'_>, problems: &mut Problems) -> Option<ByCoordinate> {
+pub(super) fn read_by_coordinate(item: &Item<'_>, problems: &mut Problems) -> Option<ByCoordinate> {
     let entries = item.pairs("a table of formulas", problems, Item::formula)?;
     check_sites_once(entries.iter().map(|(key, _)| key), problems);
     Some(entries)

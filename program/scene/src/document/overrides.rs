@@ -11,6 +11,8 @@ use super::reader::Problems;
 use super::schema::{ROOT, siblings};
 use super::shape::{self, Inner};
 use super::suggest::nearest;
+use super::system_schema::COLUMN;
+use super::variables::COMPONENTS;
 
 /// The text with all overrides applied; `None` when the text is not TOML or an override is
 /// refused, which is then recorded.
@@ -74,7 +76,7 @@ const OF_FORMULAS: [&str; 2] = ["run.initial.", "system.bracket."];
 /// The keys of a path. A key of a site or a pair needs no quotes: `run.initial.s.x[2,3]`.
 pub(super) fn parse_path(path: &str) -> Option<Vec<Key>> {
     if let Ok(keys) = Key::parse(path) {
-        return Some(keys);
+        return Some(of_component(keys));
     }
     let table = OF_FORMULAS
         .into_iter()
@@ -84,6 +86,56 @@ pub(super) fn parse_path(path: &str) -> Option<Vec<Key>> {
     let mut keys = Key::parse(table.trim_end_matches('.')).ok()?;
     keys.push(Key::new(key));
     is_plain.then_some(keys)
+}
+
+/// A component of a vector is one key: `r.x` in `run.initial.r.x`, where columns of files have keys of their own.
+fn of_component(mut keys: Vec<Key>) -> Vec<Key> {
+    let names: Vec<&str> = keys.iter().map(Key::get).collect();
+    if let ["run", "initial", vector, component] = names[..]
+        && COLUMN.iter().all(|key| key.name != component)
+    {
+        let key = Key::new(format!("{vector}.{component}"));
+        keys.splice(2.., [key]);
+    }
+    keys
+}
+
+/// The place of `r.x` in the list that the scene gives for the whole vector, `r = [1, 0, 0]`, or of `s.x[3]` in that of `s[3]`.
+fn entry_of_list<'t>(document: &'t mut DocumentMut, keys: &[Key]) -> Option<&'t mut Value> {
+    let names: Vec<&str> = keys.iter().map(Key::get).collect();
+    let ["run", "initial", key] = names[..] else {
+        return None;
+    };
+    let (vector, rest) = key.split_once('.')?;
+    let (component, site) = rest.split_at(rest.find('[').unwrap_or(rest.len()));
+    let at = component_at(document, vector, component)?;
+    let initial = document.get_mut("run")?.as_table_like_mut()?;
+    let initial = initial.get_mut("initial")?.as_table_like_mut()?;
+    if initial.contains_key(key) {
+        return None;
+    }
+    let list = initial.get_mut(&format!("{vector}{site}"))?;
+    list.as_array_mut()?.get_mut(at)
+}
+
+/// Which component of a vector of variables or of a family a name is.
+fn component_at(document: &DocumentMut, vector: &str, component: &str) -> Option<usize> {
+    let system = document.get("system").and_then(Item::as_table_like);
+    let declared = system.and_then(|system| {
+        let variables = system.get("variables").and_then(Item::as_table_like);
+        let families = system.get("families").and_then(Item::as_table_like);
+        let own = variables.and_then(|variables| variables.get(vector));
+        own.or_else(|| {
+            let family = families?.get(vector)?.as_table_like()?;
+            family.get("components")
+        })
+    });
+    let mut names = declared.and_then(Item::as_array).into_iter().flatten();
+    match declared.is_some_and(Item::is_array) {
+        true => names.position(|name| name.as_str() == Some(component)),
+        // Declared by their number, or by a library system.
+        false => COMPONENTS.iter().position(|name| *name == component),
+    }
 }
 
 fn apply(document: &mut DocumentMut, path: &str, value: &str) -> Result<(), Refusal> {
@@ -159,14 +211,19 @@ fn is_beyond(value: &str) -> bool {
 /// Sets the value, keeping the comment and spaces around the one it replaces.
 fn write(document: &mut DocumentMut, keys: &[Key], value: &str) -> Option<()> {
     let (last, parents) = keys.split_last()?;
-    let mut table: &mut dyn TableLike = document.as_table_mut();
-    for key in parents {
-        table = table.get_mut(key.get())?.as_table_like_mut()?;
-    }
     let mut new: Value = value
         .trim()
         .parse()
         .unwrap_or_else(|_| Value::from(value.to_owned()));
+    if let Some(entry) = entry_of_list(document, keys) {
+        *new.decor_mut() = entry.decor().clone();
+        *entry = new;
+        return Some(());
+    }
+    let mut table: &mut dyn TableLike = document.as_table_mut();
+    for key in parents {
+        table = table.get_mut(key.get())?.as_table_like_mut()?;
+    }
     match table.get_mut(last.get()) {
         Some(Item::Value(old)) => {
             *new.decor_mut() = old.decor().clone();

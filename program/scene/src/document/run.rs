@@ -4,13 +4,14 @@ use leafwise_walk::Direction;
 
 use super::error::SceneProblemCause;
 use super::field::{FieldSpec, check_sites_once, read_field};
+use super::forces::{ByCoordinate, read_by_coordinate};
 use super::located::{Located, Number, Place};
 use super::method::MethodSection;
 use super::observable::ObservableSpec;
 use super::reader::{Item, Problems, Table};
 use super::schema::{RECORD, RUN, SECTION};
 use super::system_section::SystemSection;
-use super::vector_formulas::{observe_vectors, read_vector};
+use super::vector_formulas::{by_components, check_components_once, observe_vectors, read_vector};
 
 /// The initial state.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,6 +55,8 @@ pub struct SectionSpec {
     pub direction: Direction,
     /// The columns that the report draws over each other, where the scene names them.
     pub axes: Option<[Located<String>; 2]>,
+    /// Values that coordinates take there, by formulas of the state before.
+    pub set: Option<Located<ByCoordinate>>,
 }
 
 /// The `[run]` table.
@@ -105,7 +108,7 @@ pub(super) fn read_run(
         None => Some(None),
     };
     let section = match table.get("section") {
-        Some(item) => read_section(item, problems).map(Some),
+        Some(item) => read_section(item, system, problems).map(Some),
         None => Some(None),
     };
     let mut number = |key: &str| match table.get(key) {
@@ -194,7 +197,11 @@ pub(super) fn count_steps(
 /// Steps are counted by doubles while their number is known.
 const MOST_STEPS: f64 = 9e15;
 
-fn read_section(item: &Item<'_>, problems: &mut Problems) -> Option<SectionSpec> {
+fn read_section(
+    item: &Item<'_>,
+    system: Option<&SystemSection>,
+    problems: &mut Problems,
+) -> Option<SectionSpec> {
     let expected = "a table such as { at = \"q1 = 0\", direction = \"up\" }";
     let table = item.table("section", expected, problems)?;
     table.only(&SECTION, problems);
@@ -209,10 +216,21 @@ fn read_section(item: &Item<'_>, problems: &mut Problems) -> Option<SectionSpec>
         Some(item) => read_axes(item, problems).map(Some),
         None => Some(None),
     };
+    let set = match table.get("set") {
+        Some(item) => read_by_coordinate(item, problems).map(|entries| {
+            let entries = match system {
+                Some(system) => by_components(system, &entries, problems),
+                None => entries,
+            };
+            Some(Located::new(entries, item.place()))
+        }),
+        None => Some(None),
+    };
     Some(SectionSpec {
         at: at?,
         direction: direction?,
         axes: axes?,
+        set: set?,
     })
 }
 
@@ -233,7 +251,8 @@ fn read_axes(item: &Item<'_>, problems: &mut Problems) -> Option<[Located<String
     axes
 }
 
-fn read_initial(
+/// A number for each variable, or a formula for each variable, vector or family.
+pub(super) fn read_initial(
     item: &Item<'_>,
     system: Option<&SystemSection>,
     problems: &mut Problems,
@@ -251,6 +270,10 @@ fn read_initial(
                 fields.extend(read);
                 fields
             });
+        }
+        if let Some(system) = system {
+            let keys = table.items.iter().map(|entry| &entry.key);
+            check_components_once(system, keys, problems);
         }
         let fields = fields?;
         check_sites_once(fields.iter().map(|(key, _)| key), problems);

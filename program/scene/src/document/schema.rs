@@ -101,6 +101,15 @@ static SECTION_BESIDE: [Beside; 1] = [Beside::Elsewhere {
     help: "record the quantity, and look where its samples change their sign",
 }];
 
+static SET_BESIDE: [Beside; 2] = [
+    Beside::Elsewhere {
+        paths: &["method.pace"],
+        message: "events that change the state are not offered with a pace",
+        help: "take the pace away: steps of the time itself",
+    },
+    Beside::Note("indicators of chaos"),
+];
+
 /// Keys that an interval between two samples does not stand beside, and the pace that it needs.
 static INTERVAL_BESIDE: [Beside; 2] = [
     Beside::InPlaceOf {
@@ -247,7 +256,7 @@ pub(super) static RUN: [Key; 10] = [
     key("out", Shape::Text, "The run directory").otherwise("`runs/` and the scene's name"),
 ];
 
-pub(super) static SECTION: [Key; 3] = [
+pub(super) static SECTION: [Key; 4] = [
     key("at", Shape::Text, "The surface, as \"q1 = 0\""),
     key(
         "direction",
@@ -261,6 +270,13 @@ pub(super) static SECTION: [Key; 3] = [
         "The two columns that the report draws over each other, as [\"q2\", \"p2\"]",
     )
     .otherwise("the first two columns that vary"),
+    key(
+        "set",
+        Shape::Names(&Shape::Formula),
+        "Values that coordinates take where the surface is crossed, by formulas of the state before: { p = \"-0.9*p\" }",
+    )
+    .otherwise("none: crossings are recorded alone")
+    .not_beside(&SET_BESIDE),
 ];
 
 pub(super) static RECORD: [Key; 5] = [
@@ -379,7 +395,12 @@ pub(super) static DRAWS: [Key; 7] = [
         keys: &[CENTER],
         advice: "the file holds the states themselves: remove center",
     }]),
-    key(CENTER, NUMBERS, "The state that draws are about").otherwise("the scene's initial state"),
+    key(
+        CENTER,
+        Shape::Either(&[NUMBERS, FIELDS]),
+        "The state that draws are about, as `initial` of [run]; what it does not name is the scene's initial state",
+    )
+    .otherwise("the scene's initial state"),
 ];
 
 /// Ways to draw a parameter.

@@ -399,7 +399,7 @@ fn read_inline(
     add_sites(&mut system, problems);
     check_names(&system, problems);
     define_vectors(&mut system, problems);
-    force_vectors(&mut system);
+    force_vectors(&mut system, problems);
     check_dimension(table, &system, problems);
     check_summands(&system, problems);
     Some(system)

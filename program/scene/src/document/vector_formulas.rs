@@ -24,17 +24,30 @@ fn components(
     if vectors.is_empty() {
         return None;
     }
-    let parts = Formula::parse(&formula.value).ok()?.components(&vectors);
-    let parts = parts.ok().flatten()?;
-    if parts.len() > COMPONENTS.len() {
-        return None;
-    }
-    let texts = COMPONENTS.into_iter().zip(parts);
+    let parsed = Formula::parse(&formula.value).ok()?;
+    let parts = parsed.components(&vectors).ok().flatten()?;
+    let letters = letters(system, &parsed, parts.len())?;
+    let texts = letters.into_iter().zip(parts);
     let texts = texts.map(|(letter, part)| {
         let formula = written(&format!("{name}.{letter}"), &part);
-        (letter.to_owned(), formula)
+        (letter, formula)
     });
     Some(texts.collect())
+}
+
+/// The letters of so many components: x, y and z, and of more those of the first vector in the formula that has as many.
+fn letters(system: &SystemSection, formula: &Formula, count: usize) -> Option<Vec<String>> {
+    if count <= COMPONENTS.len() {
+        let letters = COMPONENTS[..count].iter();
+        return Some(letters.map(|letter| (*letter).to_owned()).collect());
+    }
+    let named = formula.references();
+    let mut vectors = system.all_vectors();
+    let alike = vectors.find(|vector| {
+        vector.components.len() == count && named.contains(vector.name.value.as_str())
+    });
+    let letters = alike?.components.iter();
+    Some(letters.map(|letter| letter.value.clone()).collect())
 }
 
 /// The letters and formulas of a vector that is named alone: those of its own components.
@@ -111,7 +124,9 @@ pub(super) fn define_vectors(system: &mut SystemSection, problems: &mut Problems
 }
 
 /// Writes forces on vectors out: `p = "-0.1*p"` is a formula for each of `p.x`, `p.y` and `p.z`.
-pub(super) fn force_vectors(system: &mut SystemSection) {
+///
+/// Records a component that has a force of its own too.
+pub(super) fn force_vectors(system: &mut SystemSection, problems: &mut Problems) {
     let Some(OneFormSpec::Named(entries)) = system
         .forces
         .one_form
@@ -120,21 +135,64 @@ pub(super) fn force_vectors(system: &mut SystemSection) {
     else {
         return;
     };
-    let mut written = ByCoordinate::new();
+    let written = by_components(system, entries, problems);
+    if let Some(one_form) = &mut system.forces.one_form {
+        one_form.value = OneFormSpec::Named(written);
+    }
+}
+
+/// Formulas by coordinates, those of vectors written out for their components.
+///
+/// Records a component that has a formula of its own too.
+pub(super) fn by_components(
+    system: &SystemSection,
+    entries: &ByCoordinate,
+    problems: &mut Problems,
+) -> ByCoordinate {
+    let mut written_out = ByCoordinate::new();
     for (key, formula) in entries {
         let parts = system.components_of_key(&key.value);
         let formulas = components(system, &key.value, formula);
         match parts.zip(formulas) {
             Some((keys, formulas)) if keys.len() == formulas.len() => {
                 let named = keys.into_iter().zip(formulas);
-                written
+                written_out
                     .extend(named.map(|(name, (_, formula))| (key.clone().map(|_| name), formula)));
             }
-            _ => written.push((key.clone(), formula.clone())),
+            _ => written_out.push((key.clone(), formula.clone())),
         }
     }
-    if let Some(one_form) = &mut system.forces.one_form {
-        one_form.value = OneFormSpec::Named(written);
+    check_components_once(system, entries.iter().map(|(key, _)| key), problems);
+    written_out
+}
+
+/// Records a vector and one of its components that are both given, as `p` and `p.x`.
+pub(super) fn check_components_once<'a>(
+    system: &SystemSection,
+    keys: impl Iterator<Item = &'a Located<String>> + Clone,
+    problems: &mut Problems,
+) {
+    let plain = |key: &str| key.replace(char::is_whitespace, "");
+    for vector in keys.clone() {
+        let Some(components) = system.components_of_key(&vector.value) else {
+            continue;
+        };
+        let components: Vec<String> = components.iter().map(|key| plain(key)).collect();
+        let both = keys
+            .clone()
+            .filter(|key| components.contains(&plain(&key.value)));
+        for component in both {
+            let cause = SceneProblemCause::Conflict {
+                first: vector.value.clone(),
+                second: component.value.clone(),
+                advice: format!(
+                    "`{}` stands for {}: give the whole vector, or each component by itself",
+                    vector.value,
+                    components.join(", ")
+                ),
+            };
+            problems.push(cause, component.place());
+        }
     }
 }
 
@@ -178,7 +236,10 @@ pub(super) fn read_vector(
         return Some(Vec::new());
     };
     let keys = system.components_of_key(&item.key.value)?;
-    let formulas = item.list_of("a list of formulas or numbers", problems, Item::formula)?;
+    let formulas = item.list_of("a list of formulas or numbers", problems, Item::formula);
+    let Some(formulas) = formulas else {
+        return Some(Vec::new());
+    };
     if formulas.len() != keys.len() {
         let cause = SceneProblemCause::Shape {
             what: item.title.clone(),

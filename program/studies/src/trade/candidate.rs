@@ -56,6 +56,15 @@ impl<'a> Bench<'a> {
                 Some("compare methods on a copy of the scene without it".to_owned()),
             ))));
         }
+        let section = document.run.section.as_ref();
+        if let Some(set) = section.and_then(|section| section.set.as_ref()) {
+            return Err(TradeError::Refused(Box::new(document.diagnostic(
+                &set.place(),
+                "methods are compared on the motion alone, without events that change the state",
+                "here",
+                Some("compare methods on a copy of the scene without `set`".to_owned()),
+            ))));
+        }
         let own = compose(document, registry)?;
         let step = own.plan.epsilon * own.plan.h;
         let (time, extent) = match own.pace() {

@@ -169,7 +169,18 @@ fn scenes() -> impl Iterator<Item = String> {
     let driven = swings[0].replace("/2\"", "/2 + 0.01*q*cos(20*pi*t)\"");
     let driven = driven.replace("q = 0.3", "sin(10*pi*t) = 0");
     let paced = PACED_METHODS.map(|method| PACED.replace("METHOD", method));
-    let others = [timed, ending, driven].into_iter().chain(paced);
+    // Walls that turn the members round, and a condition that some never come to.
+    let walls =
+        "section = { at = \"q*(0.6 - q) = 0\", direction = \"down\", set = { p = \"-0.999*p\" } }";
+    let walls = swings[0].replace(
+        "section = { at = \"q = 0.3\", direction = \"both\" }",
+        walls,
+    );
+    let walls = walls
+        .replace("initial = [0, 1]", "initial = [0.3, 1]")
+        .replace("ball = 0.4", "ball = 0.25");
+    let walls = walls.replace("q + 0.02*p > 0.9", "q*p > 0.55");
+    let others = [timed, ending, driven, walls].into_iter().chain(paced);
     swings.into_iter().chain(others)
 }
 

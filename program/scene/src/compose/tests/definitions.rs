@@ -186,9 +186,46 @@ fn a_definition_has_one_value_on_a_lattice() {
     let run = "initial = { \"x[i]\" = \"1 + c\" }";
     let composed = compose_system(&document(&lattice("c = \"2*k\"", "sum(i, c*x[i])"), run));
     assert_eq!(composed.expect("a lattice").initial, vec![2.0; 40]);
-    let (piece, message) = refused(&lattice("c = 1, s = \"sum(i, x[i])\"", "s"), run);
-    assert_eq!(piece, "sum(i, x[i])");
-    assert!(message.contains("cannot use the family `x`"), "{message}");
+    let (piece, message) = refused(&lattice("c = 1, s = \"x[i]^2\"", "s"), run);
+    assert_eq!(piece, "x[i]^2");
+    assert!(message.contains("another for every `i`"), "{message}");
+    let (piece, message) = refused(&lattice("c = 1, s = \"sum(i, x[i] + y)\"", "c"), run);
+    assert_eq!(
+        (piece.as_str(), message.as_str()),
+        ("y", "unknown name `y`")
+    );
+    let (_, message) = refused(&lattice("c = 1, s = \"x[0] + r\", r = \"s\"", "r"), run);
+    assert!(
+        message.contains("is defined by itself") || message.contains("uses itself"),
+        "{message}"
+    );
+}
+
+/// Definitions that sum over sites stand for their formulas, through others, under sums and in derivatives.
+#[test]
+fn definitions_of_families_are_written_out() {
+    let lattice = |define: &str, hamiltonian: &str| {
+        let scene = format!(
+            "families = {{ x = 6 }}\nparameters = {{ k = 0.5 }}\ndefine = {{ {define} }}\n\
+             bracket = {{ \"x[i],x[i+1]\" = \"x[i]*x[i+1]\" }}\nhamiltonian = \"{hamiltonian}\""
+        );
+        let composed = compose_system(&document(&scene, "initial = { \"x[i]\" = \"1 + i/3\" }"));
+        let composed = composed.expect("a lattice");
+        let formulas = composed.system.expressions().expect("formulas");
+        formulas.hamiltonian().evaluate(&composed.initial, &[0.5])
+    };
+    let define = "mean = \"all/N\", all = \"sum(j, x[j])\", end = \"x[N-1]\"";
+    let named = lattice(define, "sum(i, (x[i] - mean)^2) + end*D(mean, x[2])");
+    let written = lattice(
+        "c = 1",
+        "sum(i, (x[i] - sum(j, x[j])/N)^2) + x[N-1]*D(sum(j, x[j])/N, x[2])",
+    );
+    assert_eq!(named, written);
+    // x_i = 1 + i/3: Σ (x − mean)² = 35/18, and the last site is 8/3.
+    assert!(
+        (named - (35.0 / 18.0 + 8.0 / 18.0)).abs() < 1e-14,
+        "{named}"
+    );
 }
 
 #[test]

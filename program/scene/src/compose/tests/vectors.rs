@@ -176,3 +176,149 @@ fn a_vector_may_be_called_t() {
     };
     assert_eq!(of("t"), of("s"));
 }
+
+/// The magnetization as a definition of a vector is its formula, whatever names it.
+#[test]
+fn a_definition_may_be_a_vector_of_a_lattice() {
+    let scene = |define: &str, hamiltonian: &str| {
+        format!(
+            "{SPINS}{define}hamiltonian = \"{hamiltonian}\"\nbracket = {{ lie-algebra = \"so3\" }}"
+        )
+    };
+    let value = |scene: &str| {
+        let composed = compose_system(&document(scene, &format!("initial = {POINT:?}")));
+        let composed = composed.expect("a system");
+        let formulas = composed.system.expressions().expect("formulas");
+        formulas.hamiltonian().evaluate(&POINT, &[])
+    };
+    let defined = scene(
+        "define = { M = \"sum(i, s[i])\", d = \"s[0] - s[1]\" }\n",
+        "dot(M, M)/2 + M.z + norm(d)",
+    );
+    let [a, b, c] = [0, 2, 4].map(|at| POINT[at] + POINT[at + 1]);
+    let distance = [0, 2, 4].map(|at| (POINT[at] - POINT[at + 1]).powi(2));
+    let expected = (a * a + b * b + c * c) / 2.0 + c + libm::sqrt(distance.iter().sum());
+    assert!((value(&defined) - expected).abs() < 1e-14 * expected);
+    let run = format!("initial = {POINT:?}\nrecord = {{ observables = [\"M\"] }}");
+    let composed = compose_system(&document(&defined, &run)).expect("a system");
+    let names: Vec<&str> = composed.observables.iter().map(|o| o.name()).collect();
+    assert_eq!(names, ["M.x", "M.y", "M.z"]);
+}
+
+/// Vectors of any number of named components are defined and recorded by their own letters.
+#[test]
+fn vectors_have_four_components() {
+    let scene = "variables = { r = [\"a\", \"b\", \"c\", \"d\"], p = [\"a\", \"b\", \"c\", \"d\"] }\n\
+                 define = { s = \"r - 2*p\" }\nbracket = \"canonical\"\nhamiltonian = \"dot(s, s) + s.d\"";
+    let run = "initial = { r = [1, 2, 3, 4], p = [5, 6, 7, 8] }\nrecord = { observables = [\"s\", { twice = \"2*r\" }] }";
+    let composed = compose_system(&document(scene, run)).expect("a system");
+    let formulas = composed.system.expressions().expect("formulas");
+    // s = −(9, 10, 11, 12).
+    let value = formulas.hamiltonian().evaluate(&composed.initial, &[]);
+    assert_eq!(value, 81.0 + 100.0 + 121.0 + 144.0 - 12.0);
+    let names: Vec<&str> = composed.observables.iter().map(|o| o.name()).collect();
+    assert_eq!(
+        names,
+        [
+            "s.a", "s.b", "s.c", "s.d", "twice.a", "twice.b", "twice.c", "twice.d"
+        ]
+    );
+}
+
+const BODY: &str = "variables = { r = 3, p = 3 }\nbracket = \"canonical\"\nhamiltonian = \"dot(p, p)/2 + dot(r, r)/2\"";
+const START: &str = "initial = { r = [1, \"1 + 1\", 3], p = [4, 5, 6] }";
+
+fn problems(system: &str, run: &str) -> Vec<(String, String, Option<String>)> {
+    let text = format!(
+        "[system]\n{system}\n[method]\nrealization = \"auto\"\ndynamics = \"auto\"\ntime-step = 0.1\n\
+         [run]\nsteps = 1\n{run}\n"
+    );
+    let registry = leafwise_core::Registry::empty();
+    let errors = SceneDocument::parse("scene.toml", &text, &registry).expect_err("a problem");
+    let told = errors.diagnostics().into_iter().map(|found| {
+        (
+            text[found.span.clone()].to_owned(),
+            found.message,
+            found.help,
+        )
+    });
+    told.collect()
+}
+
+/// A component beside its whole vector would hide a part of it, of forces and of initial values.
+#[test]
+fn a_vector_and_one_of_its_components_are_not_both_given() {
+    let force = format!("{BODY}\nforces = {{ p = \"-0.1*p\", \"p.x\" = \"1\" }}");
+    let sites = format!(
+        "{SPINS}bracket = {{ lie-algebra = \"so3\" }}\nhamiltonian = \"sum(i, s.x[i])\"\n\
+         forces = {{ \"s.y[ i ]\" = \"1\", \"s[i]\" = \"-s[i]\" }}"
+    );
+    let twice = "initial = { r = [1, 2, 3], \"r.z\" = 4, p = [4, 5, 6] }";
+    for (found, vector, component) in [
+        (problems(&force, START), "p", "p.x"),
+        (
+            problems(&sites, "initial = [1, 2, 3, 4, 5, 6]"),
+            "s[i]",
+            "s.y[ i ]",
+        ),
+        (problems(BODY, twice), "r", "r.z"),
+    ] {
+        let [(piece, message, help)] = &found[..] else {
+            panic!("{found:?}");
+        };
+        assert_eq!(piece.trim_matches('"'), component);
+        assert_eq!(
+            message,
+            &format!("`{component}` cannot stand beside `{vector}`")
+        );
+        let help = help.as_deref().unwrap_or_default();
+        assert!(help.contains(&format!("`{vector}` stands for")), "{help}");
+    }
+}
+
+/// Vectors of letters that no pair has are named as the scene names them.
+#[test]
+fn the_message_of_no_pair_names_the_vectors() {
+    let scene = "variables = { u = 3, w = 3, q = [\"a\"], p = [\"a\"] }\nbracket = \"canonical\"\nhamiltonian = \"dot(w, w)\"";
+    let found = problems(scene, "initial = [1, 2, 3, 4, 5, 6, 7, 8]");
+    let [(_, message, help)] = &found[..] else {
+        panic!("{found:?}");
+    };
+    assert_eq!(
+        message,
+        "no variable is the momentum or the coordinate of `u` by its name"
+    );
+    let help = help.as_deref().unwrap_or_default();
+    assert!(
+        help.ends_with("bracket = { canonical = [[\"u\", \"w\"], …] }"),
+        "{help}"
+    );
+}
+
+/// A component is set as a key of its own, in the list of its vector or beside formulas, and at a site.
+#[test]
+fn components_are_set_by_their_names() {
+    let initial = |system: &str, run: &str, set: &[(&str, &str)]| {
+        let text = format!(
+            "[system]\n{system}\n[method]\nrealization = \"auto\"\ndynamics = \"auto\"\ntime-step = 0.1\n\
+             [run]\nsteps = 1\n{run}\n"
+        );
+        let set: Vec<_> = set
+            .iter()
+            .map(|(key, value)| ((*key).to_owned(), (*value).to_owned()))
+            .collect();
+        let registry = leafwise_core::Registry::empty();
+        let document = SceneDocument::parse_with("scene.toml", &text, &set, &registry);
+        let document = document.unwrap_or_else(|errors| panic!("{:?}", errors.diagnostics()));
+        compose_system(&document).expect("a system").initial
+    };
+    let set = [("run.initial.r.x", "7"), ("run.initial.p.z", "3/4")];
+    assert_eq!(initial(BODY, START, &set), [7.0, 2.0, 3.0, 4.0, 5.0, 0.75]);
+    let single = "initial = { \"r.x\" = 1, \"r.y\" = 2, \"r.z\" = 3, p = [4, 5, 6] }";
+    assert_eq!(initial(BODY, single, &set), [7.0, 2.0, 3.0, 4.0, 5.0, 0.75]);
+    let lattice =
+        format!("{SPINS}bracket = {{ lie-algebra = \"so3\" }}\nhamiltonian = \"sum(i, s.x[i])\"");
+    let run = "initial = { \"s[i]\" = [1, 2, 3], \"s[1]\" = [4, 5, 6] }";
+    let set = [("run.initial.s.y[1]", "7"), ("run.initial.s.z[0]", "8")];
+    assert_eq!(initial(&lattice, run, &set), [1.0, 4.0, 2.0, 7.0, 8.0, 6.0]);
+}

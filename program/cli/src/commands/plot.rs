@@ -1,0 +1,213 @@
+//! `leafwise plot`: columns of runs as a figure for a paper.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use leafwise::report::{Chart, ChartAxis, ChartScale, PanelSeries, Stroke};
+use leafwise::scene::document::nearest;
+use leafwise::scene::input::read_text;
+use leafwise::scene::table::{Table, place};
+use serde::Serialize;
+
+use crate::arguments::{AxisName, PlotArguments};
+use crate::console::Console;
+use crate::failure::{Failure, exit};
+
+/// The object of `plot --json`.
+#[derive(Serialize)]
+struct PlotJson<'a> {
+    outcome: &'static str,
+    file: &'a Path,
+    curves: Vec<CurveJson<'a>>,
+}
+
+/// A curve of it.
+#[derive(Serialize)]
+struct CurveJson<'a> {
+    name: &'a str,
+    points: usize,
+}
+
+/// Draws the curves into a new file; returns the exit code.
+///
+/// # Errors
+/// [`Failure`] for a table without such columns, a file that exists, and labels that a PDF cannot show.
+pub fn execute(arguments: &PlotArguments, console: &mut Console<'_>) -> Result<u8, Failure> {
+    let out = &arguments.out;
+    let ending = out
+        .extension()
+        .map(|ending| ending.to_string_lossy().to_lowercase());
+    let is_pdf = match ending.as_deref() {
+        Some("svg") => false,
+        Some("pdf") => true,
+        _ => {
+            let message = format!("{} ends with neither .svg nor .pdf", out.display());
+            return Err(Failure::usage(
+                message,
+                "name the file by its kind: --out figure.pdf",
+            ));
+        }
+    };
+    if out.exists() && !arguments.force {
+        let message = format!("{} exists and is left as it is", out.display());
+        return Err(Failure::usage(
+            message,
+            "name another file, --out FILE, or give --force",
+        ));
+    }
+    for (name, scale) in [
+        ("--x-scale", arguments.x_scale),
+        ("--y-scale", arguments.y_scale),
+    ] {
+        if !scale.is_finite() || scale == 0.0 {
+            let message = format!("{name} is {scale}, and must be a finite number other than 0");
+            return Err(Failure::usage(message, "1000 shows metres in millimetres"));
+        }
+    }
+    let chart = Chart {
+        series: curves(arguments)?,
+        x: axis(arguments, AxisName::X)?,
+        y: axis(arguments, AxisName::Y)?,
+        is_equal: arguments.equal,
+    };
+    if arguments.equal
+        && [&chart.x, &chart.y]
+            .iter()
+            .any(|axis| axis.scale == ChartScale::Logarithmic)
+    {
+        let message = "--equal has no meaning on a logarithmic axis";
+        return Err(Failure::usage(
+            message,
+            "leave one of --equal and --log out",
+        ));
+    }
+    let bytes = match is_pdf {
+        true => chart.pdf()?,
+        false => chart.svg()?.into_bytes(),
+    };
+    fs::write(out, bytes).map_err(|source| Failure::File {
+        action: "write",
+        file: out.clone(),
+        source,
+    })?;
+    if arguments.json {
+        let curves = chart.series.iter().map(|series| CurveJson {
+            name: &series.name,
+            points: series.points.len(),
+        });
+        console.json(&PlotJson {
+            outcome: "written",
+            file: out,
+            curves: curves.collect(),
+        });
+    }
+    console.prose(&format!("wrote {}", out.display()));
+    Ok(exit::DONE)
+}
+
+/// An axis with its label and scale.
+fn axis(arguments: &PlotArguments, which: AxisName) -> Result<ChartAxis, Failure> {
+    let (letter, label, columns) = match which {
+        AxisName::X => (
+            "x",
+            &arguments.x_label,
+            arguments.x.clone().into_iter().collect(),
+        ),
+        AxisName::Y => ("y", &arguments.y_label, arguments.y.clone()),
+    };
+    let (is_log, is_angle) = (
+        arguments.log.contains(&which),
+        arguments.angle.contains(&which),
+    );
+    if is_log && is_angle {
+        let message = format!("--log {letter} stands beside --angle {letter}");
+        return Err(Failure::usage(
+            message,
+            "an axis is logarithmic or one of angles",
+        ));
+    }
+    let column = match &columns[..] {
+        [] => "t".to_owned(),
+        columns => columns.join(", "),
+    };
+    Ok(ChartAxis {
+        title: label.clone().unwrap_or(column),
+        scale: match (is_log, is_angle) {
+            (true, _) => ChartScale::Logarithmic,
+            (_, true) => ChartScale::Turn,
+            _ => ChartScale::Linear,
+        },
+    })
+}
+
+/// A curve for each column of each run.
+fn curves(arguments: &PlotArguments) -> Result<Vec<PanelSeries>, Failure> {
+    let count = arguments.runs.len() * arguments.y.len();
+    if arguments.name.len() > count {
+        let message = format!("{} names stand beside {count} curves", arguments.name.len());
+        return Err(Failure::usage(message, "give --name once for each curve"));
+    }
+    let mut series = Vec::with_capacity(count);
+    for run in &arguments.runs {
+        let file = match run.is_dir() {
+            true => run.join(&arguments.table),
+            false => run.clone(),
+        };
+        let table = read(&file)?;
+        let x = match &arguments.x {
+            Some(name) => column(&file, &table, name)?,
+            None => 0,
+        };
+        for y in &arguments.y {
+            let at = column(&file, &table, y)?;
+            let points = table.rows.iter().map(|row| {
+                let value = |at: usize| row.get(at).copied().unwrap_or(f64::NAN);
+                (value(x) * arguments.x_scale, value(at) * arguments.y_scale)
+            });
+            let given = arguments.name.get(series.len()).cloned();
+            series.push(PanelSeries {
+                name: given.unwrap_or_else(|| named(arguments, run, y)),
+                points: points.collect(),
+                stroke: if arguments.points {
+                    Stroke::Points
+                } else {
+                    Stroke::Line
+                },
+            });
+        }
+    }
+    Ok(series)
+}
+
+/// A name that tells a curve from the others.
+fn named(arguments: &PlotArguments, run: &Path, y: &str) -> String {
+    let run = run.file_name().unwrap_or(run.as_os_str()).to_string_lossy();
+    match (arguments.runs.len(), arguments.y.len()) {
+        (1, _) => y.to_owned(),
+        (_, 1) => run.into_owned(),
+        _ => format!("{run}: {y}"),
+    }
+}
+
+fn read(file: &PathBuf) -> Result<Table, Failure> {
+    let text = read_text(file).map_err(|source| Failure::File {
+        action: "read",
+        file: file.clone(),
+        source,
+    })?;
+    Table::read(&text).map_err(|reason| {
+        let help = "a table of numbers with a line of names: samples.csv, section.csv, windows.csv of a run directory";
+        Failure::usage(format!("{}: {reason}", file.display()), help)
+    })
+}
+
+fn column(file: &Path, table: &Table, name: &str) -> Result<usize, Failure> {
+    let columns = table.columns.as_deref().unwrap_or_default();
+    place(columns, name).map_err(|reason| {
+        let help = match nearest(name, columns.iter().map(String::as_str)) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => format!("columns: {}", columns.join(", ")),
+        };
+        Failure::usage(format!("{}: {reason}", file.display()), help)
+    })
+}

@@ -1,0 +1,299 @@
+//! Events that change the state, against closed forms: falls, boxes, kicks and mirrors.
+
+use leafwise_scene::compose::ActTensor;
+use leafwise_walk::Fault;
+
+use super::{Prepared, StopAfter};
+use crate::{Asked, Recorded, RunError, RunOutcome, run_in_memory};
+
+/// A ball of height q, whose flow is a parabola that splitting follows exactly.
+fn ball(restitution: &str, more: &str) -> String {
+    format!(
+        r#"
+[system]
+variables   = ["q", "p"]
+bracket     = "canonical"
+hamiltonian = "p^2/2 + q"
+[method]
+stepper   = "splitting"
+time-step = 0.25
+[run]
+initial = [1, 0]
+section = {{ at = "q = 0", direction = "down", set = {{ p = "-{restitution}*p" }} }}
+{more}
+"#
+    )
+}
+
+fn recorded(text: &str) -> Result<Recorded, RunError> {
+    let Prepared {
+        document,
+        registry,
+        composed,
+    } = Prepared::new(text);
+    let mut progress = StopAfter(u32::MAX);
+    run_in_memory(
+        &document,
+        &composed,
+        &registry,
+        Asked::default(),
+        &mut progress,
+    )
+}
+
+fn tensor_of(text: &str) -> ActTensor {
+    let events = Prepared::new(text).composed.plan.events;
+    events.act_tensor.expect("an act")
+}
+
+/// Height and speed at a time between bounces at √2 (1, 3, 5, …): of an elastic ball.
+fn falls(t: f64) -> (f64, f64) {
+    let half = libm::sqrt(2.0);
+    let since = t + half;
+    let since = since - 2.0 * half * libm::floor(since / (2.0 * half));
+    (half * since - since * since / 2.0, half - since)
+}
+
+/// Times, states on the surface, states at steps and between them; round-off adds up over 28 bounces.
+#[test]
+fn an_elastic_ball_bounces_for_ever() {
+    let times =
+        "record = { times = [1.3, 1.5, 7.0, 41.75], observables = [\"energy\"] }\nuntil = 80";
+    for more in ["steps = 320", times] {
+        let run = recorded(&ball("1", more)).expect("a run");
+        assert_eq!(run.report.outcome, RunOutcome::Done);
+        for row in run.samples.chunks_exact(4) {
+            let (q, p) = falls(row[0]);
+            assert!((row[1] - q).abs() < 1e-12, "{row:?}");
+            assert!((row[2] - p).abs() < 1e-12, "{row:?}");
+            assert!((row[3] - 1.0).abs() < 1e-13, "{row:?}");
+        }
+        let crossings = run.crossings.expect("a section");
+        let rows: Vec<&[f64]> = crossings.chunks_exact(4).collect();
+        assert_eq!(rows.len(), 28);
+        for (count, row) in rows.iter().enumerate() {
+            let expected = libm::sqrt(2.0) * (2.0 * count as f64 + 1.0);
+            assert!((row[0] - expected).abs() < 1e-13 * expected, "{row:?}");
+            // The state before it is turned round.
+            assert!(row[1].abs() < 1e-14 && (row[2] + libm::sqrt(2.0)).abs() < 1e-13);
+        }
+    }
+    assert_eq!(tensor_of(&ball("1", "steps = 1")), ActTensor::Kept);
+}
+
+/// With restitution e bounces come at √2 (1 + 2 (e + … + eᵏ)), before √2 (1 + 2 e/(1 − e)): where they accumulate, or the motion
+/// rests, the run ends as a failure, and never below the floor.
+#[test]
+fn a_ball_that_comes_to_rest_is_told() {
+    for e in [0.8, 0.3, 0.0] {
+        let restitution = format!("{e:?}");
+        let run = recorded(&ball(&restitution, "steps = 400")).expect("a run");
+        let failure = match run.report.outcome {
+            RunOutcome::Failed(failure) => failure,
+            other => panic!("{e}: {other:?}"),
+        };
+        assert!(
+            failure.message.contains("follow each other without end"),
+            "{failure:?}"
+        );
+        let end = libm::sqrt(2.0) * (1.0 + 2.0 * e / (1.0 - e));
+        assert!(
+            run.report.time > end - 0.25 && run.report.time < end + 0.5,
+            "{e}: {}",
+            run.report.time
+        );
+        let crossings = run.crossings.expect("a section");
+        let (mut time, mut way) = (libm::sqrt(2.0), libm::sqrt(2.0));
+        // Each is located to round-off of its step.
+        for row in crossings.chunks_exact(4).take(5) {
+            assert!((row[0] - time).abs() < 1e-11, "{e}: {row:?} for {time}");
+            way *= e;
+            time += 2.0 * way;
+        }
+        assert!(run.samples.chunks_exact(4).all(|row| row[1] > -1e-12));
+    }
+    let stopped = ball("0.8", "steps = 400\nstop = \"p^2/2 + q < 1e-3\"");
+    let run = recorded(&stopped).expect("a run");
+    // e²ᵏ < 1e-3 from the 16th bounce on.
+    assert!(matches!(run.report.outcome, RunOutcome::Stopped(_)));
+    assert_eq!(run.crossings.map(|rows| rows.len() / 4), Some(16));
+    match tensor_of(&stopped) {
+        // det of the map through a bounce: e dp times dq of e.
+        ActTensor::Broken(defect) => assert!((0.3..0.4).contains(&defect), "{defect}"),
+        other => panic!("{other:?}"),
+    }
+}
+
+/// Two walls as one surface, and several reflections in one step: x is a triangle wave.
+#[test]
+fn a_particle_in_a_box_is_folded() {
+    for (step, steps) in [(0.1, 400), (0.45, 100), (-0.1, 400)] {
+        let text = format!(
+            r#"
+[system]
+variables   = ["q", "p"]
+bracket     = "canonical"
+hamiltonian = "p^2/2"
+[method]
+stepper   = "splitting"
+time-step = {step:?}
+[run]
+initial = [0.3, 1.7]
+steps   = {steps}
+section = {{ at = "q*(1 - q) = 0", direction = "down", set = {{ p = "-p" }} }}
+"#
+        );
+        let run = recorded(&text).expect("a run");
+        assert_eq!(run.report.outcome, RunOutcome::Done, "{step}");
+        for row in run.samples.chunks_exact(4) {
+            let free = 0.3 + 1.7 * row[0];
+            let folded = free - 2.0 * libm::floor(free / 2.0);
+            let expected = if folded > 1.0 { 2.0 - folded } else { folded };
+            assert!(
+                (row[1] - expected).abs() < 1e-12,
+                "{step}: {row:?} for {expected}"
+            );
+            assert_eq!(row[2].abs(), 1.7);
+        }
+        assert_eq!(tensor_of(&text), ActTensor::Kept);
+    }
+}
+
+/// Kicks at times are the standard map, written out; a kick at a place that changes the energy as the place has it is no Poisson map.
+#[test]
+fn kicks_are_the_standard_map() {
+    let text = r#"
+[system]
+variables   = ["q", "p"]
+parameters  = { K = 0.5 }
+bracket     = "canonical"
+hamiltonian = "p^2/2 + 0*t"
+[method]
+stepper   = "splitting"
+time-step = 0.3
+[run]
+initial = [1, 0.3]
+until   = 20.5
+section = { at = "sin(pi*t) = 0", set = { p = "p + K*sin(q)" } }
+record  = { times = [1.5, 5.5, 19.5] }
+"#;
+    let run = recorded(text).expect("a run");
+    let crossings = run.crossings.expect("a section");
+    let rows: Vec<&[f64]> = crossings.chunks_exact(4).collect();
+    assert_eq!(rows.len(), 20);
+    let (mut q, mut p) = (1.3, 0.3);
+    for (count, row) in rows.iter().enumerate() {
+        let grown = 1e-13 * (1_u64 << count.min(30)) as f64;
+        assert!((row[0] - (count as f64 + 1.0)).abs() < 1e-13, "{row:?}");
+        assert!(
+            (row[1] - q).abs() < grown && (row[2] - p).abs() < grown,
+            "{row:?} for {q}, {p}"
+        );
+        p += 0.5 * libm::sin(q);
+        q += p;
+    }
+    assert_eq!(tensor_of(text), ActTensor::Kept);
+    let at_place = text
+        .replace("sin(pi*t) = 0", "q = 2")
+        .replace("p + K*sin(q)", "p + K");
+    assert!(matches!(tensor_of(&at_place), ActTensor::Broken(_)));
+    // The same change of the energy in every state on the surface.
+    let of_energy = text
+        .replace("sin(pi*t) = 0", "q = 2")
+        .replace("p + K*sin(q)", "sqrt(p^2 + K)");
+    assert_eq!(tensor_of(&of_energy), ActTensor::Kept);
+}
+
+/// A billiard in a circle: the tensor by differences of the whole run, the angular momentum, and the mirror's law against its retro-reflection.
+#[test]
+fn a_billiard_is_a_poisson_map() {
+    let text = |initial: [f64; 4], set: &str| {
+        format!(
+            r#"
+[system]
+variables   = {{ r = 2, p = 2 }}
+bracket     = "canonical"
+hamiltonian = "dot(p, p)/2 + dot(r, r)/4"
+[method]
+stepper     = "splitting"
+time-step   = 0.1
+[run]
+initial = {initial:?}
+steps   = 60
+section = {{ at = "dot(r, r) = 1", direction = "up", set = {{ p = "{set}" }} }}
+record  = {{ observables = ["energy", "r.x*p.y - r.y*p.x"] }}
+"#
+        )
+    };
+    const MIRROR: &str = "p - 2*dot(r, p)*r/dot(r, r)";
+    let start = [0.2, -0.1, 0.9, 0.7];
+    let ends = |initial: [f64; 4]| {
+        let run = recorded(&text(initial, MIRROR)).expect("a run");
+        assert!(run.crossings.is_some_and(|rows| rows.len() / 7 >= 3));
+        run.report.final_state
+    };
+    let run = recorded(&text(start, MIRROR)).expect("a run");
+    let first = run.samples[6];
+    assert!(
+        run.samples
+            .chunks_exact(7)
+            .all(|row| (row[6] - first).abs() < 1e-13)
+    );
+    const DELTA: f64 = 1e-5;
+    let columns: Vec<Vec<f64>> = (0..4)
+        .map(|at| {
+            let (mut more, mut less) = (start, start);
+            more[at] += DELTA;
+            less[at] -= DELTA;
+            let pairs = ends(more).into_iter().zip(ends(less));
+            pairs
+                .map(|(more, less)| (more - less) / (2.0 * DELTA))
+                .collect()
+        })
+        .collect();
+    // D Ω Dᵀ = Ω, to the differences' error, δ² times third derivatives.
+    for i in 0..4 {
+        for j in 0..4 {
+            let of =
+                |a: usize, b: usize| columns[a][i] * columns[b][j] - columns[b][i] * columns[a][j];
+            let found = of(0, 2) + of(1, 3);
+            let expected = f64::from(i32::from(j == i + 2) - i32::from(i == j + 2));
+            assert!((found - expected).abs() < 1e-5, "{i}, {j}: {found}");
+        }
+    }
+    assert_eq!(tensor_of(&text(start, MIRROR)), ActTensor::Kept);
+    assert!(matches!(
+        tensor_of(&text(start, "-p")),
+        ActTensor::Broken(_)
+    ));
+}
+
+/// A wall that no formula passes: what has no value, and what cannot stand beside it.
+#[test]
+fn what_cannot_act_is_refused() {
+    let run = recorded(&ball("1", "steps = 40").replace("-1*p", "ln(p)")).expect("a run");
+    let RunOutcome::Failed(failure) = run.report.outcome else {
+        panic!("{:?}", run.report.outcome);
+    };
+    let told = Fault::Undefined("p = ln(p)".to_owned()).to_string();
+    assert!(failure.message.contains(&told), "{failure:?}");
+    let refused = |text: &str| {
+        let registry = leafwise_core::Registry::with_builtin();
+        let document = leafwise_scene::document::SceneDocument::parse("top.toml", text, &registry);
+        let document = document.unwrap_or_else(|errors| panic!("{:?}", errors.diagnostics()));
+        let refusal = leafwise_scene::compose(&document, &registry).err();
+        refusal.expect("a refusal").message
+    };
+    let paced = ball("1", "until = 3").replace("time-step", "pace = \"1/(1 + q^2)\"\ntime-step");
+    let paced = paced.replace(
+        "stepper   = \"splitting\"",
+        "stepper = \"implicit-midpoint\"",
+    );
+    assert!(refused(&paced).contains("not offered with a pace"));
+    let chaos = ball("1", "steps = 9\nrecord = { observables = [\"megno\"] }");
+    assert!(refused(&chaos).contains("not offered with indicators"));
+    let unknown = ball("1", "steps = 9").replace("{ p = ", "{ v = ");
+    assert!(refused(&unknown).contains("`v`"), "{}", refused(&unknown));
+    let none = ball("1", "steps = 9").replace("{ p = \"-1*p\" }", "{}");
+    assert_eq!(refused(&none), "`set` changes nothing");
+}

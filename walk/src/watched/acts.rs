@@ -1,0 +1,213 @@
+//! Events that change the state: bounces, kicks, resets.
+
+use leafwise_core::BuildError;
+
+use super::Watched;
+use super::looks::time_of;
+use crate::events::crossing;
+use crate::fault::{Ended, Fault, Why};
+use crate::look::Look;
+use crate::step::{CLOSE, StepEnd};
+
+/// Acts of one event within a step, at most.
+const MOST: usize = 100;
+
+/// The part of a step by which the side is found to which a motion leaves a surface.
+const PROBE: f64 = 1.0 / 1_048_576.0;
+
+/// The speed just behind an event, over the mean one of the rest of the step, below which the motion rests on the surface.
+const RESTS: f64 = 1e-3;
+
+impl Watched<'_> {
+    /// Lets events act on the lanes that cross their surfaces in the last step. The state is changed where it crosses, and the rest of
+    /// the step is made from there: the last step of the looks that follow begins there.
+    pub(super) fn act<E: From<BuildError>, F: FnMut(Look<'_>) -> Result<(), E>>(
+        &mut self,
+        take: &mut F,
+    ) -> Result<(), E> {
+        for at in 0..self.events.len() {
+            if self.events[at].event.act.is_none() {
+                continue;
+            }
+            self.events[at].values.at(self.walk.state());
+            for lane in 0..self.walk.lanes() {
+                if self.moved[lane] && self.walk.lives(lane) {
+                    self.act_on(at, lane, take)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn act_on<E: From<BuildError>, F: FnMut(Look<'_>) -> Result<(), E>>(
+        &mut self,
+        at: usize,
+        lane: usize,
+        take: &mut F,
+    ) -> Result<(), E> {
+        let (steps, lanes) = (self.walk.steps(), self.walk.lanes());
+        let event = self.events[at].event;
+        let text = &event.section.text;
+        let mut value = self.events[at].values.last()[lane];
+        let mut latest = None;
+        for _ in 0..MOST {
+            let side = self.events[at].sides[lane];
+            if let Some(side) = side.stays(value) {
+                self.events[at].sides[lane] = side;
+                return Ok(());
+            }
+            let after = StepEnd::of(&self.walk, lane);
+            let alone = self.alones.at(lane, &self.start)?;
+            let (values, last) = (&mut alone.events[at], &mut alone.last);
+            let mut difference = |state: &[f64]| values.at(state)[0];
+            let sides = (side, value, steps);
+            let found = crossing(&event.section, &mut difference, last, &after.state, sides);
+            let (side, between) = match found {
+                Ok((side, Some(between))) => (side, between),
+                Ok((side, None)) => {
+                    self.events[at].sides[lane] = side;
+                    return Ok(());
+                }
+                Err(fault) => {
+                    self.fail(lane, fault, steps);
+                    return Ok(());
+                }
+            };
+            let (time, whole) = (
+                time_of(None, last, steps, &between),
+                last.whole(between.part),
+            );
+            self.events[at].sides[lane] = side;
+            while let Some(asked) = self.passed_time(lane, time) {
+                self.take_before(lane, (asked, time), &between.state, take)?;
+            }
+            let on_it = (time, between.state.clone(), true);
+            self.take_crossing(at, lane, on_it, take)?;
+            if !self.walk.lives(lane) {
+                return Ok(());
+            }
+            let alone = self.alones.at(lane, &self.start)?;
+            let own = alone.events[at].at(&between.state)[1..].to_vec();
+            let mut state = between.state;
+            let set = event.act.iter().flat_map(|act| &act.set);
+            for ((coordinate, _), value) in set.zip(&own) {
+                state[*coordinate] = *value;
+            }
+            if own.iter().any(|value| !value.is_finite()) {
+                let text = event
+                    .act
+                    .as_ref()
+                    .map_or_else(String::new, |act| act.text.clone());
+                self.fail_at(lane, Fault::Undefined(text), (time, state));
+                return Ok(());
+            }
+            if let (Some((stop, _)), Some(values)) = (&self.course.stop, &mut alone.stop)
+                && stop.holds(values.at(&state)[0])
+            {
+                self.end_between(lane, Why::Stopped, time, state);
+                return Ok(());
+            }
+            self.start.put(lane, lanes, &state, whole);
+            let rest = 1.0 - whole;
+            let alone = self.alones.at(lane, &self.start)?;
+            let (values, last) = (&mut alone.events[at], &mut alone.last);
+            let begins = values.at(&state)[0];
+            if rest <= CLOSE {
+                // The next step begins behind the event.
+                let sign = match side.is_on(begins, steps) {
+                    true => 0.0,
+                    false => 1.0_f64.copysign(begins),
+                };
+                self.walk.put(lane, &state);
+                self.events[at].sides[lane] = side.behind(begins, sign);
+                return Ok(());
+            }
+            let ends = last.part(1.0).and_then(|end| Ok((end, last.part(PROBE)?)));
+            let (mut end, probe) = match ends {
+                Ok(ends) => ends,
+                Err(error) => {
+                    self.fail_at(lane, error.into(), (time, state));
+                    return Ok(());
+                }
+            };
+            let leads = values.at(&probe)[0];
+            value = values.at(&end)[0];
+            let (mut known, mut sign) = (begins, 1.0_f64.copysign(begins));
+            if side.is_on(begins, steps) {
+                let away = leads - begins;
+                sign = 1.0_f64.copysign(away);
+                let is_back = value * side.sign() > 0.0;
+                // It goes through the surface as fast as it is behind it at the end, or else it is pulled there from rest.
+                let rests = away.abs() < RESTS * PROBE * (value - begins).abs();
+                if is_back && rests && (away == 0.0 || sign == side.sign()) {
+                    self.fail_at(lane, Fault::Accumulates(text.clone()), (time, state));
+                    return Ok(());
+                }
+                if is_back && sign != side.sign() {
+                    // It comes back within the step: what is left of that begins off the surface.
+                    self.start.put(lane, lanes, &probe, whole + PROBE * rest);
+                    let alone = self.alones.at(lane, &self.start)?;
+                    match alone.last.part(1.0) {
+                        Ok(further) => end = further,
+                        Err(error) => {
+                            self.fail_at(lane, error.into(), (time, state));
+                            return Ok(());
+                        }
+                    }
+                    value = alone.events[at].at(&end)[0];
+                    known = leads;
+                }
+            }
+            self.walk.put(lane, &end);
+            self.events[at].sides[lane] = side.behind(known, sign);
+            latest = Some((time, state));
+        }
+        if let Some(latest) = latest {
+            self.fail_at(lane, Fault::Accumulates(text.clone()), latest);
+        }
+        Ok(())
+    }
+
+    /// Ends a lane that cannot go on behind an event.
+    fn fail_at(&mut self, lane: usize, fault: Fault, (time, state): (f64, Vec<f64>)) {
+        let ended = Ended {
+            why: Why::Failed(fault),
+            steps: self.walk.steps() - 1,
+            time,
+            state,
+            is_between: true,
+        };
+        self.end(lane, ended);
+    }
+
+    /// Takes in the state at a time that is asked for, before an event acts.
+    fn take_before<E: From<BuildError>, F: FnMut(Look<'_>) -> Result<(), E>>(
+        &mut self,
+        lane: usize,
+        (asked, time): (f64, f64),
+        state: &[f64],
+        take: &mut F,
+    ) -> Result<(), E> {
+        let steps = self.walk.steps();
+        let alone = self.alones.at(lane, &self.start)?;
+        let found = match (time - asked) * self.course.step() > 0.0 {
+            true => alone.last.state_at(steps, asked),
+            false => Ok(state.to_vec()),
+        };
+        let number = self.next[lane];
+        self.next[lane] += 1;
+        match found {
+            Ok(state) => take(Look::Sample {
+                lane,
+                number,
+                time: asked,
+                state: &state,
+                steps: None,
+            }),
+            Err(error) => {
+                self.fail(lane, error.into(), steps);
+                Ok(())
+            }
+        }
+    }
+}
