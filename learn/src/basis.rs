@@ -15,6 +15,8 @@ const MOST_FUNCTIONS: usize = 2000;
 pub enum FunctionFamily {
     /// xᵏ.
     Polynomial,
+    /// uᵏ with u from −1 to 1 over the range of the data.
+    Centred,
     /// e^{kx} and e^{−kx}.
     Exponential,
     /// cos(2πkx/period) and sin(2πkx/period).
@@ -33,10 +35,38 @@ pub struct BasisAxis {
     pub has_logarithm: bool,
 }
 
+/// Which products of functions of one variable a basis has.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum BasisDegree {
+    /// Those whose degrees sum to at most this one.
+    Total(usize),
+    /// Those whose degree in each variable is at most its own.
+    Each(Vec<usize>),
+}
+
+impl BasisDegree {
+    /// The largest sum of the degrees of a product.
+    pub fn total(&self) -> usize {
+        match self {
+            Self::Total(degree) => *degree,
+            Self::Each(degrees) => degrees.iter().sum(),
+        }
+    }
+
+    /// The largest degree in a variable.
+    pub fn of_variable(&self, i: usize) -> usize {
+        match self {
+            Self::Total(degree) => *degree,
+            Self::Each(degrees) => degrees.get(i).copied().unwrap_or(0),
+        }
+    }
+}
+
 /// A function of one variable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Member {
     Power(i32),
+    Centred(i32),
     Exponential(i32),
     Cosine(i32),
     Sine(i32),
@@ -51,9 +81,12 @@ struct AxisMembers {
     scale: f64,
     /// 2π/period.
     frequency: f64,
+    /// u = rate x − shift.
+    rate: f64,
+    shift: f64,
 }
 
-/// A basis f_1, …, f_n on ℝᵈ: all products whose degrees sum to 1 … D, and logarithms.
+/// A basis f_1, …, f_n on ℝᵈ: all products of these degrees but for 1, and logarithms.
 #[derive(Clone, Debug)]
 pub struct Basis {
     axes: Vec<AxisMembers>,
@@ -69,18 +102,20 @@ impl Basis {
     pub fn new(
         axes: &[BasisAxis],
         ranges: &[(f64, f64)],
-        degree: usize,
+        degree: &BasisDegree,
     ) -> Result<Self, LearnError> {
-        let most = degree as i32;
         let mut own = Vec::with_capacity(axes.len());
-        for (axis, &(least, largest)) in axes.iter().zip(ranges) {
+        for (i, (axis, &(least, largest))) in axes.iter().zip(ranges).enumerate() {
+            let most = degree.of_variable(i) as i32;
             let scale = match axis.family {
                 FunctionFamily::Polynomial => size(least, largest),
                 _ => 1.0,
             };
             let mut frequency = 1.0;
+            let (rate, shift) = centred(least, largest);
             let mut members: Vec<Member> = match axis.family {
                 FunctionFamily::Polynomial => (1..=most).map(Member::Power).collect(),
+                FunctionFamily::Centred => (1..=most).map(Member::Centred).collect(),
                 FunctionFamily::Exponential => (1..=most)
                     .flat_map(|k| [Member::Exponential(k), Member::Exponential(-k)])
                     .collect(),
@@ -101,11 +136,19 @@ impl Basis {
                 members,
                 scale,
                 frequency,
+                rate,
+                shift,
             });
         }
         let mut functions = Vec::new();
         let mut factors = Vec::new();
-        products(&own, 0, most, &mut factors, &mut functions)?;
+        products(
+            &own,
+            0,
+            degree.total() as i32,
+            &mut factors,
+            &mut functions,
+        )?;
         functions.sort_by_key(|factors| {
             let degrees = factors.iter().map(|&(i, at)| own[i].members[at].degree());
             degrees.sum::<i32>()
@@ -223,7 +266,7 @@ impl Basis {
 impl Member {
     fn degree(self) -> i32 {
         match self {
-            Self::Power(k) | Self::Cosine(k) | Self::Sine(k) => k,
+            Self::Power(k) | Self::Centred(k) | Self::Cosine(k) | Self::Sine(k) => k,
             Self::Exponential(k) => k.abs(),
             Self::Logarithm => 1,
         }
@@ -238,6 +281,11 @@ impl AxisMembers {
                 let u = x / self.scale;
                 let below = power(u, k - 1);
                 (below * u, f64::from(k) * below / self.scale)
+            }
+            Member::Centred(k) => {
+                let u = self.rate * x - self.shift;
+                let below = power(u, k - 1);
+                (below * u, f64::from(k) * below * self.rate)
             }
             Member::Exponential(k) => {
                 let k = f64::from(k);
@@ -264,6 +312,15 @@ impl AxisMembers {
         match member {
             Member::Power(1) => name.to_owned(),
             Member::Power(k) => format!("{name}^{k}"),
+            Member::Centred(k) => {
+                let shift = match self.shift {
+                    shift if shift == 0.0 => String::new(),
+                    shift if shift < 0.0 => format!(" + {:?}", -shift),
+                    shift => format!(" - {shift:?}"),
+                };
+                let power = if k == 1 { String::new() } else { format!("^{k}") };
+                format!("({}{shift}){power}", times(self.rate))
+            }
             Member::Exponential(k) => format!("exp({})", times(f64::from(k))),
             Member::Cosine(k) => format!("cos({})", times(f64::from(k) * self.frequency)),
             Member::Sine(k) => format!("sin({})", times(f64::from(k) * self.frequency)),
@@ -309,6 +366,17 @@ fn size(least: f64, largest: f64) -> f64 {
     match size > 0.0 && size.is_finite() {
         true => libm::exp2(libm::round(libm::log2(size))),
         false => 1.0,
+    }
+}
+
+/// The numbers of u = rate x − shift, which leads from a range to −1 … 1. Both are rounded to six digits, so that formulas are short.
+fn centred(least: f64, largest: f64) -> (f64, f64) {
+    let rounded = |x: f64| format!("{x:.5e}").parse().unwrap_or(x);
+    let half = largest / 2.0 - least / 2.0;
+    let rate = rounded(1.0 / half);
+    match rate > 0.0 && f64::is_finite(rate) {
+        true => (rate, rounded(rate * (largest / 2.0 + least / 2.0))),
+        false => (1.0, rounded(least)),
     }
 }
 

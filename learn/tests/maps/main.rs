@@ -3,6 +3,7 @@
 mod confidence;
 mod refusals;
 mod support;
+mod tabulated;
 mod weights;
 
 use leafwise_learn::{BasisAxis, FunctionFamily, LearnAdvice, LearnOptions};

@@ -17,7 +17,7 @@ use leafwise_core::{Method, PoissonSystem, RealizationData, Walk};
 use leafwise_expression::Expression;
 use leafwise_expression::syntax::{Formula, Scope};
 use leafwise_learn::{
-    BasisAxis, FunctionFamily, LearnError, LearnOptions, Learned, StatePairs, learn,
+    BasisAxis, BasisDegree, FunctionFamily, LearnError, LearnOptions, Learned, StatePairs, learn,
 };
 use leafwise_tests::gauss::flow;
 use leafwise_tests::scenes::composed;
@@ -119,9 +119,10 @@ pub fn polynomials(d: usize, degree: usize) -> LearnOptions {
     };
     LearnOptions {
         axes: vec![axis; d],
-        degree: Some(degree),
+        degree: Some(BasisDegree::Total(degree)),
         ridge: 0.0,
         has_noise: false,
+        finds_hamiltonian: true,
     }
 }
 

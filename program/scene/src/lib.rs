@@ -23,5 +23,5 @@ pub use document::{
     InitialSpec, Located, MethodParts, MethodSection, MethodTable, Number, NumbersSystem,
     ParameterDraw, ParameterValue, PartSpec, PartUse, Place, PluginSpec, RecordSpec, RewriteError,
     RunSection, SceneDocument, SceneErrors, SceneProblem, SceneProblemCause, Source, StepSpec,
-    SummandSpec, SystemSection, equations_of, with_casimirs, with_hamiltonian, with_system,
+    SummandSpec, SystemSection, equations_of, with_casimirs, with_hamiltonian, with_plain_run, with_system,
 };

@@ -10,6 +10,7 @@ pub mod explain_word;
 pub mod find;
 pub mod import;
 pub mod learn;
+pub mod tabulate;
 pub mod list;
 pub mod merge;
 mod motion;

@@ -296,6 +296,48 @@ pub fn with_hamiltonian(text: &str, hamiltonian: &str) -> Result<Option<String>,
     Ok(Some(scene.to_string()))
 }
 
+/// A scene's text for another map of the same system, with these numbers for its parameters if any are given. Of `[run]` the initial state and so many steps stay; what looks at the time, ensembles
+/// and sweeps do not.
+///
+/// # Errors
+/// [`RewriteError`] for a text that is not a scene.
+pub fn with_plain_run(
+    text: &str,
+    parameters: Option<&[(String, f64)]>,
+    steps: u64,
+) -> Result<String, RewriteError> {
+    let scene = text.parse::<DocumentMut>();
+    let mut scene = scene.map_err(|error| RewriteError::Syntax {
+        message: error.message().to_owned(),
+    })?;
+    let table = |scene: &mut DocumentMut, table: &'static str, kept: &dyn Fn(&str) -> bool| {
+        let own = scene
+            .get_mut(table)
+            .and_then(|item| item.as_table_like_mut());
+        let own = own.ok_or(RewriteError::NoTable { table })?;
+        let keys: Vec<String> = own.iter().map(|(key, _)| key.to_owned()).collect();
+        for key in keys.iter().filter(|key| !kept(key)) {
+            own.remove(key);
+        }
+        Ok::<_, RewriteError>(())
+    };
+    table(&mut scene, "run", &|key| key == "initial")?;
+    scene["run"]["steps"] = value(i64::try_from(steps).unwrap_or(i64::MAX));
+    let is_given = |key: &str| key == "parameters" && parameters.is_some();
+    table(&mut scene, "system", &|key| !is_given(key))?;
+    if let Some(parameters) = parameters.filter(|given| !given.is_empty()) {
+        let mut numbers = InlineTable::new();
+        for (name, number) in parameters {
+            numbers.insert(name, (*number).into());
+        }
+        scene["system"]["parameters"] = value(numbers);
+    }
+    for key in ["ensemble", "sweep"] {
+        scene.remove(key);
+    }
+    Ok(scene.to_string())
+}
+
 /// A scene's text with these Casimirs, names and formulas, in the place of those that it has.
 ///
 /// # Errors

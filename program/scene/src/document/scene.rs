@@ -17,6 +17,7 @@ use super::reader::{Problems, Table, end_of};
 use super::run::{InitialSpec, RunSection, count_steps, read_run};
 use super::schema::SCENE;
 use super::sweep::{SweepSection, read_sweep};
+use super::found_casimirs::with_found_casimirs;
 use super::system::read_system;
 use super::system_section::SystemSection;
 use crate::diagnostic::{SceneDiagnostic, formula_span};
@@ -71,6 +72,8 @@ impl SceneDocument {
         let mut problems = Problems::default();
         let mut fragment = None;
         let effective = apply_overrides(text, overrides, &mut problems);
+        let effective = effective
+            .and_then(|text| with_found_casimirs(name, text, registry, &mut problems));
         let sections = match &effective {
             Some(effective) => read(effective, registry, &mut fragment, &mut problems),
             None => None,
