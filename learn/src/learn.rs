@@ -152,7 +152,13 @@ pub fn learn(
     let squares = &fitted.squares;
     let generating = &squares.solution;
     let method = method_of(system, realization, &basis, generating)?;
-    let orbits = Orbits::of(&method, system, pairs, (epsilon, h), options.finds_hamiltonian);
+    let orbits = Orbits::of(
+        &method,
+        system,
+        pairs,
+        (epsilon, h),
+        options.finds_hamiltonian,
+    );
     let kept: Vec<usize> = squares.kept().to_vec();
     let recovered = match options.finds_hamiltonian {
         true => orbits.hamiltonian(

@@ -180,7 +180,9 @@ impl Squares {
             kept.map(|&j| c[j] * self.norms[j]).collect()
         };
         for _ in 0..2 {
-            let sum: Vec<f64> = (self.solution.iter().zip(&bias)).map(|(c, b)| c + b).collect();
+            let sum: Vec<f64> = (self.solution.iter().zip(&bias))
+                .map(|(c, b)| c + b)
+                .collect();
             let below = self.forward_substituted(scaled(&sum));
             let pulled = self.back_substituted(&below);
             for (pulled, &j) in pulled.iter().zip(&self.order) {

@@ -1,12 +1,14 @@
 //! Many steps of a method as one map that has a generating function.
 //!
-//! Pairs (x, Φᴺ(x)) of N steps of any map over a tensor give Ŝ of the map of N steps as those of one step do. Over a constant tensor a generating function in
-//! the middle of both states exists where 1 + DΦᴺ has an inverse: a table ends at half a turn about an elliptic point, S = tan(T/2)(q² + p²). Over a
-//! log-canonical one the same holds in ln x.
+//! Pairs (x, Φᴺ(x)) of N steps of any map over a tensor give Ŝ of the map of N steps, as those of one step do. Over a constant tensor Ŝ stands in
+//! the middle of both states. It exists where 1 + DΦᴺ has an inverse: about an elliptic point it ends at half a turn, S = tan(T/2)(q² + p²). Over a
+//! log-canonical tensor the same holds in ln x.
 
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
-use leafwise_core::{PoissonSystem, RealizationData, StepMap};
+use leafwise_core::walk::side_by_side;
+use leafwise_core::{PoissonSystem, RealizationData, StepMap, Walk};
 use nalgebra::DMatrix;
 
 use crate::basis::{Basis, FunctionFamily};
@@ -31,6 +33,10 @@ const UNSEEN: usize = 200;
 
 /// Of given states every fifth is measured at.
 const HELD_OUT: usize = 5;
+
+/// States that are stepped side by side where the time is measured, and how long at least.
+const LANES: usize = 64;
+const MEASURED: Duration = Duration::from_millis(40);
 
 /// States at which the chart is looked at.
 const MOST_CHECKED: usize = 64;
@@ -84,6 +90,33 @@ impl ManySteps<'_> {
             .collect()
     }
 
+    /// The seconds that all steps take for each state, side by side: the least of several.
+    pub fn seconds(&self, states: &[Vec<f64>]) -> f64 {
+        let states: Vec<Vec<f64>> = (states.iter().take(LANES))
+            .map(|x| x.iter().chain(self.beside).copied().collect())
+            .collect();
+        if states.is_empty() {
+            return 0.0;
+        }
+        let lanes = states.len();
+        let values = vec![self.parameters.to_vec(); lanes];
+        let (values, states) = (side_by_side(&values), side_by_side(&states));
+        let (epsilon, h) = self.step;
+        let mut walk = Walk::side_by_side(self.map, lanes, (&values, &states), epsilon, h);
+        let begin = Instant::now();
+        let mut least = f64::INFINITY;
+        while begin.elapsed() < MEASURED || least.is_infinite() {
+            walk.start_again(self.map, (&values, &states));
+            let at = Instant::now();
+            for _ in 0..self.count {
+                // A lane that fails rests.
+                let _ = walk.step();
+            }
+            least = least.min(at.elapsed().as_secs_f64() / lanes as f64);
+        }
+        least
+    }
+
     /// The same time in other steps.
     pub fn in_steps(&self, count: u64) -> Self {
         let (epsilon, h) = self.step;
@@ -124,10 +157,10 @@ pub struct Tabulated {
 
 /// The map of many steps as one step with a generating function, over a region.
 ///
-/// The Hamiltonian of the system is not looked at, and no other is found: Ŝ over the time of N steps stands in its place. ε of the table is 1.
+/// The Hamiltonian of the system is not looked at. No other is found, and Ŝ over the time of N steps stands in its place. The table has ε = 1.
 ///
 /// # Errors
-/// [`LearnError`] as of [`learn`](fn@crate::learn), for a region that holds nothing, and where the chart ends within it.
+/// [`LearnError`] of [`learn`](fn@crate::learn), of a region that holds nothing, and where the chart ends within it.
 pub fn tabulate(
     system: &PoissonSystem,
     realization: &Arc<dyn RealizationData>,
@@ -156,13 +189,7 @@ pub fn tabulate(
         ..options.clone()
     };
     let duration = steps.duration();
-    let learned = learn(
-        system,
-        realization,
-        (1.0, duration),
-        &table,
-        &options,
-    )?;
+    let learned = learn(system, realization, (1.0, duration), &table, &options)?;
     let mut tabulated = Tabulated {
         learned,
         unseen: unseen_pairs.0.into_iter().zip(unseen_pairs.1).collect(),
@@ -290,9 +317,7 @@ fn sampled(
     };
     Ok((
         (0..count).map(|at| point(at, true)).collect(),
-        (count..count + UNSEEN)
-            .map(|at| point(at, false))
-            .collect(),
+        (count..count + UNSEEN).map(|at| point(at, false)).collect(),
     ))
 }
 
@@ -323,7 +348,13 @@ fn chart(
         .map(|i| states.iter().fold(0.0_f64, |most, x| most.max(x[i].abs())))
         .collect();
     // Central differences: their error of 1e-10 is far below what is looked for.
-    let by = |x: &[f64], i: usize| 1e-5 * if is_logarithmic { x[i] } else { width[i].max(1e-3) };
+    let by = |x: &[f64], i: usize| {
+        1e-5 * if is_logarithmic {
+            x[i]
+        } else {
+            width[i].max(1e-3)
+        }
+    };
     let mut moved = Vec::with_capacity(2 * d * checked.len());
     for x in &checked {
         for i in 0..d {
@@ -342,8 +373,7 @@ fn chart(
         let mut is_known = true;
         for i in 0..d {
             let place = 2 * (at * d + i);
-            let (Some(up), Some(down), Some(end)) =
-                (&ends[place], &ends[place + 1], &own[at])
+            let (Some(up), Some(down), Some(end)) = (&ends[place], &ends[place + 1], &own[at])
             else {
                 is_known = false;
                 continue;

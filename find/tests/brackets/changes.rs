@@ -3,21 +3,27 @@
 use super::systems::{
     B5, HEAVY_TOP, HENON_HEILES, KIRCHHOFF, MAXWELL_BLOCH, ROTOR, THREE_WAVE, TODA,
 };
+use std::time::{Duration, Instant};
+
 use super::*;
 
-/// x = A z with small integers turns z' = A⁻¹ f(A z) into the same kind of equations.
+/// x = A z with entries of −2 … 2 over 1, 2 or 3 turns z' = A⁻¹ f(A z) into the same kind of equations.
 fn changed(rows: Rows, seed: u64) -> Option<Equations> {
     let original = equations(rows, &[]);
     let d = rows.len();
     let mut state = seed;
-    let mut next = move || {
+    let mut next = move |count: i64| {
         state = state
             .wrapping_mul(6_364_136_223_846_793_005)
             .wrapping_add(1_442_695_040_888_963_407);
-        i64::try_from(state >> 33).expect("31 bits") % 5 - 2
+        i64::try_from(state >> 33).expect("31 bits") % count
     };
     let a: Vec<Vec<Rational>> = (0..d)
-        .map(|_| (0..d).map(|_| Rational::from_integer(next())).collect())
+        .map(|_| {
+            (0..d)
+                .map(|_| Rational::new(next(5) - 2, next(3) + 1))
+                .collect()
+        })
         .collect();
     // A⁻¹ by its columns: A y = f, solved with unknown y for each unit vector.
     let mut inverse = vec![vec![Rational::zero(); d]; d];
@@ -58,9 +64,20 @@ fn changed(rows: Rows, seed: u64) -> Option<Equations> {
     Some(Equations::new(names, Vec::new(), field).expect("a formula for each"))
 }
 
-/// Constant and affine brackets go over into such under linear changes of variables.
+/// Constant and affine brackets go over into such under linear changes of variables, three of each system here.
 #[test]
 fn linear_changes_of_variables_keep_the_kind() {
+    changes(3);
+}
+
+/// A hundred changes of each system.
+#[test]
+#[ignore = "minutes"]
+fn a_hundred_linear_changes_keep_the_kind() {
+    changes(100);
+}
+
+fn changes(each: usize) {
     let cases: &[(&str, Rows, &[Kind])] = &[
         ("Henon and Heiles", HENON_HEILES, &[Kind::Constant]),
         ("DETEST B5", B5, &[Kind::Affine]),
@@ -73,11 +90,15 @@ fn linear_changes_of_variables_keep_the_kind() {
     ];
     let mut count = 0;
     for (name, rows, kinds) in cases {
-        for equations in (1..20).filter_map(|seed| changed(rows, seed)).take(3) {
+        let mut longest = Duration::ZERO;
+        for equations in (1..1000).filter_map(|seed| changed(rows, seed)).take(each) {
+            let begin = Instant::now();
             let found = bracket(name, &equations);
+            longest = longest.max(begin.elapsed());
             assert!(kinds.contains(&found.kind), "{name}");
             count += 1;
         }
+        println!("{name}: {each} changes, the longest search {longest:?}");
     }
-    assert_eq!(count, 24);
+    assert_eq!(count, 8 * each);
 }

@@ -36,10 +36,14 @@ pub struct Place {
 }
 
 impl Place {
-    /// Of a `[system]` table, over a realization by name.
+    /// Of a `[system]` table, over a realization by name, or by a table with its name.
     pub fn new(system: &str, realization: &str, initial: &str) -> Self {
+        let realization = match realization.starts_with('{') {
+            true => realization.to_owned(),
+            false => format!("\"{realization}\""),
+        };
         let run = composed(&format!(
-            "{system}\n[method]\nrealization = \"{realization}\"\ndynamics = \"hamilton-jacobi\"\ntime-step = 0.1\n\
+            "{system}\n[method]\nrealization = {realization}\ndynamics = \"hamilton-jacobi\"\ntime-step = 0.1\n\
              [run]\ninitial = {initial}\nsteps = 1\n"
         ));
         let method = run.method.written().expect("realization and dynamics");

@@ -68,16 +68,28 @@ fn a_period_of_a_field_line() {
         beside: &run.plan.initial[2..],
     };
     let region = Region::Box(vec![(0.0, std::f64::consts::TAU), (0.2, 1.0)]);
-    for (angle, action, functions, expected) in
-        [(7, 5, 90, 9.8e-6), (14, 8, 261, 1.2e-8), (16, 10, 363, 5.2e-9)]
-    {
+    for (angle, action, functions, expected) in [
+        (7, 5, 90, 9.8e-6),
+        (14, 8, 261, 1.2e-8),
+        (16, 10, 363, 5.2e-9),
+    ] {
         let options = angle_and_action(angle, action);
-        let table = tabulate(&place.system, &place.realization, &steps, &region, None, &options);
+        let table = tabulate(
+            &place.system,
+            &place.realization,
+            &steps,
+            &region,
+            None,
+            &options,
+        );
         let table = table.expect("a table");
         // 1 moves nothing.
         assert_eq!(table.learned.functions.len() + 1, functions);
         assert_eq!(table.failed, 0);
-        let inner = table.unseen.iter().filter(|(x, _)| (0.3..0.9).contains(&x[1]));
+        let inner = table
+            .unseen
+            .iter()
+            .filter(|(x, _)| (0.3..0.9).contains(&x[1]));
         let (mut largest, mut count) = (0.0_f64, 0);
         for (x, exact) in inner {
             let mut walk = one_step(&table, steps.duration(), x);
@@ -88,7 +100,10 @@ fn a_period_of_a_field_line() {
             largest = errors.fold(largest, f64::max);
             count += 1;
         }
-        assert!(count > 100 && largest < 3.0 * expected, "{functions}: {largest:e}");
+        assert!(
+            count > 100 && largest < 3.0 * expected,
+            "{functions}: {largest:e}"
+        );
         // Steps of a hundredth of the period turn little: 1 + DΦ is near 2.
         assert!(table.determinant.expect("a constant tensor") > 0.9);
         if functions == 90 {
@@ -127,13 +142,18 @@ fn mean_actions_stay(table: &Tabulated, steps: &ManySteps<'_>) {
             }
         }
         let mean = |own: &[f64]| own.iter().sum::<f64>() / own.len() as f64;
-        let both = actions.iter().map(|own| mean(&own[..800]) - mean(&own[3200..]));
+        let both = actions
+            .iter()
+            .map(|own| mean(&own[..800]) - mean(&own[3200..]));
         both.map(f64::abs).collect()
     };
     let own = moved(table.learned.method(), steps.duration(), &[], 1);
     let exact = moved(steps.map, steps.step.1, steps.beside, steps.count);
     for (own, exact) in own.iter().zip(&exact) {
-        assert!((own - exact).abs() < 3e-5 + 0.1 * exact, "{own:e} {exact:e}");
+        assert!(
+            (own - exact).abs() < 3e-5 + 0.1 * exact,
+            "{own:e} {exact:e}"
+        );
     }
 }
 
@@ -170,8 +190,10 @@ fn eight_steps_of_a_body_keep_its_casimir() {
     let x = [0.5, 0.1, 0.6];
     let mut walk = Walk::new(table.learned.method(), &[], 1.0, 0.5, &x);
     let mut most = 0.0_f64;
-    walk.watch(1000, |walk| most = most.max((square(walk.state()) - square(&x)).abs()))
-        .expect("steps");
+    walk.watch(1000, |walk| {
+        most = most.max((square(walk.state()) - square(&x)).abs())
+    })
+    .expect("steps");
     assert!(most < 1e-14, "{most:e}");
 }
 
@@ -193,12 +215,21 @@ fn a_table_ends_at_half_a_turn() {
             count,
             beside: &[],
         };
-        tabulate(&place.system, &place.realization, &steps, &region, None, &polynomials(2, 2))
+        tabulate(
+            &place.system,
+            &place.realization,
+            &steps,
+            &region,
+            None,
+            &polynomials(2, 2),
+        )
     };
     for count in [8, 12] {
         let table = of(count).expect("a table");
         let functions = table.learned.functions.iter();
-        let square = functions.filter(|own| own.formula == "q^2").map(|own| own.generating);
+        let square = functions
+            .filter(|own| own.formula == "q^2")
+            .map(|own| own.generating);
         let t = run.plan.h * count as f64;
         let expected = libm::tan(t / 2.0) / t;
         let found = square.last().expect("q^2");
@@ -211,8 +242,14 @@ fn a_table_ends_at_half_a_turn() {
     let Err(error) = of(16) else {
         panic!("half a turn");
     };
-    assert!(matches!(error, LearnError::ChartEnds { steps: 16, .. }), "{error}");
-    assert!(error.to_string().contains("take fewer steps") || error.to_string().contains("Take fewer steps"));
+    assert!(
+        matches!(error, LearnError::ChartEnds { steps: 16, .. }),
+        "{error}"
+    );
+    assert!(
+        error.to_string().contains("take fewer steps")
+            || error.to_string().contains("Take fewer steps")
+    );
 }
 
 /// Populations over a log-canonical bracket, and states that are given.
@@ -233,7 +270,10 @@ fn populations_at_given_states() {
     let states: Vec<Vec<f64>> = (0..400)
         .map(|k| {
             let k = f64::from(k);
-            vec![0.6 + 0.9 * (k * 0.7549 % 1.0), 1.2 + 1.5 * (k * 0.5698 % 1.0)]
+            vec![
+                0.6 + 0.9 * (k * 0.7549 % 1.0),
+                1.2 + 1.5 * (k * 0.5698 % 1.0),
+            ]
         })
         .collect();
     let of = |states: Vec<Vec<f64>>, degree| {
@@ -256,7 +296,10 @@ fn populations_at_given_states() {
     }
     let mut outside = states;
     outside[0][0] = -1.0;
-    assert!(matches!(of(outside, 2), Err(LearnError::Logarithm { pair: 1, .. })));
+    assert!(matches!(
+        of(outside, 2),
+        Err(LearnError::Logarithm { pair: 1, .. })
+    ));
 }
 
 /// Where steps fail nothing is tabulated: a potential √(1 + q)³ left of q = −1.
@@ -278,7 +321,14 @@ fn states_without_steps_are_told() {
         let region = Region::Box(vec![(least, 0.5), (-0.1, 0.1)]);
         let options = polynomials(2, 3);
         let realization = method.shared_realization();
-        tabulate(&run.system, &realization, &steps, &region, Some(100), &options)
+        tabulate(
+            &run.system,
+            &realization,
+            &steps,
+            &region,
+            Some(100),
+            &options,
+        )
     };
     assert!(matches!(of(-6.0), Err(LearnError::NoSteps { .. })));
     // Some: told by their number, and the others are tabulated.
@@ -305,7 +355,14 @@ fn regions_that_are_none_are_named() {
     let said = |bounds: Vec<(f64, f64)>, pairs| {
         let region = Region::Box(bounds);
         let options = angle_and_action(2, 2);
-        match tabulate(&place.system, &place.realization, &steps, &region, pairs, &options) {
+        match tabulate(
+            &place.system,
+            &place.realization,
+            &steps,
+            &region,
+            pairs,
+            &options,
+        ) {
             Ok(_) => panic!("a table"),
             Err(error) => error.to_string(),
         }

@@ -186,7 +186,7 @@ def learn(
     Args:
         pairs: two arrays (x, x') of shape (N, d), or the states of a trajectory, (T, d), or of several, (R, T, d).
         scene: gives the variables, the bracket and the time step. Its Hamiltonian is not looked at.
-        basis: ``"polynomial"``, ``"centred"``, ``"exponential"``, ``"fourier"``, ``"fourier:PERIOD"``, each with ``"+ln"`` for logarithms; or one for each of
+        basis: ``"polynomial"``, ``"centred"``, ``"spline"``, ``"exponential"``, ``"fourier"``, ``"fourier:PERIOD"``, each with ``"+ln"`` for logarithms; or one for each of
             some variables, by name. By default polynomials, with logarithms for a log-canonical bracket.
         degree: the degree, or one for each variable, by name; by default the lowest that pairs which are held out do not tell from the best.
         time_step: the time between x and x'; by default the scene's.

@@ -10,7 +10,8 @@ pub use jobs::{
 };
 pub use questions::{
     DescribeArguments, EvaluateArguments, ExplainArguments, FindArguments, ImportArguments, Kind,
-    LearnArguments, ListArguments, NewArguments, SchemaArguments, ShadowArguments, TabulateArguments,
+    LearnArguments, ListArguments, NewArguments, SchemaArguments, ShadowArguments,
+    TabulateArguments,
 };
 pub use studies::{
     CompareArguments, ReproduceArguments, StressArguments, TuneArguments, VerifyArguments,

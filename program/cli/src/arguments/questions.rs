@@ -165,12 +165,11 @@ pub struct LearnArguments {
     pub scene: SceneArguments,
     /// Pairs of states: CSV with the columns x,y,x',y' or a trajectory x,y; or an array of NumPy's of the shape (N, 2, d) or (T, d)
     pub pairs: PathBuf,
-    /// The degree of the basis [default: the lowest that pairs which are held out do not tell from the best, up to 8]
-    /// A number bounds the sum over the factors of a product, one for each variable bounds each: q=14,p=8
+    /// The degree of the basis, or one for each variable: 6, q=14,p=8 [default: the lowest that pairs which are held out do not tell from the best, up to 8]
     #[arg(long, value_name = "D")]
     pub degree: Option<String>,
-    /// Functions of all variables or of one: polynomial, centred, exponential, fourier, fourier:PERIOD, polynomial+ln, q=fourier [default: polynomial, with
-    /// ln for a log-canonical bracket]
+    /// Functions of all variables or of one: polynomial, centred, spline, exponential, fourier, fourier:PERIOD, polynomial+ln, q=fourier [default:
+    /// polynomial, with ln for a log-canonical bracket]
     #[arg(long, value_name = "[X=]FAMILY")]
     pub basis: Vec<String>,
     /// The penalty L of coefficients, relative to columns of unit length

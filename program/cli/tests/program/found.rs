@@ -146,23 +146,46 @@ fn casimirs_of_a_scene_are_found() {
     for (variables, bracket, initial, name) in [
         ("\"x\", \"y\", \"z\"", spins, "[0.3, 0.9, 0.4]", "C"),
         ("\"x\", \"y\", \"z\"", three, "[1, 1.1, 1.2]", "C"),
-        ("\"x\", \"y\", \"C\"", &spins.replace('z', "C"), "[0.3, 0.9, 0.4]", "K"),
+        (
+            "\"x\", \"y\", \"C\"",
+            &spins.replace('z', "C"),
+            "[0.3, 0.9, 0.4]",
+            "K",
+        ),
     ] {
         let text = with_casimirs_to_find(variables, bracket, initial);
-        let here = Place::with(&format!("{text}record = {{ observables = [\"energy\", \"{name}\"] }}\n"));
+        let here = Place::with(&format!(
+            "{text}record = {{ observables = [\"energy\", \"{name}\"] }}\n"
+        ));
         let said = here.leafwise(&["run", "scene.toml", "--out", "out", "--quiet"]);
         assert_eq!(said.code, Some(0), "{}", said.err);
         let samples = here.read("out/samples.csv");
-        let at = samples.lines().next().and_then(|names| names.split(',').rposition(|own| own == name));
+        let at = samples
+            .lines()
+            .next()
+            .and_then(|names| names.split(',').position(|own| own == name));
         let values: Vec<f64> = (samples.lines().skip(1))
-            .map(|row| row.split(',').nth(at.expect(name)).expect(name).parse().expect("a number"))
+            .map(|row| {
+                row.split(',')
+                    .nth(at.expect(name))
+                    .expect(name)
+                    .parse()
+                    .expect("a number")
+            })
             .collect();
         assert_eq!(values.len(), 41);
-        assert!(values.iter().all(|c| (c - values[0]).abs() < 1e-13), "{values:?}");
+        assert!(
+            values.iter().all(|c| (c - values[0]).abs() < 1e-13),
+            "{values:?}"
+        );
         let said = here.leafwise(&["check", "scene.toml"]);
         assert_eq!(said.code, Some(0), "{}{}", said.out, said.err);
         let said = here.leafwise(&["find", "scene.toml"]);
-        assert!(said.out.contains(&format!("Casimir {name}")), "{}", said.out);
+        assert!(
+            said.out.contains(&format!("Casimir {name}")),
+            "{}",
+            said.out
+        );
     }
     let full = with_casimirs_to_find("\"x\", \"y\", \"z\", \"w\"", four, "[1, 1, 1, 1]");
     // x³ + y³ + z³ has the degree 3.
@@ -173,7 +196,10 @@ fn casimirs_of_a_scene_are_found() {
         (&full, "full rank"),
         (&cubic, "none has degree 2 or less"),
         (&wrong, "b"),
-        (&full.replace("casimirs = \"find\"", "casimirs = \"seek\""), "\"find\""),
+        (
+            &full.replace("casimirs = \"find\"", "casimirs = \"seek\""),
+            "\"find\"",
+        ),
     ] {
         let here = Place::with(text);
         let said = here.leafwise(&["run", "scene.toml", "--quiet"]);

@@ -24,8 +24,23 @@ fn last(here: &Place, folder: &str) -> Vec<f64> {
 fn a_period_is_one_step() {
     let here = Place::with(DRIVEN);
     let arguments = [
-        "tabulate", "scene.toml", "--steps", "32", "--box", "q=0:6.283185307179586", "--box", "p=-1:1", "--basis",
-        "q=fourier", "--degree", "q=5,p=7", "--set", "system.parameters.a=0.03", "--out", "table.toml", "--json",
+        "tabulate",
+        "scene.toml",
+        "--steps",
+        "32",
+        "--box",
+        "q=0:6.283185307179586",
+        "--box",
+        "p=-1:1",
+        "--basis",
+        "q=fourier",
+        "--degree",
+        "q=5,p=7",
+        "--set",
+        "system.parameters.a=0.03",
+        "--out",
+        "table.toml",
+        "--json",
     ];
     let said = here.leafwise(&arguments);
     assert_eq!(said.code, Some(0), "{}", said.err);
@@ -37,13 +52,24 @@ fn a_period_is_one_step() {
     assert_eq!(report["method"]["steps"], 32);
     // Both runs with the parameter of the table.
     let set = "system.parameters.a=0.03";
-    let said = here.leafwise(&["run", "scene.toml", "--set", set, "--out", "steps", "--quiet"]);
+    let said = here.leafwise(&[
+        "run",
+        "scene.toml",
+        "--set",
+        set,
+        "--out",
+        "steps",
+        "--quiet",
+    ]);
     assert_eq!(said.code, Some(0), "{}", said.err);
     let said = here.leafwise(&["run", "table.toml", "--out", "table", "--quiet"]);
     assert_eq!(said.code, Some(0), "{}", said.err);
     let (table, steps) = (last(&here, "table"), last(&here, "steps"));
     for (a, b) in table.iter().zip(&steps) {
-        assert!((a - b).abs() < 300.0 * error, "{table:?} {steps:?} {error:e}");
+        assert!(
+            (a - b).abs() < 300.0 * error,
+            "{table:?} {steps:?} {error:e}"
+        );
     }
     let said = here.leafwise(&["check", "table.toml"]);
     assert_eq!(said.code, Some(0), "{}{}", said.out, said.err);
@@ -57,9 +83,22 @@ fn a_table_that_does_not_pay_says_so() {
     let scene = "[system]\nlibrary = \"rigid-body\"\n[method]\nrealization = \"auto\"\ndynamics = { name = \"hamilton-jacobi\", order = 8 }\n\
                  time-step = 0.05\n[run]\ninitial = [0.3, 0.9, 0.4]\nsteps = 200\n";
     let here = Place::with(scene);
-    let said = here.leafwise(&["tabulate", "scene.toml", "--steps", "4", "--degree", "4", "--pairs", "200"]);
+    let said = here.leafwise(&[
+        "tabulate",
+        "scene.toml",
+        "--steps",
+        "4",
+        "--degree",
+        "4",
+        "--pairs",
+        "200",
+    ]);
     assert_eq!(said.code, Some(0), "{}", said.err);
-    assert!(said.out.contains("Table of 4 steps, a time of 0.2"), "{}", said.out);
+    assert!(
+        said.out.contains("Table of 4 steps, a time of 0.2"),
+        "{}",
+        said.out
+    );
     assert!(said.out.contains("1 longer ones"), "{}", said.out);
     assert!(said.err.contains("does not pay"), "{}", said.err);
 }
@@ -74,19 +113,46 @@ fn what_has_no_table_says_why() {
     );
     let here = Place::with(&oscillator);
     here.write("states.csv", "q,w\n1,0\n");
-    here.write("forced.toml", &oscillator.replace("[method]", "[system.forces]\np = \"-p\"\n\n[method]"));
+    here.write(
+        "forced.toml",
+        &oscillator.replace("[method]", "[system.forces]\np = \"-p\"\n\n[method]"),
+    );
     for (scene, arguments, expected) in [
-        ("scene.toml", vec!["--degree", "2"], "8 steps have no generating function in the whole region"),
+        (
+            "scene.toml",
+            vec!["--degree", "2"],
+            "8 steps have no generating function in the whole region",
+        ),
         ("forced.toml", vec![], "a motion with forces"),
         ("scene.toml", vec!["--box", "w=0:1"], "no such variable"),
         ("scene.toml", vec!["--box", "q=1"], "no range"),
-        ("scene.toml", vec!["--box", "q=1:0"], "q from 1.0 to 0.0 is no range"),
+        (
+            "scene.toml",
+            vec!["--box", "q=1:0"],
+            "q from 1.0 to 0.0 is no range",
+        ),
         ("scene.toml", vec!["--degree", "q=3"], "p has no degree"),
         ("scene.toml", vec!["--degree", "w=3"], "no variable `w`"),
-        ("scene.toml", vec!["--degree", "many"], "`many` is no degree"),
-        ("scene.toml", vec!["--degree", "99"], "the degree 99 is outside 1 to 24"),
-        ("scene.toml", vec!["--states", "states.csv"], "no column `p`"),
-        ("scene.toml", vec!["--states", "none.csv"], "cannot read none.csv"),
+        (
+            "scene.toml",
+            vec!["--degree", "many"],
+            "`many` is no degree",
+        ),
+        (
+            "scene.toml",
+            vec!["--degree", "99"],
+            "the degree 99 is outside 1 to 24",
+        ),
+        (
+            "scene.toml",
+            vec!["--states", "states.csv"],
+            "no column `p`",
+        ),
+        (
+            "scene.toml",
+            vec!["--states", "none.csv"],
+            "cannot read none.csv",
+        ),
     ] {
         let all: Vec<&str> = ["tabulate", scene, "--steps", "8"]
             .into_iter()

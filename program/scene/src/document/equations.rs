@@ -8,8 +8,9 @@ use toml_edit::{DocumentMut, InlineTable, value};
 
 use super::error::{SceneErrors, SceneProblemCause};
 use super::field::{Parameters, read_parameters};
-use super::located::{Located, Source};
+use super::located::{Located, Place, Source};
 use super::method_table::RewriteError;
+use super::overrides::apply_overrides;
 use super::reader::{Item, Problems, Table, end_of};
 use super::schema::SCENE;
 use super::system_schema::SYSTEM;
@@ -336,6 +337,41 @@ pub fn with_plain_run(
         scene.remove(key);
     }
     Ok(scene.to_string())
+}
+
+/// The text under overrides, where `casimirs` of its `[system]` is the word `find`. Beside equations these are found with the bracket.
+pub(crate) fn asking_for_casimirs(text: &str, overrides: &[(String, String)]) -> Option<String> {
+    // Most scenes do not ask.
+    let is_word = |text: &str| text.contains(FIND);
+    if !is_word(text) && !overrides.iter().any(|(_, value)| is_word(value)) {
+        return None;
+    }
+    let text = apply_overrides(text, overrides, &mut Problems::default())?;
+    place_of_casimirs(&text).is_some().then_some(text)
+}
+
+/// The refusal of a text that asks for Casimirs.
+pub(crate) fn no_casimirs(name: String, text: String, reason: String) -> SceneErrors {
+    let mut problems = Problems::default();
+    let place = place_of_casimirs(&text).unwrap_or_else(|| end_of(&text));
+    problems.push(SceneProblemCause::NoCasimirs { reason }, place);
+    SceneErrors {
+        name,
+        text,
+        fragment: None,
+        problems: problems.0,
+    }
+}
+
+fn place_of_casimirs(text: &str) -> Option<Place> {
+    let document = DeTable::parse(text).ok()?;
+    let mut none = Problems::default();
+    let root = Table::new("the scene", document.get_ref(), end_of(text), text);
+    let table = root
+        .get("system")?
+        .table("[system]", "a table", &mut none)?;
+    let item = table.get("casimirs").filter(|item| item.is_word(FIND))?;
+    (!has_equations(&table)).then(|| item.place())
 }
 
 /// A scene's text with these Casimirs, names and formulas, in the place of those that it has.

@@ -30,7 +30,6 @@ mod error;
 mod families;
 mod field;
 mod forces;
-mod found_casimirs;
 mod json_schema;
 mod key_tables;
 mod lie_algebra;
@@ -60,6 +59,7 @@ mod vector_formulas;
 
 pub use bracket::{BracketSpec, SummandSpec};
 pub use ensemble::{Distribution, EnsembleSection, FinalStates, InitialDraw, ParameterDraw};
+pub(crate) use equations::{asking_for_casimirs, no_casimirs};
 pub use equations::{equations_of, with_casimirs, with_hamiltonian, with_plain_run, with_system};
 pub use error::{SceneErrors, SceneProblem, SceneProblemCause};
 pub use families::DENSE_LIMIT;

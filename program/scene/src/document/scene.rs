@@ -17,7 +17,6 @@ use super::reader::{Problems, Table, end_of};
 use super::run::{InitialSpec, RunSection, count_steps, read_run};
 use super::schema::SCENE;
 use super::sweep::{SweepSection, read_sweep};
-use super::found_casimirs::with_found_casimirs;
 use super::system::read_system;
 use super::system_section::SystemSection;
 use crate::diagnostic::{SceneDiagnostic, formula_span};
@@ -46,24 +45,11 @@ pub struct SceneDocument {
 }
 
 impl SceneDocument {
-    /// Reads a scene. Messages give `name`, the name of the file. The `registry` has the systems that the scene may
-    /// name.
+    /// Reads a scene as [`parse_with`](Self::parse_with) does; Casimirs are not looked for.
     ///
     /// # Errors
-    /// Everything found wrong, with its place and the nearest valid name.
-    pub fn parse(name: &str, text: &str, registry: &Registry) -> Result<Self, SceneErrors> {
-        Self::parse_with(name, text, &[], registry)
-    }
-
-    /// Reads a scene after applying overrides such as `("method.epsilon", "0.05")`.
-    ///
-    /// An override rewrites the text, so that the scene as run can be saved and every place refers to it. A value that
-    /// is not TOML is taken as a string. Setting one of several alternatives (`time-step` against `epsilon` and `h`,
-    /// `stepper` against `realization` and `dynamics`, `ball` against `box`) removes the others.
-    ///
-    /// # Errors
-    /// Those of [`SceneDocument::parse`]. An override whose path the format does not have.
-    pub fn parse_with(
+    /// Those of [`parse_with`](Self::parse_with).
+    pub(crate) fn read_with(
         name: &str,
         text: &str,
         overrides: &[(String, String)],
@@ -72,8 +58,6 @@ impl SceneDocument {
         let mut problems = Problems::default();
         let mut fragment = None;
         let effective = apply_overrides(text, overrides, &mut problems);
-        let effective = effective
-            .and_then(|text| with_found_casimirs(name, text, registry, &mut problems));
         let sections = match &effective {
             Some(effective) => read(effective, registry, &mut fragment, &mut problems),
             None => None,

@@ -39,7 +39,7 @@ pub(in crate::commands) fn axes(
         let unknown = || {
             Failure::usage(
                 format!("--basis {given} is no basis"),
-                "write polynomial, centred, exponential, fourier, fourier:PERIOD, or with logarithms polynomial+ln; for one variable q=fourier",
+                "write polynomial, centred, spline, exponential, fourier, fourier:PERIOD, or with logarithms polynomial+ln; for one variable q=fourier",
             )
         };
         let (family, has_logarithm) = match family.trim().strip_suffix("+ln") {
@@ -52,6 +52,7 @@ pub(in crate::commands) fn axes(
             },
             None if family == "polynomial" => FunctionFamily::Polynomial,
             None if family == "centred" => FunctionFamily::Centred,
+            None if family == "spline" => FunctionFamily::Spline,
             None if family == "exponential" => FunctionFamily::Exponential,
             None if family == "fourier" => FunctionFamily::Fourier {
                 period: std::f64::consts::TAU,
@@ -102,8 +103,8 @@ pub(in crate::commands) fn degree(
             .split_once('=')
             .ok_or_else(|| unknown(format!("`{part}` names no variable")))?;
         let at = names.iter().position(|known| known == name.trim());
-        let at = at
-            .ok_or_else(|| unknown(format!("the scene has no variable `{}`", name.trim())))?;
+        let at =
+            at.ok_or_else(|| unknown(format!("the scene has no variable `{}`", name.trim())))?;
         degrees[at] = Some(number(degree)?);
     }
     let missing = degrees.iter().position(Option::is_none);

@@ -3,7 +3,8 @@
 use leafwise::core::Walk;
 use leafwise::generating_function::NAME as DYNAMICS;
 use leafwise::learn::{
-    FunctionFamily, LearnAdvice, LearnError, LearnOptions, Learned, StatePairs, learn};
+    FunctionFamily, LearnAdvice, LearnError, LearnOptions, Learned, StatePairs, learn,
+};
 use leafwise::scene::compose::{compose, refuse_noise};
 use leafwise::scene::pairs::{read_pairs, read_weights};
 use leafwise::scene::{

@@ -1,17 +1,8 @@
-//! What a table's step costs, beside the steps that it stands for.
+//! The cost of a table's step, beside the steps that it stands for.
 
-use std::time::{Duration, Instant};
-
-use leafwise::core::{StepMap, Walk};
 use leafwise::learn::{ManySteps, Tabulated};
 
 use crate::table::{duration, short};
-
-/// States that are stepped side by side.
-const LANES: usize = 64;
-
-/// The time that is measured at least.
-const LEAST: Duration = Duration::from_millis(40);
 
 /// Seconds for each state over the time of the table.
 pub(super) struct Cost {
@@ -39,7 +30,7 @@ impl Cost {
         let of = |steps: ManySteps<'_>, error: f64| Steps {
             count: steps.count,
             error,
-            seconds: seconds(&steps, &states),
+            seconds: steps.seconds(&states),
         };
         let own = of(*steps, 0.0);
         let mut fewest = own;
@@ -64,7 +55,7 @@ impl Cost {
         };
         let parameters = table.learned.parameters();
         Self {
-            table: seconds(&ManySteps { parameters, ..one }, &states),
+            table: ManySteps { parameters, ..one }.seconds(&states),
             own,
             fewest,
         }
@@ -107,33 +98,4 @@ fn error(steps: &ManySteps<'_>, table: &Tabulated) -> Option<f64> {
     }
     let error = libm::sqrt(sum / f64::from(count.max(1)));
     error.is_finite().then_some(error)
-}
-
-/// The time of all steps for each state: the shortest of several.
-fn seconds(steps: &ManySteps<'_>, states: &[Vec<f64>]) -> f64 {
-    let map: &dyn StepMap = steps.map;
-    let lanes = states.len().min(LANES);
-    let states: Vec<Vec<f64>> = states[..lanes]
-        .iter()
-        .map(|x| x.iter().chain(steps.beside).copied().collect())
-        .collect();
-    let values = vec![steps.parameters.to_vec(); lanes];
-    let own = (
-        leafwise::core::walk::side_by_side(&values),
-        leafwise::core::walk::side_by_side(&states),
-    );
-    let (epsilon, h) = steps.step;
-    let mut walk = Walk::side_by_side(map, lanes, (&own.0, &own.1), epsilon, h);
-    let begin = Instant::now();
-    let mut least = f64::INFINITY;
-    while begin.elapsed() < LEAST || least.is_infinite() {
-        walk.start_again(map, (&own.0, &own.1));
-        let at = Instant::now();
-        for _ in 0..steps.count {
-            // A lane that fails rests.
-            let _ = walk.step();
-        }
-        least = least.min(at.elapsed().as_secs_f64() / lanes as f64);
-    }
-    least
 }

@@ -6,9 +6,7 @@ use leafwise::learn::{
 };
 use leafwise::scene::compose::{compose, refuse_noise};
 use leafwise::scene::pairs::read_states;
-use leafwise::scene::{
-    ComposedRun, SceneDocument, with_hamiltonian, with_plain_run, with_system,
-};
+use leafwise::scene::{ComposedRun, SceneDocument, with_hamiltonian, with_plain_run, with_system};
 
 mod cost;
 mod json;
@@ -92,10 +90,22 @@ pub fn execute(
     let realization = method.shared_realization();
     let table = while_building(shown, || {
         let system = &table_run.system;
-        tabulate(system, &realization, &steps, &region, arguments.pairs, &options)
+        tabulate(
+            system,
+            &realization,
+            &steps,
+            &region,
+            arguments.pairs,
+            &options,
+        )
     });
     let table = table.map_err(refused)?;
-    let text = learned_scene(&table_document, &table_run, &table.learned, steps.duration())?;
+    let text = learned_scene(
+        &table_document,
+        &table_run,
+        &table.learned,
+        steps.duration(),
+    )?;
     let written = parts.document(
         SceneText {
             name: document.name.clone(),
@@ -240,7 +250,7 @@ fn bounds(
     Ok(both.map(|(given, orbit)| given.unwrap_or(orbit)).collect())
 }
 
-/// What is to be known: advice of the fit, states that are left out, and where the table does not pay.
+/// Things to know: advice of the fit, states that are left out, and where the table does not pay.
 fn warnings(table: &Tabulated, cost: &Cost, steps: &ManySteps<'_>) -> Vec<String> {
     let advice = table.learned.advice.iter();
     // The error at unseen states says what is left.
