@@ -65,7 +65,8 @@ class Tabulated:
         functions: how many coefficients the table has.
         error: root mean square of a coordinate of the table less the steps, at states that no pair has.
         largest_error: the largest of these.
-        determinant: the least det(1 + DΦ) without its sign, 1 for no motion and 0 where the table ends; ``None`` but for constant and log-canonical brackets.
+        determinant: the least det(1 + DΦ) without its sign, 1 for no motion and 0 where the table ends; for constant and log-canonical
+            brackets, else ``None``.
         seconds: the time of a step of the table for each state.
         method_seconds: the time of the steps that it stands for.
         warnings: what is to be known, also where the table does not pay.
@@ -186,9 +187,10 @@ def learn(
     Args:
         pairs: two arrays (x, x') of shape (N, d), or the states of a trajectory, (T, d), or of several, (R, T, d).
         scene: gives the variables, the bracket and the time step. Its Hamiltonian is not looked at.
-        basis: ``"polynomial"``, ``"centred"``, ``"spline"``, ``"exponential"``, ``"fourier"``, ``"fourier:PERIOD"``, each with ``"+ln"`` for logarithms; or one for each of
-            some variables, by name. By default polynomials, with logarithms for a log-canonical bracket.
-        degree: the degree, or one for each variable, by name; by default the lowest that pairs which are held out do not tell from the best.
+        basis: ``"polynomial"``, ``"centred"``, ``"spline"``, ``"exponential"``, ``"fourier"``, ``"fourier:PERIOD"``, each with ``"+ln"``
+            for logarithms; or one for each of some variables, by name. By default polynomials, with logarithms for a log-canonical bracket.
+        degree: the degree, or one for each variable, by name; by default the lowest that pairs which are held out do not tell from
+            the best.
         time_step: the time between x and x'; by default the scene's.
         ridge: the penalty of coefficients, relative to columns of unit length.
         weights: a weight for each pair. Only their ratios count, and pairs of weight 0 are left out.

@@ -203,7 +203,7 @@ fn casimirs_of_a_scene_are_found() {
     ] {
         let here = Place::with(text);
         let said = here.leafwise(&["run", "scene.toml", "--quiet"]);
-        assert_eq!(said.code, Some(2), "{expected}: {}{}", said.out, said.err);
+        assert_eq!(said.code, Some(3), "{expected}: {}{}", said.out, said.err);
         assert!(said.err.contains(expected), "{expected}: {}", said.err);
     }
     let here = Place::with(&cubic.replace("casimirs = \"find\"\n", ""));

@@ -115,7 +115,9 @@ fn what_has_no_table_says_why() {
     here.write("states.csv", "q,w\n1,0\n");
     here.write(
         "forced.toml",
-        &oscillator.replace("[method]", "[system.forces]\np = \"-p\"\n\n[method]"),
+        &oscillator
+            .replace("[method]", "[system.forces]\np = \"-p\"\n\n[method]")
+            .replace("{ name = \"hamilton-jacobi\", order = 8 }", "\"one-form\""),
     );
     for (scene, arguments, expected) in [
         (
