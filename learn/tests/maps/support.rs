@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 // Parts that scenes name.
 use leafwise_constant as _;
+use leafwise_darboux_magnetic as _;
 use leafwise_hamilton_jacobi as _;
 use leafwise_karasev as _;
 use leafwise_lie_poisson as _;
