@@ -4,6 +4,8 @@ mod changes;
 mod refusals;
 mod systems;
 
+use std::time::Instant;
+
 use leafwise_core::diagnostics::{Verdict, check_casimir, check_jacobi};
 use leafwise_core::system::{Convention, Parameter};
 use leafwise_core::{PoissonSystem, SystemFormulas};
@@ -209,7 +211,9 @@ fn classical_systems_have_brackets() {
     ];
     let mut count = 0;
     for (name, rows, kind, casimirs) in cases {
+        let begin = Instant::now();
         let bracket = bracket(name, &equations(rows, &[]));
+        println!("{name}: {:?}", begin.elapsed());
         assert_eq!(bracket.kind, *kind, "{name}: {:?}", entries(&bracket));
         assert_eq!(bracket.casimirs.len(), *casimirs, "{name}");
         count += 1;

@@ -9,7 +9,7 @@ macro_rules! pages {
 }
 
 /// Names and texts of the pages, in the order of the guide's contents.
-pub const PAGES: [(&str, &str); 34] = pages![
+pub const PAGES: [(&str, &str); 35] = pages![
     "start",
     "from-scipy",
     "from-julia",
@@ -26,6 +26,7 @@ pub const PAGES: [(&str, &str); 34] = pages![
     "equilibria",
     "find",
     "learn",
+    "tabulate",
     "time",
     "forces",
     "noise",

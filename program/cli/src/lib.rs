@@ -129,6 +129,7 @@ fn execute(
         Command::Import(arguments) => commands::import::execute(&arguments, console),
         Command::Plot(arguments) => commands::plot::execute(&arguments, console),
         Command::Learn(arguments) => commands::learn::execute(&arguments, plugins, console),
+        Command::Tabulate(arguments) => commands::tabulate::execute(&arguments, plugins, console),
         Command::Shadow(arguments) => commands::shadow::execute(&arguments, plugins, console),
         Command::Tune(arguments) => commands::tune::execute(&arguments, plugins, console),
         Command::Reproduce(arguments) => {

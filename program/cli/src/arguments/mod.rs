@@ -11,7 +11,7 @@ pub use jobs::{
 pub use questions::{
     AxisName, DescribeArguments, EvaluateArguments, ExplainArguments, FindArguments,
     ImportArguments, Kind, LearnArguments, ListArguments, NewArguments, PlotArguments,
-    SchemaArguments, ShadowArguments,
+    SchemaArguments, ShadowArguments, TabulateArguments,
 };
 pub use studies::{
     CompareArguments, ReproduceArguments, StressArguments, TuneArguments, VerifyArguments,
@@ -110,6 +110,8 @@ pub enum Command {
     Plot(PlotArguments),
     /// Learn a Poisson map and its Hamiltonian from pairs of states one step apart
     Learn(LearnArguments),
+    /// Put many steps of a scene together into one: a table that is exactly as Poisson
+    Tabulate(TabulateArguments),
     /// Print the shadow Hamiltonian of a scene's method, and how well it is kept
     Shadow(ShadowArguments),
     /// Measure what every part declares: orders, tensor defects, drift, cost
@@ -183,6 +185,7 @@ impl Command {
             Self::Import(arguments) => arguments.json,
             Self::Plot(arguments) => arguments.json,
             Self::Learn(arguments) => arguments.json,
+            Self::Tabulate(arguments) => arguments.json,
             Self::Shadow(arguments) => arguments.json,
             Self::Verify(arguments) => arguments.json,
             Self::Compare(arguments) => arguments.json,

@@ -29,6 +29,7 @@ mod states;
 mod support;
 mod sweeps;
 mod tables;
+mod tabulated;
 mod thousand_sites;
 mod time;
 mod warnings;
