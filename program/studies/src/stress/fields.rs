@@ -40,6 +40,7 @@ pub const SCENES_WITH_EVERY_KEY: [&str; 24] = [
     [run]
     initial = [1, 0.5]
     steps   = 10
+    section = { at = "x = 1.1", direction = "up", set = { v = "-0.5*v" } }
     "#,
     r#"
     [system]
