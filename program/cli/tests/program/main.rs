@@ -19,6 +19,7 @@ mod noise;
 mod other_commands;
 mod paces;
 mod parts;
+mod plotted;
 mod plugins;
 mod runs;
 mod sections;

@@ -40,6 +40,12 @@ fn formulas(document: &SceneDocument) -> Vec<&str> {
     formulas.extend(noise.flat_map(|c| [c.hamiltonian.value.as_str(), c.strength.value.as_str()]));
     formulas.extend(system.constraints.iter().map(|f| f.value.as_str()));
     formulas.extend(system.casimirs.iter().map(|(_, f)| f.value.as_str()));
+    formulas.extend(document.run.stop.iter().map(|f| f.value.as_str()));
+    if let Some(section) = &document.run.section {
+        formulas.push(&section.at.value);
+        let set = section.set.iter().flat_map(|set| &set.value);
+        formulas.extend(set.map(|(_, f)| f.value.as_str()));
+    }
     let ensemble = document.ensemble.iter();
     let records = ensemble.map(|ensemble| &ensemble.record);
     for record in records.chain([&document.run.record]) {

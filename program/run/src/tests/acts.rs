@@ -297,3 +297,13 @@ fn what_cannot_act_is_refused() {
     let none = ball("1", "steps = 9").replace("{ p = \"-1*p\" }", "{}");
     assert_eq!(refused(&none), "`set` changes nothing");
 }
+
+/// What an event does to the energy is no error of the method, and a parameter that it names is used.
+#[test]
+fn what_events_do_is_not_warned_of() {
+    let text = ball("e", "steps = 60").replace("[method]", "parameters = { e = 0.5 }\n[method]");
+    let stopped = text.replace("steps = 60", "steps = 60\nstop = \"q + p^2/2 < 0.1\"");
+    let run = recorded(&stopped).expect("a run");
+    assert!(matches!(run.report.outcome, RunOutcome::Stopped(_)));
+    assert_eq!(run.page.advice, []);
+}
