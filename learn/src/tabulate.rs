@@ -14,7 +14,7 @@ use nalgebra::DMatrix;
 use crate::basis::{Basis, FunctionFamily};
 use crate::error::LearnError;
 use crate::geometry::Geometry;
-use crate::learn::{LearnOptions, TRIED_FUNCTIONS, learn};
+use crate::learn::{LearnOptions, TRIED_FUNCTIONS, checked, learn};
 use crate::learned::Learned;
 use crate::motion::walked;
 use crate::pairs::StatePairs;
@@ -173,6 +173,9 @@ pub fn tabulate(
     options: &LearnOptions,
 ) -> Result<Tabulated, LearnError> {
     let d = system.dimension();
+    if let Some(degree) = &options.degree {
+        checked(degree, d)?;
+    }
     let (states, unseen) = sampled(region, pairs, d, system.variables(), options)?;
     let (before, after) = walked_pairs(steps, &states);
     let unseen_pairs = walked_pairs(steps, &unseen);
