@@ -408,7 +408,7 @@ fn rounded(x: f64) -> f64 {
 /// Less a number, as text behind a term.
 fn less(shift: f64) -> String {
     match shift {
-        shift if shift == 0.0 => String::new(),
+        0.0 => String::new(),
         shift if shift < 0.0 => format!(" + {:?}", -shift),
         shift => format!(" - {shift:?}"),
     }

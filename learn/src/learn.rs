@@ -377,7 +377,7 @@ fn root_mean_square(values: &[f64]) -> f64 {
 }
 
 /// A degree of 1 or more, and a number for each variable.
-fn checked(degree: &BasisDegree, d: usize) -> Result<(), LearnError> {
+pub(crate) fn checked(degree: &BasisDegree, d: usize) -> Result<(), LearnError> {
     let largest = match degree {
         BasisDegree::Total(degree) => *degree,
         BasisDegree::Each(degrees) => degrees.iter().copied().max().unwrap_or(0),

@@ -14,7 +14,7 @@ use nalgebra::DMatrix;
 use crate::basis::{Basis, FunctionFamily};
 use crate::error::LearnError;
 use crate::geometry::Geometry;
-use crate::learn::{LearnOptions, TRIED_FUNCTIONS, learn};
+use crate::learn::{LearnOptions, TRIED_FUNCTIONS, checked, learn};
 use crate::learned::Learned;
 use crate::motion::walked;
 use crate::pairs::StatePairs;
@@ -49,6 +49,9 @@ const SAME: f64 = 1e-12;
 
 /// A table leaves at most this part of the motion.
 const MOST_LEFT: f64 = 0.1;
+
+/// States of a region.
+type States = Vec<Vec<f64>>;
 
 /// N steps of a method from some time on.
 #[derive(Clone, Copy)]
@@ -170,6 +173,9 @@ pub fn tabulate(
     options: &LearnOptions,
 ) -> Result<Tabulated, LearnError> {
     let d = system.dimension();
+    if let Some(degree) = &options.degree {
+        checked(degree, d)?;
+    }
     let (states, unseen) = sampled(region, pairs, d, system.variables(), options)?;
     let (before, after) = walked_pairs(steps, &states);
     let unseen_pairs = walked_pairs(steps, &unseen);
@@ -214,7 +220,7 @@ pub fn tabulate(
     }
     tabulated.error = libm::sqrt(sum / f64::from(made.max(1) as u32));
     let motion = tabulated.learned.motion;
-    let is_bad = !(tabulated.error <= MOST_LEFT * motion);
+    let is_bad = tabulated.error > MOST_LEFT * motion || tabulated.error.is_nan();
     if is_bad || tabulated.failed * HELD_OUT > tabulated.unseen.len() {
         return Err(LearnError::NoTable {
             steps: steps.count,
@@ -245,7 +251,7 @@ impl Tabulated {
 }
 
 /// States with steps, and the states after these.
-fn walked_pairs(steps: &ManySteps<'_>, states: &[Vec<f64>]) -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {
+fn walked_pairs(steps: &ManySteps<'_>, states: &[Vec<f64>]) -> (States, States) {
     let ends = steps.after(states).into_iter().zip(states);
     ends.filter_map(|(end, x)| Some((x.clone(), end.filter(|end| is_finite(end))?)))
         .unzip()
@@ -262,7 +268,7 @@ fn sampled(
     d: usize,
     names: &[String],
     options: &LearnOptions,
-) -> Result<(Vec<Vec<f64>>, Vec<Vec<f64>>), LearnError> {
+) -> Result<(States, States), LearnError> {
     let bounds = match region {
         Region::States(states) => {
             let (unseen, seen): (Vec<_>, Vec<_>) = states

@@ -74,36 +74,19 @@ const CASES: &[(&str, Rows, &[Kind])] = &[
 /// Constant and affine brackets go over into such under linear changes of variables, three of each system here.
 #[test]
 fn linear_changes_of_variables_keep_the_kind() {
-    changes(3);
+    changes(CASES, 3);
 }
 
-/// A hundred changes of each system.
+/// A hundred changes of each system, but of Kirchhoff's body: there 95 of the first hundred are found, and the other five end without a rational solution.
 #[test]
 #[ignore = "minutes"]
 fn a_hundred_linear_changes_keep_the_kind() {
-    for (name, rows, _) in CASES {
-        let begin = Instant::now();
-        let all = (1..1000).filter_map(|seed| changed(rows, seed)).take(100);
-        let found: Vec<bool> = all
-            .map(|equations| search(&equations).bracket.is_some())
-            .collect();
-        println!(
-            "{name}: {} of 100 in {:?}; not {:?}",
-            found.iter().filter(|is| **is).count(),
-            begin.elapsed(),
-            found
-                .iter()
-                .enumerate()
-                .filter(|(_, is)| !**is)
-                .map(|(at, _)| at)
-                .collect::<Vec<_>>()
-        );
-    }
+    changes(&CASES[..7], 100);
 }
 
-fn changes(each: usize) {
+fn changes(cases: &[(&str, Rows, &[Kind])], each: usize) {
     let mut count = 0;
-    for (name, rows, kinds) in CASES {
+    for (name, rows, kinds) in cases {
         let mut longest = Duration::ZERO;
         for equations in (1..1000).filter_map(|seed| changed(rows, seed)).take(each) {
             let begin = Instant::now();
@@ -114,5 +97,5 @@ fn changes(each: usize) {
         }
         println!("{name}: {each} changes, the longest search {longest:?}");
     }
-    assert_eq!(count, 8 * each);
+    assert_eq!(count, cases.len() * each);
 }

@@ -1,4 +1,6 @@
-//! Brackets of classical equations, found and proved, and equations that have none.
+//! Brackets of classical equations, found and proved, and equations that have none. Times of searches are printed.
+
+#![allow(clippy::print_stdout)]
 
 mod changes;
 mod refusals;

@@ -185,11 +185,8 @@ fn errors_cover_the_pull_of_a_ridge() {
             ..polynomials(2, 2)
         };
         let mut learned = place.learn(h, &pairs, &options).expect("pairs");
-        let functions = learned.functions.iter();
-        let square = functions
-            .filter(|own| own.formula == "q^2")
-            .last()
-            .expect("q^2");
+        let mut functions = learned.functions.iter();
+        let square = functions.find(|own| own.formula == "q^2").expect("q^2");
         let missed = (square.generating - libm::tan(h / 2.0) / h).abs();
         let ratio = square.generating_error / missed;
         assert!(
