@@ -105,7 +105,8 @@ impl Read {
         let checks = SceneChecks::of(&composed.system, &composed.near);
         let checks =
             self.unless_raised(checks.map_err(|error| exception(&Failure::from(error))))?;
-        match checks.refusal(&self.document, &composed.system, allow_non_poisson) {
+        let system = (&composed.system, composed.near.as_slice());
+        match checks.refusal(&self.document, system, allow_non_poisson) {
             Some(refusal) => Err(exception(&Failure::from(refusal))),
             None => Ok(()),
         }

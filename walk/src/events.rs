@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::fault::Fault;
 use crate::step::{Between, CLOSE, LastStep};
+use crate::turns::{Past, is_off, largest};
 
 /// A condition that ends a walk, as `q > 1 or t >= 10`.
 #[derive(Clone, Debug, PartialEq)]
@@ -96,24 +97,35 @@ pub struct Event {
     pub last: Option<u64>,
 }
 
-/// The first state of the last step at which a condition holds, to round-off; `None` where it does not hold `after` the
-/// step, where its difference has this `value`.
+/// The first state of the last step at which a condition holds, to round-off; `None` where it holds nowhere in the step, as
+/// far as values `past` show. Its difference has this `value` at the state `after` the step.
 pub(crate) fn end(
     stop: &Stop,
     difference: &mut dyn FnMut(&[f64]) -> f64,
     last: &mut LastStep<'_>,
     after: &[f64],
-    value: f64,
+    (past, value): (Past, f64),
 ) -> Result<Option<Between>, Fault> {
     if value.is_nan() {
         return Err(Fault::Undefined(stop.text.clone()));
     }
-    if !stop.holds(value) {
+    let begins = difference(&last.start.state);
+    let mut ends = last.ends(after, [begins, value]);
+    if !past.shows_all(value) {
+        let mut points = past.points(last, ends.clone(), difference);
+        let largest = largest(&points);
+        let inner = 1..points.len() - 1;
+        let is_it =
+            |at: &usize| stop.holds(points[*at].value) && is_off(points[*at].value, largest);
+        if let Some(at) = inner.clone().find(is_it) {
+            ends = [points.swap_remove(at - 1), points.swap_remove(at)];
+        }
+    }
+    if !stop.holds(ends[1].value) {
         return Ok(None);
     }
-    let ends = [difference(&last.start.state), value];
     let value = &mut |_: &[f64], state: &[f64]| difference(state);
-    last.enclose(after, ends, &|value| stop.holds(value), None, value)
+    last.enclose(ends, &|value| stop.holds(value), None, value)
         .map(|bracket| Some(bracket.behind))
         .map_err(Fault::Step)
 }
@@ -126,14 +138,16 @@ const JUMP: f64 = 1e-6;
 pub struct Side {
     /// The sign of left − right where the run was last off the section: 1, −1, or 0 where it has left it to none.
     sign: f64,
-    /// left − right after the last step.
-    value: f64,
+    /// left − right after the last steps.
+    past: Past,
     /// The largest |left − right| in the last step, as far as it is known.
     largest: f64,
     /// The same in all steps.
     reach: f64,
-    /// Whether the sign changed in the last step.
+    /// Whether the section was crossed in the last step.
     is_changed: bool,
+    /// How many crossings of the next step were taken in before the walk ended there.
+    taken: u64,
 }
 
 impl Side {
@@ -141,21 +155,32 @@ impl Side {
     pub fn begin(value: f64) -> Self {
         Self {
             sign: sign(value, 0.0),
-            value,
+            past: Past::begin(value),
             largest: value.abs(),
             reach: value.abs(),
             is_changed: false,
+            taken: 0,
         }
     }
 
-    /// Behind an event that has changed the state: left − right there, and the side that the motion leaves to, 1 or −1.
-    pub(crate) fn behind(self, value: f64, sign: f64) -> Self {
+    /// Behind an event that has changed the state within the next step, which `crossed` is after: left − right there, and the
+    /// side that the motion leaves to, 1 or −1.
+    pub(crate) fn behind(self, crossed: Self, value: f64, sign: f64) -> Self {
         Self {
             sign,
-            value,
-            largest: self.largest,
-            reach: self.reach.max(value.abs()),
+            past: self.past.begun_again(value),
+            largest: crossed.largest,
+            reach: crossed.reach.max(value.abs()),
             is_changed: false,
+            taken: 0,
+        }
+    }
+
+    /// The same where the next step ends with the event.
+    pub(crate) fn with_step(self) -> Self {
+        Self {
+            past: self.past.then(self.past.value()),
+            ..self
         }
     }
 
@@ -164,31 +189,54 @@ impl Side {
         value.abs() <= round_off(steps) * self.largest
     }
 
-    /// The side on which the walk is.
-    pub(crate) fn sign(&self) -> f64 {
-        self.sign
+    /// The side behind the first crossing that counts.
+    pub(crate) fn across(&self, section: &Section) -> f64 {
+        match section.direction {
+            Direction::Up => 1.0,
+            Direction::Down => -1.0,
+            Direction::Both => -self.sign,
+        }
     }
 
-    /// Where nothing is to be looked for in a step after which left − right has this value: the side then.
-    pub fn stays(self, value: f64) -> Option<Self> {
+    /// Where nothing is to be looked for in a step, the last of so many, after which left − right has this value: the side then.
+    pub fn stays(self, value: f64, steps: u64) -> Option<Self> {
+        if self.past.has_seen(steps) {
+            return Some(self);
+        }
         let is_off = value * self.sign > 0.0 && !self.may_begin_and_end_there(value);
-        is_off.then(|| self.after(value, value, self.sign))
+        (is_off && self.past.shows_all(value)).then(|| self.after(value, value, self.sign))
     }
 
     /// Whether a step may begin and end on the section. Where nothing but 0 was seen, how large the values are is not known.
     fn may_begin_and_end_there(self, value: f64) -> bool {
-        self.reach == 0.0 || self.value.abs().max(value.abs()) <= JUMP * self.reach
+        self.reach == 0.0 || self.past.value().abs().max(value.abs()) <= JUMP * self.reach
     }
 
     /// After a step, of which one more value is known.
     fn after(self, value: f64, other: f64, sign: f64) -> Self {
-        let largest = self.value.abs().max(value.abs()).max(other.abs());
+        let largest = self.past.value().abs().max(value.abs()).max(other.abs());
         Self {
             sign,
-            value,
+            past: self.past.then(value),
             largest,
             reach: self.reach.max(largest),
             is_changed: self.sign * sign < 0.0,
+            taken: 0,
+        }
+    }
+
+    /// How many crossings of the next step were taken in.
+    pub(crate) fn taken(self) -> usize {
+        self.taken as usize
+    }
+
+    /// In a step in which the walk has ended, of whose crossings so many were taken in.
+    #[must_use]
+    pub(crate) fn with_taken(self, taken: u64) -> Self {
+        Self {
+            taken: self.taken + taken,
+            is_changed: self.is_changed || taken > 0,
+            ..self
         }
     }
 
@@ -207,64 +255,107 @@ fn round_off(steps: u64) -> f64 {
     CLOSE * steps.max(1) as f64
 }
 
-/// Side of the section after the last step, and where the step crosses it in a direction that counts. The argument
+/// Side of the section after the last step, and where the step crosses it in directions that count, in order. The argument
 /// `side` is the side before the step, `value` is left − right at the state `after` it.
 ///
 /// A state on the section keeps the side from which it was reached. A value that jumps over zero, or has a pole,
 /// crosses nothing. Of a step that begins and ends on the section the side is that of its middle, and it crosses where
 /// it begins.
-pub(crate) fn crossing(
+pub(crate) fn crossings(
     section: &Section,
     difference: &mut dyn FnMut(&[f64]) -> f64,
     last: &mut LastStep<'_>,
     after: &[f64],
     (side, value, steps): (Side, f64, u64),
-) -> Result<(Side, Option<Between>), Fault> {
+) -> Result<(Side, Vec<Between>), Fault> {
     if value.is_nan() {
         return Err(Fault::Undefined(section.text.clone()));
     }
-    if let Some(side) = side.stays(value) {
-        return Ok((side, None));
+    if let Some(side) = side.stays(value, steps) {
+        return Ok((side, Vec::new()));
     }
     if side.may_begin_and_end_there(value) {
         let middle = last.part(0.5).map_err(Fault::Step)?;
         let inside = difference(&middle);
-        let ends = side.value.abs().max(value.abs());
+        let ends = side.past.value().abs().max(value.abs());
         if inside.is_finite() && inside != 0.0 && ends <= round_off(steps) * inside.abs() {
             let found = side.after(value, inside, sign(inside, 0.0));
             let crosses = found.is_changed && section.counts(found.sign);
-            let begin = Between {
-                part: 0.0,
-                state: last.start.state.clone(),
-                value: side.value,
-            };
+            let [begin, _] = last.ends(after, [side.past.value(), value]);
             // The section is reached once more at the end.
             let found = Side {
                 is_changed: false,
                 ..found
             };
-            return Ok((found, crosses.then_some(begin)));
+            return Ok((found, Vec::from_iter(crosses.then_some(begin))));
         }
     }
-    let other = side.after(value, value, sign(value, side.sign));
-    if !other.is_changed || !section.counts(other.sign) {
-        return Ok((other, None));
+    let ends = last.ends(after, [side.past.value(), value]);
+    let mut changes = match side.past.shows_all(value) {
+        true => Vec::new(),
+        false => {
+            let points = side.past.points(last, ends.clone(), difference);
+            changes(&points, side.sign)
+        }
+    };
+    let inside = changes.last().map_or(side.sign, |(_, sign)| *sign);
+    let mut other = side.after(value, value, sign(value, inside));
+    // One change from the side before the step to that after it is between its ends.
+    let is_whole = changes.is_empty() || changes.len() == 1 && value != 0.0;
+    if is_whole && other.is_changed {
+        changes = vec![(ends, other.sign)];
     }
-    let ends = [side.value * other.sign, value * other.sign];
-    let mut rising = |_: &[f64], state: &[f64]| difference(state) * other.sign;
-    let largest = other.largest;
-    let bracket = last
-        .enclose(
-            after,
-            ends,
-            &|v| v >= 0.0,
-            Some(CLOSE * largest),
-            &mut rising,
-        )
-        .map_err(Fault::Step)?;
-    let found = bracket.nearest;
-    let crosses = found.value.abs() <= JUMP * largest;
-    Ok((other, crosses.then_some(found)))
+    other.is_changed = !changes.is_empty();
+    let mut found = Vec::with_capacity(1);
+    for (ends, sign) in changes {
+        if !section.counts(sign) {
+            continue;
+        }
+        let largest = largest(&ends);
+        let ends = ends.map(|end| Between {
+            value: end.value * sign,
+            ..end
+        });
+        let mut rising = |_: &[f64], state: &[f64]| difference(state) * sign;
+        let enough = Some(CLOSE * largest);
+        let bracket = last
+            .enclose(ends, &|v| v >= 0.0, enough, &mut rising)
+            .map_err(Fault::Step)?;
+        let nearest = bracket.nearest;
+        if nearest.value.abs() <= JUMP * largest {
+            found.push(nearest);
+        }
+    }
+    Ok((other, found))
+}
+
+/// Two places in a step between which left − right changes its sign, and the sign behind.
+type Change = ([Between; 2], f64);
+
+/// The changes of sign between points of a step, from the first to the last. The first point is on the side with this sign.
+/// Contacts with zero within the step have no sign, as the last point where it is zero.
+fn changes(points: &[Between], first: f64) -> Vec<Change> {
+    let largest = largest(points);
+    let mut found = Vec::new();
+    let Some((begin, rest)) = points.split_first() else {
+        return found;
+    };
+    let (mut from, mut side) = (begin, first);
+    for (point, left) in rest.iter().zip((0..rest.len()).rev()) {
+        let is_signed = match left {
+            0 => point.value != 0.0,
+            _ => is_off(point.value, largest),
+        };
+        if !is_signed {
+            continue;
+        }
+        let own = sign(point.value, side);
+        if own * side < 0.0 {
+            found.push(([from.clone(), point.clone()], own));
+        }
+        (from, side) = (point, own);
+    }
+    found
 }
 
 /// The sign of a value, and what stands for it where that is zero.

@@ -14,7 +14,8 @@
 //! 8. the end: all steps, or a time.
 //!
 //! States between two steps are ends of shorter steps from the first ([`LastStep`]). They are of the map's own order,
-//! lie on the leaf of the trajectory, and do not influence later steps. Where nobody looks between steps, many are made
+//! lie on the leaf of the trajectory, and do not influence later steps. A step in which a condition or a surface may be met
+//! and left again is looked into by them. Where nobody looks between steps, many are made
 //! before they are looked at, and invariants are evaluated at all of their states at once.
 
 mod alone;
@@ -29,6 +30,7 @@ mod look;
 mod pace;
 mod step;
 mod times;
+mod turns;
 mod watched;
 
 pub use course::Course;
@@ -41,4 +43,5 @@ pub use look::{At, Look, Steps};
 pub use pace::{NoPace, Pace, PacedSteps};
 pub use step::{LastStep, StepEnd, StepStart};
 pub use times::{SampleTimes, is_same_time};
+pub use turns::Past;
 pub use watched::{Memory, Watched};

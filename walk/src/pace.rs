@@ -321,9 +321,9 @@ impl<'a> PaceWatch<'a> {
         let whole = last.advance(end, t);
         let rounding = f64::EPSILON * time.abs().max(whole.abs());
         let forward = 1.0_f64.copysign(whole);
+        let values = [-wanted * forward, (whole - wanted) * forward];
         let bracket = last.enclose(
-            &end.state,
-            [-wanted * forward, (whole - wanted) * forward],
+            last.ends(&end.state, values),
             &|missed| missed > 0.0,
             Some(0.5 * rounding),
             &mut |increment, _| (increment[t] - wanted) * forward,

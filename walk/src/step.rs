@@ -7,7 +7,7 @@ use leafwise_core::{Setting, StepError, StepMap, Stepper, Walk, two_sum};
 use serde::{Deserialize, Serialize};
 
 /// Steps that are tried for one that ends where a function of the state is zero.
-const MOST_TRIED: usize = 100;
+pub(crate) const MOST_TRIED: usize = 100;
 
 /// How near to each other two lengths of a step are that are not told apart, over the whole length.
 pub(crate) const CLOSE: f64 = 4.0 * f64::EPSILON;
@@ -156,8 +156,21 @@ impl<'a> LastStep<'a> {
         Ok(self.sum(&increment))
     }
 
-    /// Encloses the place in the last step where `value`, a function of the increment and of the state, rises through
-    /// zero; `ends` are its values before and after the step. The sequence of steps goes on undisturbed.
+    /// The beginning and the end of the step, where a function has these values.
+    pub fn ends(&self, end: &[f64], values: [f64; 2]) -> [Between; 2] {
+        let between = |part: f64, state: &[f64], value: f64| Between {
+            part,
+            state: state.to_vec(),
+            value,
+        };
+        [
+            between(0.0, &self.start.state, values[0]),
+            between(1.0, end, values[1]),
+        ]
+    }
+
+    /// Encloses the place where `value`, a function of the increment and of the state, rises through zero between two places
+    /// in the last step. The sequence of steps goes on undisturbed.
     ///
     /// The search ends where the value is at most `enough`, if that is given, or where the lengths of steps are not
     /// told apart any more. A part s of the step is read off the polynomial s(value) through all values that are known.
@@ -167,27 +180,19 @@ impl<'a> LastStep<'a> {
     /// The [`StepError`] of a shorter step.
     pub fn enclose(
         &mut self,
-        end: &[f64],
-        ends: [f64; 2],
+        [before, behind]: [Between; 2],
         is_behind: &dyn Fn(f64) -> bool,
         enough: Option<f64>,
         value: &mut dyn FnMut(&[f64], &[f64]) -> f64,
     ) -> Result<Bracket, StepError> {
-        let between = |part: f64, state: &[f64], value: f64| Between {
-            part,
-            state: state.to_vec(),
-            value,
-        };
-        let before = between(0.0, &self.start.state, ends[0]);
-        let behind = between(1.0, end, ends[1]);
-        let is_nearer = ends[0].abs() < ends[1].abs();
+        let mut known = vec![(before.value, before.part), (behind.value, behind.part)];
+        let is_nearer = before.value.abs() < behind.value.abs();
         let mut bracket = Bracket {
             nearest: if is_nearer { &before } else { &behind }.clone(),
             before,
             behind,
             tried: 0,
         };
-        let mut known = vec![(ends[0], 0.0), (ends[1], 1.0)];
         known.retain(|(value, _)| value.is_finite());
         let mut beyond = CLOSE;
         while bracket.tried < MOST_TRIED {
@@ -207,7 +212,11 @@ impl<'a> LastStep<'a> {
             let state = self.sum(&increment);
             let found = value(&increment, &state);
             bracket.tried += 1;
-            let tried = between(part, &state, found);
+            let tried = Between {
+                part,
+                state,
+                value: found,
+            };
             if found.abs() < bracket.nearest.value.abs() {
                 bracket.nearest = tried.clone();
             }

@@ -68,7 +68,7 @@ static INFO: PartInfo = PartInfo {
             "dkd",
             "strang",
         ],
-        is: "Störmer and Verlet's method, leapfrog, where H = T(p) + V(q)",
+        is: "Störmer and Verlet's method, leapfrog, where H = T(p) + V(q); but an oscillator, p^2/2 + q^2/2, is turned exactly",
     }),
     ..PartInfo::of(PartKind::Stepper)
 };

@@ -324,6 +324,12 @@ pub enum SyntaxErrorKind {
         /// The member as it is written.
         name: String,
     },
+    /// A member of a family beyond an open end, where its value is needed.
+    #[error("`{name}` lies beyond the open end of the lattice, and has no value")]
+    OutsideBoundary {
+        /// The member as it is written.
+        name: String,
+    },
     /// A state variable where only parameters, the index and numbers may stand.
     #[error("`{name}` depends on the state; only parameters, indices and numbers may stand here")]
     NotAFunctionOfParameters {

@@ -4,7 +4,7 @@ use super::composite::compared;
 use super::error::{SyntaxError, SyntaxErrorKind};
 use super::formula::Formula;
 use super::resolve::{Resolver, Stop, check_terms, first_value, inner_index};
-use super::scope::{At, Bound, Entry, Scope, find};
+use super::scope::{At, Bound, Entry, Place, Scope, find};
 use super::tree::{Kind, Node, Reference, Span};
 use super::vocabulary::IF;
 use crate::expression::{Expression, integer_power};
@@ -26,10 +26,25 @@ impl Formula {
         parameters: &[f64],
         index: Option<At<'_>>,
     ) -> Result<f64, SyntaxError> {
+        self.value_with_sites(scope, (parameters, &|_| None), index)
+    }
+
+    /// [`value`](Self::value) where members of families that are parameters too have the values that `sites` has for their
+    /// places in the state.
+    ///
+    /// # Errors
+    /// As [`value`](Self::value), and where a member lies outside of an open boundary.
+    pub fn value_with_sites(
+        &self,
+        scope: &Scope,
+        (parameters, sites): (&[f64], &dyn Fn(usize) -> Option<f64>),
+        index: Option<At<'_>>,
+    ) -> Result<f64, SyntaxError> {
         let mut evaluator = Evaluator {
             text: self.source(),
             scope,
             parameters,
+            sites,
             terms: 0,
         };
         let mut value = |bound: Option<&Bound<'_>>| evaluator.value(self.root(), bound);
@@ -41,6 +56,7 @@ struct Evaluator<'a> {
     text: &'a str,
     scope: &'a Scope,
     parameters: &'a [f64],
+    sites: &'a dyn Fn(usize) -> Option<f64>,
     terms: usize,
 }
 
@@ -236,6 +252,19 @@ impl Evaluator<'_> {
             Entry::Table(_) => SyntaxErrorKind::TableWithoutPoint {
                 name: name.to_owned(),
             },
+            Entry::Family { .. } if !reference.sites.is_empty() => {
+                // The span ends before the bracket.
+                let written = || format!("{}]", span.of(self.text));
+                match self.scope.place(self.text, reference, bound)? {
+                    Place::Variable(at) => match (self.sites)(at) {
+                        Some(value) => return Ok(value),
+                        None => SyntaxErrorKind::NotAFunctionOfParameters {
+                            name: name.to_owned(),
+                        },
+                    },
+                    _ => SyntaxErrorKind::OutsideBoundary { name: written() },
+                }
+            }
             Entry::Variable(_) | Entry::Family { .. } | Entry::Definition(_) => {
                 SyntaxErrorKind::NotAFunctionOfParameters {
                     name: name.to_owned(),

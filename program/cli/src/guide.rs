@@ -2,6 +2,8 @@
 
 use leafwise::scene::SceneDiagnostic;
 
+use crate::synonyms::synonyms;
+
 macro_rules! pages {
     ($($name:literal),* $(,)?) => {
         [$(($name, include_str!(concat!("../../../docs/guide/", $name, ".md")))),*]
@@ -64,35 +66,65 @@ pub struct Explained {
 }
 
 /// Parts of the pages that explain a word: the page of that name, else rows of tables that begin with the word and
-/// sections whose headings have it.
+/// sections whose headings have it, else those of which it is an everyday word.
 pub fn explained(word: &str) -> Vec<Explained> {
-    let word = word.trim().to_lowercase();
+    let word = folded(word.trim());
     if let Some((page, text)) = PAGES.into_iter().find(|(name, _)| *name == word) {
         return vec![Explained {
             page,
             text: readable(text),
         }];
     }
-    let rows = PAGES.into_iter().filter_map(|(page, text)| {
-        let found = rows(text, &word);
-        (!found.is_empty()).then_some(Explained { page, text: found })
-    });
-    let sections = PAGES.into_iter().flat_map(|(page, text)| {
-        let has_word = |section: &&str| {
-            let heading = section.lines().next().unwrap_or_default().to_lowercase();
-            heading.starts_with('#') && heading.contains(&word)
-        };
-        let found: Vec<Explained> = sections(text)
-            .into_iter()
-            .filter(has_word)
-            .map(|section| Explained {
-                page,
-                text: readable(section),
-            })
-            .collect();
-        found
-    });
-    rows.chain(sections).collect()
+    let found: Vec<Explained> = named(&word).collect();
+    if !found.is_empty() {
+        return found;
+    }
+    let spaced = word.replace(['-', '_'], " ");
+    let mut forms = [&word, &spaced].into_iter();
+    let found = forms.find_map(|word| Some(synonyms(word)).filter(|found| !found.is_empty()));
+    found.unwrap_or_default()
+}
+
+/// Parts of all pages with a name: rows of tables, then sections.
+pub fn named(name: &str) -> impl Iterator<Item = Explained> {
+    let (rows, sections): (Vec<_>, Vec<_>) = PAGES
+        .into_iter()
+        .flat_map(|(page, _)| part(page, name))
+        .partition(|part| !part.text.starts_with('#'));
+    rows.into_iter().chain(sections)
+}
+
+/// Parts of a page with a name, in any letters and without accents: rows of tables that begin with it, and sections whose
+/// headings have it.
+pub fn part(page: &str, name: &str) -> Vec<Explained> {
+    let name = folded(name);
+    let Some((page, text)) = PAGES.into_iter().find(|(known, _)| *known == page) else {
+        return Vec::new();
+    };
+    let row = Some(rows(text, &name)).filter(|found| !found.is_empty());
+    let has_name = |section: &&str| {
+        let heading = folded(section.lines().next().unwrap_or_default());
+        heading.starts_with('#') && heading.contains(&name)
+    };
+    let sections = sections(text).into_iter().filter(has_name).map(readable);
+    let texts = row.into_iter().chain(sections);
+    texts.map(|text| Explained { page, text }).collect()
+}
+
+/// A word in small letters without the accents of Latin ones.
+fn folded(word: &str) -> String {
+    let letters = word.chars().flat_map(char::to_lowercase);
+    let plain = |letter| match letter {
+        'à' | 'á' | 'â' | 'ä' | 'å' => 'a',
+        'ç' => 'c',
+        'è' | 'é' | 'ê' | 'ë' => 'e',
+        'ì' | 'í' | 'î' | 'ï' => 'i',
+        'ñ' => 'n',
+        'ò' | 'ó' | 'ô' | 'ö' | 'ø' => 'o',
+        'ù' | 'ú' | 'û' | 'ü' => 'u',
+        other => other,
+    };
+    letters.map(plain).collect()
 }
 
 /// Rows of tables whose first cell has the word between accents, each with the table's heading as `heading: cell`.
@@ -106,7 +138,7 @@ fn rows(text: &str, word: &str) -> String {
         let row = cells(line);
         let is_meant = row.first().is_some_and(|first| {
             let names = first.split('`').skip(1).step_by(2);
-            names.map(str::to_lowercase).any(|name| name == word)
+            names.map(folded).any(|name| name == word)
         });
         if is_meant {
             let rest = row.iter().zip(&heads).filter(|(cell, _)| !cell.is_empty());

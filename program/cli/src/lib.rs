@@ -22,6 +22,7 @@ pub mod interrupt;
 pub mod plugins;
 pub mod pulse;
 pub mod scene;
+mod synonyms;
 pub mod table;
 
 use std::ffi::OsString;

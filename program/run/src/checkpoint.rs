@@ -5,7 +5,7 @@ use std::path::Path;
 
 use leafwise_core::SolverStatistics;
 use leafwise_core::walk::Checkpoint as IntegratorState;
-use leafwise_walk::{Deviation, PacedSteps, Side, StepStart};
+use leafwise_walk::{Deviation, PacedSteps, Past, Side, StepStart};
 use serde::{Deserialize, Serialize};
 
 use super::appended::Vouched;
@@ -60,6 +60,8 @@ pub(super) struct Checkpoint {
     pub crossings: u64,
     /// Where the run stands beside its section.
     pub side: Side,
+    /// Values of the difference of the condition that ends the run.
+    pub stop: Past,
     /// The state before the last step.
     pub start: StepStart,
     /// Vectors of indicators of chaos.
@@ -180,6 +182,7 @@ mod tests {
             section: Vouched::NOTHING,
             crossings: 3,
             side: Side::begin(-1.0),
+            stop: Past::begin(-0.5).then(f64::INFINITY),
             start: StepStart {
                 state: vec![0.1, 0.2],
                 compensation: vec![0.0, -1e-18],

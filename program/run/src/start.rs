@@ -18,7 +18,7 @@ pub(super) fn checked(
     allow_non_poisson: bool,
 ) -> Result<SceneChecks, RunError> {
     let checks = SceneChecks::of(&run.system, &run.near)?;
-    match checks.refusal(document, &run.system, allow_non_poisson) {
+    match checks.refusal(document, (&run.system, &run.near), allow_non_poisson) {
         Some(refusal) => Err(RunError::Refused(refusal)),
         None => Ok(checks),
     }

@@ -11,6 +11,7 @@
 pub mod compose;
 pub mod diagnostic;
 pub mod document;
+mod grid;
 pub mod input;
 pub mod json;
 mod npy;

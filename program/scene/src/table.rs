@@ -2,8 +2,6 @@
 
 use std::path::Path;
 
-use leafwise_core::NumberArray;
-
 use crate::input::read_text;
 
 /// Rows of numbers, at least one, and the names of their columns where the file tells them.
@@ -24,27 +22,11 @@ pub fn read_column(path: &Path, column: Option<&str>) -> Result<Vec<f64>, String
     column_of(&text, column).map_err(|reason| format!("{}: {reason}", path.display()))
 }
 
-/// A grid of numbers, a row each for the nodes of the first axis.
+/// Numbers of one column of a text.
 ///
 /// # Errors
-/// The first thing wrong, and in which row.
-pub fn read_grid(path: &Path) -> Result<NumberArray, String> {
-    let text =
-        read_text(path).map_err(|error| format!("cannot read {}: {error}", path.display()))?;
-    grid_of(&text).map_err(|reason| format!("{}: {reason}", path.display()))
-}
-
-fn grid_of(text: &str) -> Result<NumberArray, String> {
-    let table = Table::read(text)?;
-    let width = table.rows[0].len();
-    table.check(width, || format!("the first has {width}"))?;
-    Ok(NumberArray {
-        shape: vec![table.rows.len(), width],
-        numbers: table.rows.concat(),
-    })
-}
-
-fn column_of(text: &str, column: Option<&str>) -> Result<Vec<f64>, String> {
+/// As [`read_column`].
+pub fn column_of(text: &str, column: Option<&str>) -> Result<Vec<f64>, String> {
     let table = Table::read(text)?;
     let Table { columns, rows } = &table;
     let d = columns.as_ref().map_or(rows[0].len(), Vec::len);
@@ -157,6 +139,26 @@ fn read_csv(text: &str) -> Result<Table, String> {
         }
     }
     Ok(Table { columns, rows })
+}
+
+/// Rows of numbers behind a first line of which only the first cell is no number, as over a column and beside a row of
+/// coordinates: NaN stands for it.
+pub fn read_cells(text: &str) -> Option<Table> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let is_row = |line: &&str| !line.trim().is_empty() && !line.starts_with('#');
+    let mut lines = text.lines().filter(is_row);
+    let first = cells(lines.next()?);
+    let (corner, others) = first.split_first()?;
+    let others: Result<Vec<f64>, _> = others.iter().map(|cell| cell.parse::<f64>()).collect();
+    let others = others.ok().filter(|others| !others.is_empty())?;
+    if corner.parse::<f64>().is_ok() {
+        return None;
+    }
+    let rest: Vec<&str> = lines.collect();
+    let mut table = read_csv(&rest.join("\n")).ok()?;
+    let corner = std::iter::once(f64::NAN);
+    table.rows.insert(0, corner.chain(others).collect());
+    table.columns.is_none().then_some(table)
 }
 
 /// The cells of a line: between commas where it has one, else between semicolons, else between tabs,

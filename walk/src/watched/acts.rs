@@ -4,10 +4,10 @@ use leafwise_core::BuildError;
 
 use super::Watched;
 use super::looks::time_of;
-use crate::events::crossing;
+use crate::events::{crossings, end};
 use crate::fault::{Ended, Fault, Why};
 use crate::look::Look;
-use crate::step::{CLOSE, StepEnd};
+use crate::step::{Between, CLOSE, StepEnd};
 
 /// Acts of one event within a step, at most.
 const MOST: usize = 100;
@@ -52,7 +52,7 @@ impl Watched<'_> {
         let mut latest = None;
         for _ in 0..MOST {
             let side = self.events[at].sides[lane];
-            if let Some(side) = side.stays(value) {
+            if let Some(side) = side.stays(value, steps) {
                 self.events[at].sides[lane] = side;
                 return Ok(());
             }
@@ -61,23 +61,29 @@ impl Watched<'_> {
             let (values, last) = (&mut alone.events[at], &mut alone.last);
             let mut difference = |state: &[f64]| values.at(state)[0];
             let sides = (side, value, steps);
-            let found = crossing(&event.section, &mut difference, last, &after.state, sides);
-            let (side, between) = match found {
-                Ok((side, Some(between))) => (side, between),
-                Ok((side, None)) => {
-                    self.events[at].sides[lane] = side;
-                    return Ok(());
-                }
+            let found = crossings(&event.section, &mut difference, last, &after.state, sides);
+            let (crossed, between) = match found {
+                Ok((crossed, found)) => match found.into_iter().next() {
+                    Some(between) => (crossed, between),
+                    None => {
+                        self.events[at].sides[lane] = crossed;
+                        return Ok(());
+                    }
+                },
                 Err(fault) => {
                     self.fail(lane, fault, steps);
                     return Ok(());
                 }
             };
+            let across = side.across(&event.section);
             let (time, whole) = (
                 time_of(None, last, steps, &between),
                 last.whole(between.part),
             );
-            self.events[at].sides[lane] = side;
+            if self.stops_before(lane, &between)? {
+                return Ok(());
+            }
+            self.events[at].sides[lane] = crossed;
             while let Some(asked) = self.passed_time(lane, time) {
                 self.take_before(lane, (asked, time), &between.state, take)?;
             }
@@ -101,11 +107,13 @@ impl Watched<'_> {
                 self.fail_at(lane, Fault::Undefined(text), (time, state));
                 return Ok(());
             }
-            if let (Some((stop, _)), Some(values)) = (&self.course.stop, &mut alone.stop)
-                && stop.holds(values.at(&state)[0])
-            {
-                self.end_between(lane, Why::Stopped, time, state);
-                return Ok(());
+            if let (Some((stop, _)), Some(values)) = (&self.course.stop, &mut alone.stop) {
+                let difference = values.at(&state)[0];
+                self.stop_past[lane] = self.stop_past[lane].begun_again(difference);
+                if stop.holds(difference) {
+                    self.end_between(lane, Why::Stopped, time, state);
+                    return Ok(());
+                }
             }
             self.start.put(lane, lanes, &state, whole);
             let rest = 1.0 - whole;
@@ -114,12 +122,12 @@ impl Watched<'_> {
             let begins = values.at(&state)[0];
             if rest <= CLOSE {
                 // The next step begins behind the event.
-                let sign = match side.is_on(begins, steps) {
+                let sign = match crossed.is_on(begins, steps) {
                     true => 0.0,
                     false => 1.0_f64.copysign(begins),
                 };
                 self.walk.put(lane, &state);
-                self.events[at].sides[lane] = side.behind(begins, sign);
+                self.events[at].sides[lane] = side.behind(crossed, begins, sign).with_step();
                 return Ok(());
             }
             let ends = last.part(1.0).and_then(|end| Ok((end, last.part(PROBE)?)));
@@ -133,17 +141,17 @@ impl Watched<'_> {
             let leads = values.at(&probe)[0];
             value = values.at(&end)[0];
             let (mut known, mut sign) = (begins, 1.0_f64.copysign(begins));
-            if side.is_on(begins, steps) {
+            if crossed.is_on(begins, steps) {
                 let away = leads - begins;
                 sign = 1.0_f64.copysign(away);
-                let is_back = value * side.sign() > 0.0;
+                let is_back = value * across > 0.0;
                 // It goes through the surface as fast as it is behind it at the end, or else it is pulled there from rest.
                 let rests = away.abs() < RESTS * PROBE * (value - begins).abs();
-                if is_back && rests && (away == 0.0 || sign == side.sign()) {
+                if is_back && rests && (away == 0.0 || sign == across) {
                     self.fail_at(lane, Fault::Accumulates(text.clone()), (time, state));
                     return Ok(());
                 }
-                if is_back && sign != side.sign() {
+                if is_back && sign != across {
                     // It comes back within the step: what is left of that begins off the surface.
                     self.start.put(lane, lanes, &probe, whole + PROBE * rest);
                     let alone = self.alones.at(lane, &self.start)?;
@@ -159,13 +167,48 @@ impl Watched<'_> {
                 }
             }
             self.walk.put(lane, &end);
-            self.events[at].sides[lane] = side.behind(known, sign);
+            self.events[at].sides[lane] = side.behind(crossed, known, sign);
             latest = Some((time, state));
         }
         if let Some(latest) = latest {
             self.fail_at(lane, Fault::Accumulates(text.clone()), latest);
         }
         Ok(())
+    }
+
+    /// Ends a lane that the condition ends in the part of the last step before an event acts.
+    fn stops_before(&mut self, lane: usize, between: &Between) -> Result<bool, BuildError> {
+        let Some((stop, _)) = &self.course.stop else {
+            return Ok(false);
+        };
+        let (steps, past, part) = (self.walk.steps(), self.stop_past[lane], between.part);
+        if part <= 0.0 {
+            return Ok(false);
+        }
+        let alone = self.alones.at(lane, &self.start)?;
+        let own = &mut alone.stop;
+        let mut difference = |state: &[f64]| own.as_mut().map_or(f64::NAN, |own| own.at(state)[0]);
+        let seen = (past, difference(&between.state));
+        let last = &mut alone.last;
+        let found = last.within(part, |last| {
+            end(stop, &mut difference, last, &between.state, seen)
+        });
+        match found {
+            Err(fault) => self.fail(lane, fault, steps),
+            Ok(None) => return Ok(false),
+            Ok(Some(inner)) => {
+                let inner = Between {
+                    part: part * inner.part,
+                    ..inner
+                };
+                let time = time_of(None, last, steps, &inner);
+                if !self.is_on_the_way(lane, time) {
+                    return Ok(false);
+                }
+                self.end_between(lane, Why::Stopped, time, inner.state);
+            }
+        }
+        Ok(true)
     }
 
     /// Ends a lane that cannot go on behind an event.

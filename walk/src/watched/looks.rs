@@ -1,10 +1,12 @@
 //! The looks at a step.
 
+use std::collections::VecDeque;
+
 use leafwise_core::{BuildError, StepError};
 
 use super::{EventLanes, Watched};
 use crate::domain::outside;
-use crate::events::{crossing, end};
+use crate::events::{Side, crossings, end};
 use crate::fault::{Ended, Fault, Why};
 use crate::look::Look;
 use crate::pace::Pace;
@@ -21,6 +23,29 @@ pub(super) fn time_of(
     match pace {
         Some(pace) => pace.time_at(&between.state),
         None => last.time(steps, between.part),
+    }
+}
+
+/// Where the last step has crossed the surface of an event.
+struct Looked {
+    /// The event's number.
+    at: usize,
+    /// The side after the step.
+    after: Side,
+    /// Times and states of the crossings that are not taken in.
+    left: VecDeque<(f64, Vec<f64>)>,
+    /// How many were.
+    taken: u64,
+}
+
+impl Looked {
+    /// The side of a walk that comes no further than what is taken in.
+    fn side(&self, now: Side) -> Side {
+        match (self.left.is_empty(), self.taken) {
+            (true, _) => self.after,
+            (false, 0) => now,
+            (false, _) => now.with_taken(1),
+        }
     }
 }
 
@@ -101,24 +126,30 @@ impl Watched<'_> {
             return Ok(());
         };
         let looks = |value: f64| stop.holds(value) || value.is_nan();
-        let values = values.at(self.walk.state());
+        let (steps, values) = (self.walk.steps(), values.at(self.walk.state()));
         // Most steps end no lane.
-        if !values.iter().any(|value| looks(*value)) {
-            return Ok(());
-        }
-        let (steps, values) = (self.walk.steps(), values.to_vec());
-        for (lane, value) in values.into_iter().enumerate() {
-            if !self.walk.lives(lane) || !looks(value) {
+        let mut asked = Vec::new();
+        for (lane, (value, past)) in values.iter().zip(&mut self.stop_past).enumerate() {
+            if !self.walk.lives(lane) || past.has_seen(steps) {
                 continue;
             }
+            if looks(*value) || !past.shows_all(*value) {
+                asked.push((lane, *value));
+            } else {
+                *past = past.then(*value);
+            }
+        }
+        for (lane, value) in asked {
+            let past = self.stop_past[lane];
             let after = self.present(lane);
             let alone = self.alones.at(lane, &self.start)?;
             let own = &mut alone.stop;
             let mut difference =
                 |state: &[f64]| own.as_mut().map_or(f64::NAN, |own| own.at(state)[0]);
-            match end(stop, &mut difference, &mut alone.last, &after, value) {
+            let last = &mut alone.last;
+            match end(stop, &mut difference, last, &after, (past, value)) {
                 Err(fault) => self.fail(lane, fault, steps),
-                Ok(None) => {}
+                Ok(None) => self.stop_past[lane] = past.then(value),
                 Ok(Some(between)) => {
                     let pace = self.course.pace.as_ref();
                     let time = time_of(pace, &alone.last, steps, &between);
@@ -151,7 +182,8 @@ impl Watched<'_> {
                 continue;
             };
             let value = difference(&after);
-            let within = last.within(part, |last| end(stop, &mut difference, last, &after, value));
+            let seen = (self.stop_past[lane], value);
+            let within = last.within(part, |last| end(stop, &mut difference, last, &after, seen));
             if let Ok(Some(between)) = within {
                 let between = Between {
                     part: part * between.part,
@@ -221,14 +253,14 @@ impl Watched<'_> {
         take: &mut F,
     ) -> Result<(), E> {
         let steps = self.walk.steps();
-        let mut found = Vec::new();
+        let mut looked: Vec<Looked> = Vec::new();
         for at in 0..self.events.len() {
             let own = &mut self.events[at];
             if own.event.act.is_some() {
                 continue;
             }
             let (side, value) = (own.sides[lane], own.values.last()[lane]);
-            if let Some(side) = side.stays(value) {
+            if let Some(side) = side.stays(value, steps) {
                 own.sides[lane] = side;
                 continue;
             }
@@ -236,20 +268,28 @@ impl Watched<'_> {
             let alone = self.alones.at(lane, &self.start)?;
             let values = &mut alone.events[at];
             let mut difference = |state: &[f64]| values.at(state)[0];
-            let section = &own.event.section;
             let last = &mut alone.last;
-            match crossing(
-                section,
+            let outcome = crossings(
+                &own.event.section,
                 &mut difference,
                 last,
                 &after.state,
                 (side, value, steps),
-            ) {
-                Ok((side, None)) => own.sides[lane] = side,
-                Ok((side, Some(between))) => {
+            );
+            match outcome {
+                Ok((after, found)) => {
                     let pace = self.course.pace.as_ref();
-                    let time = time_of(pace, last, steps, &between);
-                    found.push((time, at, between.state, side));
+                    let place = |between: Between| {
+                        let time = time_of(pace, last, steps, &between);
+                        (time, between.state)
+                    };
+                    let before = side.taken();
+                    looked.push(Looked {
+                        at,
+                        after,
+                        left: found.into_iter().skip(before).map(place).collect(),
+                        taken: 0,
+                    });
                 }
                 Err(fault) => {
                     self.fail(lane, fault, steps);
@@ -258,13 +298,28 @@ impl Watched<'_> {
             }
         }
         let forward = self.course.step();
-        found.sort_by(|(one, ..), (other, ..)| (one * forward).total_cmp(&(other * forward)));
-        for (time, at, state, side) in found {
+        let mut order: Vec<(f64, usize)> = (looked.iter().zip(0..))
+            .flat_map(|(own, at)| own.left.iter().map(move |(time, _)| (*time, at)))
+            .collect();
+        order.sort_by(|(one, _), (other, _)| (one * forward).total_cmp(&(other * forward)));
+        for (time, which) in order {
             if !self.is_on_the_way(lane, time) {
                 break;
             }
-            self.events[at].sides[lane] = side;
+            let own = &mut looked[which];
+            let Some((time, state)) = own.left.pop_front() else {
+                break;
+            };
+            own.taken += 1;
+            let at = own.at;
+            self.events[at].sides[lane] = own.side(self.events[at].sides[lane]);
             self.take_crossing(at, lane, (time, state, true), take)?;
+        }
+        for own in looked {
+            if own.taken == 0 {
+                let sides = &mut self.events[own.at].sides;
+                sides[lane] = own.side(sides[lane]);
+            }
         }
         Ok(())
     }

@@ -18,6 +18,7 @@ use crate::indicators::{Deviation, Deviations};
 use crate::look::{At, Look};
 use crate::pace::PacedSteps;
 use crate::step::StepStart;
+use crate::turns::Past;
 
 /// A [`Walk`] of one or of several lanes on its [`Course`]: a lane comes to what it would come to alone.
 pub struct Watched<'a> {
@@ -27,6 +28,8 @@ pub struct Watched<'a> {
     start: StepStart,
     invariants: FunctionValues,
     stop: Option<FunctionValues>,
+    /// What the condition's difference was after the last steps, for each lane.
+    stop_past: Vec<Past>,
     events: Vec<EventLanes<'a>>,
     paced: Vec<PacedSteps>,
     /// The number of the next sample at a time, for each lane.
@@ -71,6 +74,8 @@ pub struct Memory {
     pub start: StepStart,
     /// How the pace has gone.
     pub paced: PacedSteps,
+    /// Values of the condition's difference.
+    pub stop: Past,
     /// Where it stands beside the surface of each event, and how often it has crossed that.
     pub events: Vec<(Side, u64)>,
     /// Samples taken at times.
@@ -112,6 +117,7 @@ impl<'a> Watched<'a> {
             stop: stop
                 .map(|(_, of)| of.values(lanes, parameters))
                 .transpose()?,
+            stop_past: vec![Past::default(); lanes],
             events,
             paced: vec![PacedSteps::default(); lanes],
             next: vec![1; lanes],
@@ -188,6 +194,10 @@ impl<'a> Watched<'a> {
         for event in &mut self.events {
             let sides = event.sides.iter_mut().zip(event.values.at(state));
             sides.for_each(|(side, value)| *side = Side::begin(*value));
+        }
+        if let Some(values) = &mut self.stop {
+            let past = self.stop_past.iter_mut().zip(values.at(state));
+            past.for_each(|(past, value)| *past = Past::begin(*value));
         }
         if let Some(deviations) = &mut self.deviations {
             self.flat = deviations.begin(state);
@@ -266,6 +276,7 @@ impl<'a> Watched<'a> {
             walk: self.walk.checkpoint(),
             start: self.start.clone(),
             paced: self.paced[0].clone(),
+            stop: self.stop_past[0],
             events: (self.events.iter())
                 .map(|event| (event.sides[0], event.counts[0]))
                 .collect(),
@@ -297,6 +308,7 @@ impl<'a> Watched<'a> {
         self.mark_moved();
         self.start.clone_from(&memory.start);
         self.paced[0].clone_from(&memory.paced);
+        self.stop_past[0] = memory.stop;
         self.next[0] = memory.samples;
         for (event, (side, count)) in self.events.iter_mut().zip(&memory.events) {
             (event.sides[0], event.counts[0]) = (*side, *count);

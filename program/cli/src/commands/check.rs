@@ -135,7 +135,7 @@ pub fn execute(
     if checks.pass() {
         return Ok(exit::DONE);
     }
-    if let Some(refusal) = checks.refusal(&document, &composed.system, false) {
+    if let Some(refusal) = checks.refusal(&document, (&composed.system, &composed.near), false) {
         console.prose("");
         console.prose(&refusal.render(console.color));
     }
@@ -152,7 +152,7 @@ pub(super) fn refuse_no_system(
     near: &[f64],
 ) -> Result<(), Failure> {
     let checks = SceneChecks::of(system, near)?;
-    let Some(mut refusal) = checks.refusal(document, system, false) else {
+    let Some(mut refusal) = checks.refusal(document, (system, near), false) else {
         return Ok(());
     };
     if checks.inconsistency.is_none() && checks.jacobi.verdict == Verdict::Violated {

@@ -40,7 +40,7 @@ struct DescriptionJson {
 /// Entry that a name stands for: a part, a library system or a Lie algebra.
 #[derive(Serialize)]
 #[serde(untagged)]
-enum Described {
+pub(super) enum Described {
     Part {
         #[serde(flatten)]
         info: &'static PartInfo,
@@ -175,7 +175,7 @@ fn part(info: &PartInfo, origin: &Origin) -> Vec<String> {
     lines
 }
 
-fn system_text(system: &LibrarySystem) -> Result<(Vec<String>, Described), SystemError> {
+pub(super) fn system_text(system: &LibrarySystem) -> Result<(Vec<String>, Described), SystemError> {
     let (about, defaults) = (system.about()?, system.defaults()?);
     let dimension = system.dimension()?;
     let mut lines = vec![

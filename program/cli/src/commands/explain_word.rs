@@ -2,6 +2,7 @@
 
 use leafwise::scene::document::nearest;
 
+use super::describe::system_text;
 use crate::arguments::ExplainArguments;
 use crate::console::Console;
 use crate::failure::{Failure, exit};
@@ -26,7 +27,9 @@ pub fn execute(arguments: &ExplainArguments, console: &mut Console<'_>) -> Resul
     }
     let word = arguments.words.join(" ");
     let found = explained(&word);
-    if found.is_empty() {
+    let id = word.to_lowercase().replace([' ', '_'], "-");
+    let system = leafwise::systems::find(&id);
+    if found.is_empty() && system.is_none() {
         let names = PAGES.map(|(name, _)| name);
         let help = match nearest(&word, names) {
             Some(name) => format!("did you mean `{name}`?"),
@@ -46,6 +49,15 @@ pub fn execute(arguments: &ExplainArguments, console: &mut Console<'_>) -> Resul
             ));
         }
         console.result(part.text.trim_end());
+    }
+    if let Some(system) = system {
+        if !found.is_empty() {
+            console.result("");
+        }
+        console.result(&format!("(leafwise describe {id})"));
+        let text = system_text(system);
+        let (lines, _) = text.map_err(|error| Failure::usage(error.to_string(), "report this"))?;
+        lines.iter().for_each(|line| console.result(line));
     }
     Ok(exit::DONE)
 }

@@ -18,6 +18,10 @@ use crate::plugins::Parts;
 use crate::scene::read;
 use crate::table::{labelled, words};
 
+/// The next step where there is no bracket.
+const NEXT: &str = "Next: find the bracket of the equations without friction and drive, and write those beside it as `damping` or \
+                    `forces` (leafwise explain forces).";
+
 /// The degree of Casimirs where none is asked for.
 const CASIMIR_DEGREE: usize = 2;
 
@@ -328,6 +332,10 @@ fn lines(equations: &Equations, report: &Report) -> Vec<String> {
         texts.push(("of any kind", never));
     }
     lines.extend(labelled(&texts));
+    if report.bracket.is_none() {
+        lines.push(String::new());
+        lines.push(NEXT.to_owned());
+    }
     let integrals = integrals(equations, report);
     if report.bracket.is_none() && !integrals.is_empty() {
         lines.push(String::new());

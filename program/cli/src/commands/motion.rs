@@ -36,10 +36,70 @@ pub(super) fn lines(run: &ComposedRun) -> Vec<String> {
     };
     let heading = format!("{definition}{forced}{stochastic}");
     let mut lines = block("Motion", &heading, motion);
+    lines.extend(turning(run));
     for (text, field) in noise {
         lines.extend(block(&format!("Noise of {text}"), ", o dW", field));
     }
     lines
+}
+
+/// Which way three coordinates turn whose bracket is that of rotations, and that stand in no other one.
+fn turning(run: &ComposedRun) -> Option<String> {
+    let system = run.system.expressions()?;
+    let tensor = system.tensor();
+    let (&(a, b), first) = tensor.first_key_value()?;
+    let c = tensor
+        .keys()
+        .find_map(|&(i, j)| (i == a && j != b).then_some(j))?;
+    let is_of_them = |at: usize| [a, b, c].contains(&at);
+    let entries: Vec<_> = (tensor.iter())
+        .filter(|((i, j), _)| is_of_them(*i) || is_of_them(*j))
+        .collect();
+    if entries.len() != 3
+        || !entries
+            .iter()
+            .all(|((i, j), _)| is_of_them(*i) && is_of_them(*j))
+    {
+        return None;
+    }
+    let state: Vec<f64> = (1..=system.dimension())
+        .map(|at| 1.0 + 0.25 * at as f64)
+        .collect();
+    let parameters = system.parameter_values();
+    // With ẋ = -Π ∂H: x × ∂H where Π_ab = x_c.
+    let sign = first.evaluate(&state, &parameters) / state[c];
+    let is_rotation = entries.iter().all(|((i, j), entry)| {
+        let k = [a, b, c].into_iter().find(|at| at != i && at != j);
+        let value = entry.evaluate(&state, &parameters);
+        // Of (a, b) and (b, c) the sign is that of (a, b), of (a, c) the other one.
+        let own = if (*i, *j) == (a.min(c), a.max(c)) {
+            -sign
+        } else {
+            sign
+        };
+        k.is_some_and(|k| (value - own * state[k]).abs() <= 1e-12 * state[k])
+    });
+    if !is_rotation || (sign.abs() - 1.0).abs() > 1e-12 {
+        return None;
+    }
+    let names: Vec<&str> = [a, b, c]
+        .iter()
+        .map(|at| system.variables()[*at].as_str())
+        .collect();
+    // Of names in another order the product has another sign.
+    if !names.is_sorted() {
+        return None;
+    }
+    let names = names.join(", ");
+    let (body, spin) = ("m' = m × ω with ω = ∂H/∂m", "s' = s × (-∂H/∂s)");
+    Some(match sign > 0.0 {
+        true => format!(
+            "  ({names}) turns as a body, {body}; by the other convention as a spin, {spin}"
+        ),
+        false => format!(
+            "  ({names}) turns as a spin, {spin}; by the other convention as a body, {body}"
+        ),
+    })
 }
 
 /// The terms of H that are left out at the ends of an open lattice, a line each.

@@ -88,6 +88,50 @@ fn a_run_stops_where_its_method_comes_to_the_condition() {
     assert!((time(&eighth) - angle).abs() < 1e-10);
 }
 
+/// q = sin t comes past 0.9999 for 0.028 of the time, within one step, and to −0.9999 after another half turn.
+#[test]
+fn a_condition_that_holds_for_a_part_of_a_step_ends_the_run() {
+    let scene = OSCILLATOR.replace(
+        "dynamics    = { name = \"hamilton-jacobi\", order = 8 }",
+        "stepper     = \"splitting\"",
+    );
+    let here = Place::with(&scene);
+    let first = libm::asin(0.9999);
+    let cases = [
+        ("q > 0.9999", first),
+        ("q < -0.9999", PI + first),
+        ("q > 0.9999 or p < -0.99", first),
+        ("q < -0.9999 and q > -2", PI + first),
+    ];
+    for step in [0.9, 1.5] {
+        for (at, (stop, exact)) in cases.iter().enumerate() {
+            let [stop, length] = [
+                format!("run.stop=\"{stop}\""),
+                format!("method.time-step={step}"),
+            ];
+            let out = format!("{at}-{step}");
+            let said = run(&here, &out, &[&stop, &length]);
+            assert_eq!(said.code, Some(0), "{}", said.err);
+            let told = said.json();
+            assert_eq!(told["outcome"], "stopped", "{stop} {step}");
+            assert!((time(&told) - exact).abs() < 1e-11, "{stop} {step}: {told}");
+            // Made longer at any step before, it stops with the same bytes.
+            for steps in 1..=(exact / step) as u64 + 1 {
+                let again = format!("{out}-{steps}");
+                run(
+                    &here,
+                    &again,
+                    &[&stop, &length, &format!("run.steps={steps}")],
+                );
+                run(&here, &again, &[&stop, &length]);
+                let [one, other] =
+                    [&out, &again].map(|out| here.read(&format!("{out}/samples.csv")));
+                assert_eq!(one, other, "{stop} {step} {steps}");
+            }
+        }
+    }
+}
+
 #[test]
 fn the_last_sample_is_the_first_state_where_it_holds() {
     let here = Place::with(OSCILLATOR);
@@ -348,6 +392,30 @@ fn a_long_lattice_stops_crosses_and_is_sampled_between_its_steps() {
         let exact = 0.1 * libm::cos(w * row[0]);
         assert!((row[1] - exact).abs() < 1e-12, "{row:?}");
     }
+    // A fast mode, q = ±cos(2t)/10, in steps of half a radian, which pass over its turning points.
+    let set = [
+        "run.initial={ \"q[i]\" = \"0.1*cos(pi*i)\", \"p[i]\" = \"0\" }",
+        "run.section={ at = \"q[250] = 0.099\" }",
+        "run.steps=40",
+        "run.record={ every = 40, states = [\"q[250]\"] }",
+        "method.time-step=0.25",
+    ];
+    let said = run(&here, "turned", &set);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let crossed = rows(&here.read("turned/section.csv"));
+    let angle = libm::acos(0.99);
+    let turns = (0..4).flat_map(|k| {
+        [
+            PI * f64::from(k) - 0.5 * angle,
+            PI * f64::from(k) + 0.5 * angle,
+        ]
+    });
+    let exact: Vec<f64> = turns.filter(|t| *t > 0.0 && *t < 10.0).collect();
+    assert_eq!(crossed.len(), exact.len(), "{crossed:?}");
+    for (row, exact) in crossed.iter().zip(exact) {
+        // Order 6 at half a radian a step.
+        assert!((row[0] - exact).abs() < 1e-3, "{row:?}, {exact}");
+    }
     // What to write in its place is said where it stands, and serves.
     let refused = run(&here, "timed", &["run.stop=\"t > 5\""]);
     assert_eq!(refused.code, Some(3), "{}", refused.err);
@@ -403,6 +471,18 @@ fn an_ensemble_tells_its_losses_and_draws_its_section() {
     ]);
     let count = here.read("runs/scene-ensemble/section.csv").lines().count() - 1;
     assert_eq!(told["crossings"], count);
+    // Steps of 0.9, in which many members are beyond 0.9 for less than a step, lose and find the same ones.
+    let long = [
+        "--set",
+        "method.time-step=0.9",
+        "--set",
+        "run.steps=44",
+        "--out",
+        "long",
+    ];
+    let said = here.leafwise(&[&["ensemble", "scene.toml", "--json"][..], &long].concat());
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    assert_eq!(said.json()["stopped"], stopped);
     let page = here.read("runs/scene-ensemble/report.html");
     for heading in ["Stopped by q &gt; 0.9", "Section p = 0.7, downwards in"] {
         assert!(page.contains(heading), "{heading}");

@@ -338,8 +338,32 @@ fn a_casimir_that_is_not_one_is_refused() {
         "spin = \"x1^2 + x2^2 + x3^2\"",
         "spin = \"x1^2 + x2^2 + 2*x3^2\"",
         "6:25",
-        &["`spin` is not a Casimir", "run.record.observables"],
+        &[
+            "`spin` is not a Casimir",
+            "of the size of its terms is left",
+            "run.record.observables",
+        ],
     );
+    // A slip of a sign in the bracket: the entry is named, and with its other sign the scene is one.
+    for entry in ["x1,x2", "x2,x3", "x3,x1"] {
+        let own = BODY
+            .lines()
+            .find(|line| line.contains(entry))
+            .expect("a bracket");
+        let part = own.split(&format!("\"{entry}\"")).nth(1).expect("an entry");
+        let value = part.split('"').nth(1).expect("a formula");
+        let (from, to) = (
+            format!("\"{entry}\" = \"{value}\""),
+            format!("\"{entry}\" = \"{}\"", value.trim_start_matches('-')),
+        );
+        assert!(value.starts_with('-') && BODY.contains(&from), "{from}");
+        let said = Place::with(&BODY.replace(&from, &to)).leafwise(&["check", "scene.toml"]);
+        assert_eq!(said.code, Some(5), "{}", said.err);
+        let [one, other] = [&entry[..2], &entry[3..]];
+        let names = [format!("{{{one}, {other}}}"), format!("{{{other}, {one}}}")];
+        let is_named = |name: &String| said.err.contains(&format!("change the sign of {name}"));
+        assert!(names.iter().any(is_named), "{}", said.err);
+    }
     let here = Place::with_body("x2^2 + x3^2\" }", "x2^2 + 2*x3^2\" }");
     let said = here.leafwise(&["check", "scene.toml"]);
     assert_eq!(said.code, Some(5), "{}", said.err);

@@ -262,6 +262,21 @@ fn a_new_scene_checks_and_runs_and_is_never_overwritten() {
     let here = Place::new();
     assert_eq!(here.leafwise(&["new"]).code, Some(0));
     assert_eq!(here.leafwise(&["check", "scene.toml"]).code, Some(0));
+    // It is a body as it turns: Euler's equations, m' = m × ω, whose first component is m2 m3 (1/I3 - 1/I2).
+    let motion = here.leafwise(&["check", "scene.toml", "--json"]).json()["motion"].clone();
+    assert_eq!(motion["x1"], "(-1/I2 + 1/I3)*x2*x3");
+    let said = here.leafwise(&["check", "scene.toml"]);
+    assert!(
+        said.out.contains("turns as a body, m' = m × ω"),
+        "{}",
+        said.out
+    );
+    let turned = here.leafwise(&["check", "scene.toml", "--set", "system.convention={H,x}"]);
+    assert!(
+        turned.out.contains("turns as a spin, s' = s × (-∂H/∂s)"),
+        "{}",
+        turned.out
+    );
     let said = here.leafwise(&["run", "scene.toml", "--set", "run.steps=3"]);
     assert_eq!(said.code, Some(0), "{}", said.err);
     here.write("scene.toml", "mine");
@@ -334,6 +349,22 @@ fn errors_and_warnings_name_what_explains_them() {
     let none = here.leafwise(&["explain", "formulaz"]);
     assert_eq!(none.code, Some(2));
     none.says(&["did you mean `formulas`?"]);
+    // A library system leads to what `describe` prints, and everyday words to what the guide calls otherwise.
+    for name in ["kepler", "lotka-volterra", "Point Vortices"] {
+        let id = name.to_lowercase().replace(' ', "-");
+        let (said, described) = (
+            here.leafwise(&["explain", name]),
+            here.leafwise(&["describe", &id]),
+        );
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        assert!(said.out.contains(&described.out), "{}", said.out);
+    }
+    let said = here.leafwise(&["explain", "exit", "codes"]);
+    assert!(
+        said.out.contains("interrupted, with a checkpoint"),
+        "{}",
+        said.out
+    );
     let pages = here.leafwise(&["explain"]);
     assert!(pages.out.contains("read-the-report"), "{}", pages.out);
 }

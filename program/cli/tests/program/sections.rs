@@ -149,21 +149,109 @@ fn what_touches_or_jumps_crosses_nothing() {
     // A contact at a step's end, and one between: neither is a crossing.
     assert_eq!(times("q^2 = 0"), [0.0; 0]);
     assert_eq!(times("(q - 0.3)^2 = 0"), [0.0; 0]);
-    // Two crossings in one step are none, three are one.
-    assert_eq!(times("(q - 0.3)*(q - 0.4) = 0"), [0.0; 0]);
-    let three = times("(q - 0.3)*(q - 0.4)*(q - 0.45) = 0");
-    assert_eq!(three.len(), 1);
-    assert!(
-        [1.3, 1.4, 1.45]
-            .iter()
-            .any(|t| (three[0] - t).abs() < 1e-14)
+    // Two crossings in one step, and three.
+    let near = |found: &[f64], exact: &[f64]| {
+        assert_eq!(found.len(), exact.len(), "{found:?}");
+        for (found, exact) in found.iter().zip(exact) {
+            assert!((found - exact).abs() < 1e-13, "{found} {exact}");
+        }
+    };
+    near(&times("(q - 0.3)*(q - 0.4) = 0"), &[1.3, 1.4]);
+    near(
+        &times("(q - 0.3)*(q - 0.4)*(q - 0.45) = 0"),
+        &[1.3, 1.4, 1.45],
     );
+    // A turn that comes up to zero but for 10⁻⁶, and one that comes past it by as much.
+    assert_eq!(times("(q - 0.3)^2 + 1e-6 = 0"), [0.0; 0]);
+    near(&times("(q - 0.3)^2 - 1e-6 = 0"), &[1.299, 1.301]);
     // Poles change the sign too.
     assert_eq!(times("1/(q - 0.3) = 0"), [0.0; 0]);
     let zeros = times("tan(q) = 0");
     assert_eq!(zeros.len(), 3, "{zeros:?}");
     for (zero, k) in zeros.iter().zip([0.0, 1.0, 2.0]) {
         assert!((zero - 1.0 - k * PI).abs() < 1e-14);
+    }
+}
+
+/// q = sin t, by steps that turn by the whole angle: q is at c at t = arcsin c and π − arcsin c, and every 2π behind.
+#[test]
+fn crossings_within_one_step_come_at_their_times() {
+    let scene = OSCILLATOR.replace("stop    = \"q < -0.5\"\n", "").replace(
+        "dynamics    = { name = \"hamilton-jacobi\", order = 8 }",
+        "stepper     = \"splitting\"",
+    );
+    for step in [0.1, 0.37, 0.9, 1.6] {
+        let scene = scene
+            .replace("= 0.1\n", &format!("= {step}\n"))
+            .replace("= 400", &format!("= {}", (60.0 / step) as u64));
+        let end = libm::floor(60.0 / step) * step;
+        for level in [0.9999, 0.97, 0.2] {
+            let (up, down) = (libm::asin(level), PI - libm::asin(level));
+            for (direction, first) in [
+                ("up", vec![up]),
+                ("down", vec![down]),
+                ("both", vec![up, down]),
+            ] {
+                let turns =
+                    (0..20).flat_map(|k| first.iter().map(move |t| t + 2.0 * PI * f64::from(k)));
+                let exact: Vec<f64> = turns.filter(|t| *t < end).collect();
+                let section = format!("{{ at = \"q = {level}\", direction = \"{direction}\" }}");
+                let found = crossings(&scene, &section);
+                assert_eq!(found.len(), exact.len(), "{step} {level} {direction}");
+                // The slope of q there is √(1 − c²), 0.014 at the least.
+                for (row, exact) in found.iter().zip(exact) {
+                    assert!(
+                        (row[0] - exact).abs() < 1e-11,
+                        "{step} {level}: {row:?} {exact}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// H = p²/2 + q²/2 − q³/10 near its right turning point: as many crossings by long steps as by short ones, at the same times.
+#[test]
+fn long_steps_find_the_crossings_that_short_ones_do() {
+    let scene = OSCILLATOR
+        .replace("stop    = \"q < -0.5\"\n", "")
+        .replace("q^2/2\"", "q^2/2 - 0.1*q^3\"")
+        .replace("[0, 1]", "[0, 1.5]");
+    let at = |step: f64| -> Vec<Vec<f64>> {
+        let scene = scene
+            .replace("= 0.1\n", &format!("= {step}\n"))
+            .replace("= 400", &format!("= {}", (100.8 / step).round()));
+        crossings(&scene, "{ at = \"q = 1.9\", direction = \"up\" }")
+    };
+    let fine = at(0.05);
+    assert_eq!(fine.len(), 14);
+    let coarse = at(0.35);
+    assert_eq!(coarse.len(), 14);
+    for (one, other) in coarse.iter().zip(&fine) {
+        // An energy error of 2e-7 moves the time of a crossing by much less than this, every turn anew.
+        assert!((one[0] - other[0]).abs() < 1e-3, "{one:?} {other:?}");
+    }
+}
+
+/// Whether runs end before, within or behind a step that crosses the section twice, they go on to the same bytes.
+#[test]
+fn crossings_within_one_step_are_taken_in_once() {
+    let scene = OSCILLATOR
+        .replace(
+            "stop    = \"q < -0.5\"\n",
+            "section = { at = \"q = 0.97\" }\n",
+        )
+        .replace("= 0.1\n", "= 0.9\n")
+        .replace("= 400", "= 16");
+    let here = Place::with(&scene);
+    run(&here, "whole", &[]);
+    let whole = here.read("whole/section.csv");
+    assert_eq!(rows(&whole).len(), 6, "{whole}");
+    for steps in 0..16 {
+        let out = format!("after-{steps}");
+        run(&here, &out, &[&format!("run.steps={steps}")]);
+        run(&here, &out, &[]);
+        assert_eq!(here.read(&format!("{out}/section.csv")), whole, "{steps}");
     }
 }
 

@@ -69,6 +69,68 @@ fn numbers_from_each_place_are_one_table() {
     assert!((number(4) - libm::sin(number(1))).abs() < 1e-4, "{last}");
 }
 
+/// A potential in the plane by values, with coordinates in its first row and column, and as a list: one motion, to the bit.
+#[test]
+fn a_grid_with_coordinates_and_a_list_are_the_grid_of_values() {
+    let scene = r#"[system]
+variables   = ["x", "y", "px", "py"]
+bracket     = "canonical"
+hamiltonian = "(px^2 + py^2)/2 + V(x, y)"
+tables      = { V = { file = "v.csv", axes = { x = [-1, 1], y = [0, 3] } } }
+[method]
+stepper     = "splitting"
+time-step   = 0.05
+[run]
+initial = [0.1, 1.2, 0.3, 0.2]
+steps   = 20
+"#;
+    let axis = |first: f64, last: f64, nodes: u32| -> Vec<f64> {
+        let at = |k: u32| first + (last - first) * f64::from(k) / f64::from(nodes - 1);
+        (0..nodes).map(at).collect()
+    };
+    let (x, y) = (axis(-1.0, 1.0, 9), axis(0.0, 3.0, 7));
+    let value = |x: f64, y: f64| x * x + 0.5 * (y - 1.0) * (y - 1.0) + 0.2 * x * y;
+    let joined = |cells: Vec<f64>| {
+        let cells: Vec<String> = cells.iter().map(|cell| format!("{cell:?}")).collect();
+        cells.join(",")
+    };
+    let row = |x: f64| joined(y.iter().map(|y| value(x, *y)).collect());
+    let bare: Vec<String> = x.iter().map(|x| row(*x)).collect();
+    let rows: Vec<String> = x.iter().map(|x| format!("{x:?},{}", row(*x))).collect();
+    let within = |corner: &str| format!("{corner},{}\n{}\n", joined(y.clone()), rows.join("\n"));
+    let list = x.iter().flat_map(|x| {
+        y.iter()
+            .map(move |y| format!("{x:?},{y:?},{:?}\n", value(*x, *y)))
+    });
+    let list = format!("x,y,V\n{}", list.collect::<String>());
+    let run = |text: &str| {
+        let here = Place::with(scene);
+        here.write("v.csv", text);
+        let said = here.leafwise(&["run", "scene.toml"]);
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        here.read("runs/scene/samples.csv")
+    };
+    let expected = run(&format!("{}\n", bare.join("\n")));
+    for text in [within("0"), within("x\\y"), within(""), list.clone()] {
+        assert_eq!(run(&text), expected, "{text}");
+    }
+    // Of other axes each is refused, and what is said serves.
+    let other = scene.replace("x = [-1, 1]", "x = [-2, 2]");
+    for (text, said) in [
+        (
+            within("0"),
+            "look like coordinates, and not those of `axes`, x: -2, -1.5, -1, … 2",
+        ),
+        (list, "which is no node"),
+    ] {
+        let here = Place::with(&other);
+        here.write("v.csv", &text);
+        let refused = here.leafwise(&["run", "scene.toml"]);
+        assert_eq!(refused.code, Some(3), "{}", refused.err);
+        assert!(refused.err.contains(said), "{}", refused.err);
+    }
+}
+
 #[test]
 fn a_run_is_not_continued_with_other_numbers() {
     let here = Place::with(PENDULUM);

@@ -85,6 +85,7 @@ impl<'a> Session<'a> {
             walk: checkpoint.walk.clone(),
             start: checkpoint.start.clone(),
             paced: checkpoint.paced.clone(),
+            stop: checkpoint.stop,
             events: section
                 .map(|_| (checkpoint.side, checkpoint.crossings))
                 .into_iter()

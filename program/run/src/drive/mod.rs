@@ -157,6 +157,7 @@ impl Session<'_> {
                 .events
                 .first()
                 .map_or_else(Side::default, |(side, _)| *side),
+            stop: memory.stop,
             start: memory.start,
             deviation: memory.deviation,
         };

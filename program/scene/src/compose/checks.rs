@@ -3,7 +3,7 @@
 use leafwise_core::diagnostics::{
     IdentityCheck, Inconsistency, Verdict, check_casimir, check_jacobi, find_inconsistency,
 };
-use leafwise_core::{BuildError, PoissonSystem};
+use leafwise_core::{BuildError, PoissonSystem, SystemFormulas};
 
 use super::Refusal;
 use crate::document::{BracketSpec, SceneDocument};
@@ -66,12 +66,12 @@ impl SceneChecks {
             .position(|casimir| casimir.check.verdict == Verdict::Violated)
     }
 
-    /// Why a run of this scene is refused, if it is. With `allow_non_poisson` neither a tensor
+    /// Why a run of this scene, which begins `near` a state, is refused, if it is. With `allow_non_poisson` neither a tensor
     /// that violates the Jacobi identity nor, then, its Casimirs are refused; functions of no Poisson system always are.
     pub fn refusal(
         &self,
         document: &SceneDocument,
-        system: &PoissonSystem,
+        (system, near): (&PoissonSystem, &[f64]),
         allow_non_poisson: bool,
     ) -> Option<Refusal> {
         let names = |indices: &[usize]| {
@@ -84,6 +84,7 @@ impl SceneChecks {
                 .collect();
             names.join(", ")
         };
+        let name_of = |i: usize| system.variables()[i].as_str();
         if let Some(found) = &self.inconsistency {
             return Some(Box::new(document.diagnostic(
                 &document.system.bracket.place(),
@@ -97,9 +98,9 @@ impl SceneChecks {
                 return None;
             }
             let fails = format!(
-                "the Jacobi identity fails for {}, where the sum is {:.2e} of its terms' size",
+                "the Jacobi identity fails for {}, where {} of its terms is left",
                 names(&self.jacobi.worst),
-                self.jacobi.residual
+                part(self.jacobi.residual)
             );
             // In space the sum for the three velocities is div B, and all others vanish.
             let (message, label, what) = match document.system.bracket.value {
@@ -133,20 +134,85 @@ impl SceneChecks {
         let constraints = document.system.constraints.iter().map(|text| (text, text));
         let (name, formula) = declared.chain(constraints).nth(index)?;
         let check = &self.casimirs[index].check;
+        let slip = system
+            .expressions()
+            .filter(|_| matches!(document.system.bracket.value, BracketSpec::Entries(_)))
+            .and_then(|formulas| slip(formulas, index, near));
+        let entries = match slip {
+            Some([i, j]) => format!(
+                "change the sign of {{{}, {}}} in the bracket, which makes it one",
+                name_of(i),
+                name_of(j)
+            ),
+            None => format!("correct the bracket's entries with {}", names(&check.worst)),
+        };
         Some(Box::new(document.diagnostic(
             &document.place_in_formula(formula, 0..formula.value.len()),
             format!(
-                "`{}` is not a Casimir: its bracket with {} does not vanish, the sum is {:.2e} of \
-                 its terms' size",
+                "`{}` is not a Casimir: its bracket with {} does not vanish, {} of its terms is left",
                 name.value,
                 names(&check.worst),
-                check.residual
+                part(check.residual)
             ),
             "not conserved by every Hamiltonian",
             Some(format!(
-                "correct it, or move it to run.record.observables = [\"{}\"] to watch it only",
+                "correct it, or {entries}, or move it to run.record.observables = [\"{}\"] to watch it only",
                 formula.value
             )),
         )))
+    }
+}
+
+/// A residual relative to the sizes of what is summed, in words.
+fn part(residual: f64) -> String {
+    match residual >= 0.005 {
+        true => format!("{:.0} % of the size", 100.0 * residual),
+        false => format!("{residual:.1e} of the size"),
+    }
+}
+
+/// The entry of the tensor by whose other sign a Casimir would be one, if there is one alone.
+fn slip(formulas: &SystemFormulas, casimir: usize, near: &[f64]) -> Option<[usize; 2]> {
+    const SHIFT: f64 = 1e-5;
+    const ROUND_OFF: f64 = 1e-6;
+    let parameters = formulas.parameter_values();
+    let casimir = &formulas.casimirs().get(casimir)?.expression;
+    let mut fits: Vec<[usize; 2]> = formulas.tensor().keys().map(|&(i, j)| [i, j]).collect();
+    // Two states of no special place.
+    for seed in [0.3, 1.7] {
+        let moved = near.iter().zip(1_u32..);
+        let state: Vec<f64> = moved
+            .map(|(x, at)| x + 0.5 * libm::sin(seed + f64::from(at)))
+            .collect();
+        let slope = |at: usize| {
+            let value = |shift: f64| {
+                let mut state = state.clone();
+                state[at] += shift;
+                casimir.evaluate(&state, &parameters)
+            };
+            (value(SHIFT) - value(-SHIFT)) / (2.0 * SHIFT)
+        };
+        let slopes: Vec<f64> = (0..state.len()).map(slope).collect();
+        let (mut sums, mut sizes) = (vec![0.0; state.len()], vec![0.0; state.len()]);
+        let mut terms = Vec::new();
+        for (&(i, j), entry) in formulas.tensor() {
+            let value = entry.evaluate(&state, &parameters);
+            for (row, term) in [(i, value * slopes[j]), (j, -value * slopes[i])] {
+                sums[row] += term;
+                sizes[row] += term.abs();
+                terms.push(([i, j], row, term));
+            }
+        }
+        fits.retain(|entry| {
+            let mut sums = sums.clone();
+            let own = terms.iter().filter(|(of, ..)| of == entry);
+            own.for_each(|(_, row, term)| sums[*row] -= 2.0 * term);
+            let mut rows = sums.iter().zip(&sizes);
+            rows.all(|(sum, size)| sum.abs() <= ROUND_OFF * size)
+        });
+    }
+    match fits.as_slice() {
+        [only] => Some(*only),
+        _ => None,
     }
 }

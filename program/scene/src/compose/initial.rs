@@ -19,12 +19,17 @@ pub(super) fn initial_state(document: &SceneDocument) -> Result<Vec<f64>, Refusa
         scope: scope(document, &lattice, None)?,
         parameters: parameters.map(|(_, value)| value.value.value).collect(),
         values: vec![0.0; system.dimension()],
-        is_given: vec![false; system.dimension()],
+        given_by: vec![0; system.dimension()],
     };
-    state.assign_all(&system.sites)?;
+    for family in parameters_of_sites(document)? {
+        state.assign_all(&family)?;
+    }
     state.assign_spec(&document.run.initial)?;
     state.finish()
 }
+
+/// The key of values that are given beside a state's own.
+const BESIDE: u32 = u32::MAX;
 
 /// A state of the scene's coordinates written as its initial state is; those that it does not name have the values of `others`.
 ///
@@ -44,11 +49,115 @@ pub fn state_beside(
         scope: scope(document, &lattice, None)?,
         parameters: parameters.map(|(_, value)| value.value.value).collect(),
         values,
-        is_given: vec![true; dimension],
+        given_by: vec![BESIDE; dimension],
     };
     state.assign_spec(spec)?;
     state.values.truncate(others.len());
     Ok(state.values)
+}
+
+/// What a key gives: the value of one site, or of many.
+type Field = (Located<String>, FieldSpec);
+
+/// The parameters of sites, family by family: those that formulas of others name come before them.
+fn parameters_of_sites(document: &SceneDocument) -> Result<Vec<Vec<&Field>>, Refusal> {
+    let mut families: Vec<Family<'_>> = Vec::new();
+    for field in &document.system.sites {
+        let (key, given) = field;
+        let pattern = VariablePattern::parse_one(&key.value)
+            .map_err(|error| refusal(document, key, &error))?;
+        let mut names = Vec::new();
+        if let FieldSpec::Formula(formula) = given {
+            let parsed = parse(document, formula)?;
+            names.extend(parsed.references().into_iter().map(str::to_owned));
+        }
+        match families.iter_mut().find(|own| own.name == pattern.name()) {
+            Some(own) => {
+                own.fields.push(field);
+                own.names.extend(names);
+            }
+            None => families.push(Family {
+                name: pattern.name().to_owned(),
+                fields: vec![field],
+                names,
+            }),
+        }
+    }
+    let mut ordered = Vec::with_capacity(families.len());
+    while !families.is_empty() {
+        let is_free =
+            |own: &Family<'_>| !families.iter().any(|other| own.names.contains(&other.name));
+        match families.iter().position(is_free) {
+            Some(at) => ordered.push(families.remove(at).fields),
+            None => return Err(circle(document, &families)),
+        }
+    }
+    Ok(ordered)
+}
+
+/// Parameters of a family of sites, and the names in their formulas.
+struct Family<'a> {
+    name: String,
+    fields: Vec<&'a Field>,
+    names: Vec<String>,
+}
+
+/// Of families each of which waits for another one, those that wait for themselves.
+fn circle(document: &SceneDocument, families: &[Family<'_>]) -> Refusal {
+    let mut way = vec![0];
+    loop {
+        let last = &families[way[way.len() - 1]];
+        let next = families
+            .iter()
+            .position(|own| last.names.contains(&own.name));
+        let next = next.unwrap_or_default();
+        if let Some(begin) = way.iter().position(|own| *own == next) {
+            way.drain(..begin);
+            break;
+        }
+        way.push(next);
+    }
+    let first = &families[way[0]];
+    let names: Vec<String> = way
+        .iter()
+        .map(|at| format!("`{}`", families[*at].name))
+        .collect();
+    let message = match names.as_slice() {
+        [only] => format!("values of {only} are given by values of {only}"),
+        several => format!(
+            "the values of {} are each given by the next",
+            several.join(", ")
+        ),
+    };
+    let is_it = |(_, given): &&&Field| match given {
+        FieldSpec::Formula(formula) => parse(document, formula).is_ok_and(|parsed| {
+            let names = parsed.references();
+            way.iter()
+                .any(|at| names.contains(families[*at].name.as_str()))
+        }),
+        _ => false,
+    };
+    let key = first
+        .fields
+        .iter()
+        .find(is_it)
+        .map_or(&first.fields[0].0, |(key, _)| key);
+    Box::new(document.diagnostic(
+        &key.place(),
+        message,
+        "goes round in a circle",
+        Some("write one of them by numbers, by indices and by parameters of its own".to_owned()),
+    ))
+}
+
+/// A coordinate that another key had given another value: its number, that key, and both values.
+type Twice = (usize, u32, [f64; 2]);
+
+/// A key of initial values, with its number among them.
+struct Key<'a> {
+    key: &'a Located<String>,
+    pattern: &'a VariablePattern,
+    number: u32,
 }
 
 struct State<'a> {
@@ -56,7 +165,8 @@ struct State<'a> {
     scope: Scope,
     parameters: Vec<f64>,
     values: Vec<f64>,
-    is_given: Vec<bool>,
+    /// The key that gave each its value, counted from 1; 0 where none has.
+    given_by: Vec<u32>,
 }
 
 impl State<'_> {
@@ -77,13 +187,13 @@ impl State<'_> {
                 }
                 for (at, number) in numbers.iter().enumerate() {
                     self.values[at] = number.value.value;
-                    self.is_given[at] = true;
+                    self.given_by[at] = 1;
                 }
                 Ok(())
             }
             InitialSpec::Fields(fields) => {
                 self.check_moving(fields)?;
-                self.assign_all(fields)
+                self.assign_all(&fields.iter().collect::<Vec<_>>())
             }
         }
     }
@@ -105,32 +215,86 @@ impl State<'_> {
         Ok(())
     }
 
-    /// The more indices a key has, the sooner: a row overrides the field and a single site both, whatever their order.
-    fn assign_all(&mut self, fields: &[(Located<String>, FieldSpec)]) -> Result<(), Refusal> {
-        for indices in (0..=AXES).rev() {
-            for (key, field) in fields {
-                let pattern = VariablePattern::parse_one(&key.value)
-                    .map_err(|error| refusal(self.document, key, &error))?;
-                let names = pattern.index_names();
-                if names.iter().filter(|name| !name.is_empty()).count() == indices {
-                    match field {
-                        FieldSpec::Formula(formula) => {
-                            let parsed = parse(self.document, formula)?;
-                            self.assign(key, &pattern, formula, &parsed)?;
-                        }
-                        FieldSpec::Numbers(numbers, place) => {
-                            let numbers: Vec<f64> = numbers.iter().map(|n| n.value.value).collect();
-                            self.assign_numbers(key, &pattern, &numbers, place)?;
-                        }
-                        FieldSpec::File { file, column } => {
-                            let numbers = self.read(file, column.as_ref())?;
-                            self.assign_numbers(key, &pattern, &numbers, &file.place())?;
-                        }
-                    }
+    /// The more indices a key has, the sooner: a row overrides the field and a single site both, whatever their order. Keys with
+    /// as many indices give no site two values.
+    fn assign_all(&mut self, fields: &[&Field]) -> Result<(), Refusal> {
+        let mut keys = Vec::with_capacity(fields.len());
+        for ((key, field), number) in fields.iter().zip(1..) {
+            let pattern = VariablePattern::parse_one(&key.value)
+                .map_err(|error| refusal(self.document, key, &error))?;
+            let names = pattern.index_names();
+            let indices = names.iter().filter(|name| !name.is_empty()).count();
+            keys.push((indices, number, key, pattern, field));
+        }
+        keys.sort_by_key(|(indices, ..)| std::cmp::Reverse(*indices));
+        let mut first = (AXES + 1, 1);
+        for (place, (indices, number, key, pattern, field)) in keys.iter().enumerate() {
+            if *indices < first.0 {
+                first = (*indices, place);
+            }
+            let own = Key {
+                key,
+                pattern,
+                number: *number,
+            };
+            let given = match field {
+                FieldSpec::Formula(formula) => {
+                    let parsed = parse(self.document, formula)?;
+                    self.assign(&own, formula, &parsed)?
+                }
+                FieldSpec::Numbers(numbers, place) => {
+                    let numbers: Vec<f64> = numbers.iter().map(|n| n.value.value).collect();
+                    self.assign_numbers(&own, &numbers, place)?
+                }
+                FieldSpec::File { file, column } => {
+                    let numbers = self.read(file, column.as_ref())?;
+                    self.assign_numbers(&own, &numbers, &file.place())?
+                }
+            };
+            let alike = &keys[first.1..place];
+            for (at, before, value) in given {
+                let other = alike.iter().find(|(_, number, ..)| *number == before);
+                if let Some((_, _, other, ..)) = other {
+                    return Err(self.given_twice(at, [other, key], value));
                 }
             }
         }
         Ok(())
+    }
+
+    /// Two keys alike that give one site different values.
+    fn given_twice(
+        &self,
+        at: usize,
+        [one, other]: [&Located<String>; 2],
+        [before, after]: [f64; 2],
+    ) -> Refusal {
+        let (one, written) = (&one.value, &other.value);
+        Box::new(self.document.diagnostic(
+            &other.place(),
+            format!(
+                "\"{one}\" and \"{written}\" give {} two values, {before:?} and {after:?}",
+                self.name(at)
+            ),
+            "given twice",
+            Some(format!(
+                "names of indices are free, and neither key goes before the other: keep one, write both as one formula, or give \
+                 single sites or rows their own values, as in \"{}\"",
+                match one.split_once('[') {
+                    Some((family, indices)) if indices.contains(',') => format!("{family}[0,j]"),
+                    Some((family, _)) => format!("{family}[0]"),
+                    None => one.clone(),
+                }
+            )),
+        ))
+    }
+
+    /// Takes in the value of a coordinate. Where another key has given it another one: the coordinate, that key and both values.
+    fn set(&mut self, at: usize, value: f64, number: u32) -> Option<Twice> {
+        let before = std::mem::replace(&mut self.given_by[at], number);
+        let other = std::mem::replace(&mut self.values[at], value);
+        let is_other = before != 0 && before != number && other != value;
+        is_other.then_some((at, before, [other, value]))
     }
 
     fn read(
@@ -170,11 +334,11 @@ impl State<'_> {
     /// A number for each site.
     fn assign_numbers(
         &mut self,
-        key: &Located<String>,
-        pattern: &VariablePattern,
+        own: &Key<'_>,
         numbers: &[f64],
         place: &Place,
-    ) -> Result<(), Refusal> {
+    ) -> Result<Vec<Twice>, Refusal> {
+        let (key, pattern) = (own.key, own.pattern);
         let refuse = |place: &Place, message: String, help: String| {
             Err(Box::new(self.document.diagnostic(
                 place,
@@ -203,25 +367,26 @@ impl State<'_> {
                 "one number for each site".to_owned(),
             );
         }
+        let mut twice = Vec::new();
         for (i, value) in sites.into_iter().zip(numbers) {
             let at = pattern
                 .resolve(&self.scope, Some((&names, i)))
                 .map_err(|error| refusal(self.document, key, &error))?;
             if let Some(at) = at {
-                self.values[at] = *value;
-                self.is_given[at] = true;
+                twice.extend(self.set(at, *value, own.number));
             }
         }
-        Ok(())
+        Ok(twice)
     }
 
     fn assign(
         &mut self,
-        key: &Located<String>,
-        pattern: &VariablePattern,
+        own: &Key<'_>,
         formula: &Located<String>,
         parsed: &Formula,
-    ) -> Result<(), Refusal> {
+    ) -> Result<Vec<Twice>, Refusal> {
+        let (key, pattern) = (own.key, own.pattern);
+        let mut twice = Vec::new();
         let names = pattern.index_names();
         let sites = match names.is_empty() {
             false => self.sites(key, pattern, &names)?,
@@ -233,16 +398,21 @@ impl State<'_> {
                 .resolve(&self.scope, index)
                 .map_err(|error| refusal(self.document, key, &error))?;
             let Some(at) = at else { continue };
+            // Parameters of sites stand behind the coordinates.
+            let coordinates = self.document.system.coordinates();
+            let known = |at: usize| {
+                let is_known = at >= coordinates && self.given_by[at] != 0;
+                is_known.then(|| self.values[at])
+            };
             let value = parsed
-                .value(&self.scope, &self.parameters, index)
+                .value_with_sites(&self.scope, (&self.parameters, &known), index)
                 .map_err(|error| refusal(self.document, formula, &error))?;
             if !value.is_finite() {
                 return Err(self.not_finite(formula, at, index, value));
             }
-            self.values[at] = value;
-            self.is_given[at] = true;
+            twice.extend(self.set(at, value, own.number));
         }
-        Ok(())
+        Ok(twice)
     }
 
     fn not_finite(
@@ -289,7 +459,7 @@ impl State<'_> {
     }
 
     fn finish(self) -> Result<Vec<f64>, Refusal> {
-        let Some(at) = self.is_given.iter().position(|given| !given) else {
+        let Some(at) = self.given_by.iter().position(|key| *key == 0) else {
             return Ok(self.values);
         };
         let system = &self.document.system;

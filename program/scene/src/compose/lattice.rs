@@ -372,7 +372,7 @@ fn force_reach(
             match &metric.value {
                 MetricSpec::Named(named) => entries.extend(named),
                 MetricSpec::Diagonal(_) | MetricSpec::Rows(_) => {
-                    let help = "write a table with an index: metric = { \"p[i]\" = \"1\" }";
+                    let help = "write a table with an index: metric = { \"q[i]\" = \"1\" }";
                     return refuse(metric.place(), by_site, help);
                 }
             }

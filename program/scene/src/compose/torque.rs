@@ -19,8 +19,9 @@ const QUATERNION: [&str; 4] = ["q0", "q1", "q2", "q3"];
 /// Bound on round-off of a torque of size one.
 const ROUND_OFF: f64 = 1e-12;
 
-/// Help for a system without attitude.
-const NO_ATTITUDE: &str = "`leafwise list systems` names those that have it; other systems take the form itself as `forces`";
+/// Help for a system without attitude: forces on m alone move it along its leaf, which keeps |m|.
+const NO_ATTITUDE: &str = "write `library = \"attitude\"`, or \"heavy-top-attitude\" beside gravity, whose orientation is part of the \
+                           state; `forces` cannot stand for a torque on m alone: they keep its length";
 
 /// Adds the one-form of a torque to that of the other forces.
 ///

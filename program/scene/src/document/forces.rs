@@ -1,7 +1,5 @@
 //! `forces = […]`, `torque = […]` and `damping = { … }`: what moves the system beside its Hamiltonian.
 
-use leafwise_expression::syntax::Formula;
-
 use super::error::SceneProblemCause;
 use super::field::check_sites_once;
 use super::located::Located;
@@ -82,13 +80,6 @@ impl MetricSpec {
 }
 
 impl ForcesSpec {
-    /// Whether a formula in it names this.
-    pub(super) fn names(&self, name: &str) -> bool {
-        let formulas = self.formulas().into_iter();
-        let mut parsed = formulas.filter_map(|formula| Formula::parse(&formula.value).ok());
-        parsed.any(|formula| formula.references().contains(name))
-    }
-
     /// Every formula in it.
     pub fn formulas(&self) -> Vec<&Located<String>> {
         let one_form = self.one_form.iter();

@@ -53,7 +53,9 @@ pub(super) fn read_numbers(
         problems.conflict("library", item, advice);
         return None;
     }
-    for key in ["tables", "casimirs", "forces", "torque", "damping", "noise"] {
+    for key in [
+        "define", "tables", "casimirs", "forces", "torque", "damping", "noise",
+    ] {
         if let Some(item) = table.get(key) {
             let advice = format!(
                 "`{}` computes numbers, and `{key}` stands beside formulas of a system alone",

@@ -178,7 +178,7 @@ pub(super) static METHOD: [Key; 10] = [
     key(
         "time-step",
         Shape::Number,
-        "The time that one step advances t by, in place of epsilon and h",
+        "The time that one step advances t by, in place of epsilon and h; a negative one runs backwards in time",
     )
     .not_beside(&TIME_STEP_BESIDE),
     key(

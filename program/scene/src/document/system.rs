@@ -24,7 +24,7 @@ use super::reader::{Item, Problems, Table};
 use super::suggest::nearest;
 use super::system_schema::SYSTEM;
 use super::system_section::{Convention, SystemSection};
-use super::tables::{TableSpec, read_tables};
+use super::tables::read_tables;
 use super::variables::{Variables, read_variables};
 use super::vector_formulas::{define_vectors, force_vectors};
 
@@ -64,8 +64,12 @@ pub(super) fn read_system(
     *fragment = Some((id.value.clone(), text.to_string()));
     let mut system = read_fragment(&id.value, text, registry, problems)?;
     let tables = read_tables(table.get("tables"), registry, problems)?;
-    check_tables(&system, &tables, problems);
+    check_new_names(&system, tables.iter().map(|(name, _)| name), problems);
     system.tables.extend(tables);
+    let define = read_define(table, problems)?;
+    check_new_names(&system, define.iter().map(|(name, _)| name), problems);
+    system.define.extend(define);
+    define_vectors(&mut system, problems);
     system.casimirs = read_casimirs(table, std::mem::take(&mut system.casimirs), problems)?;
     system.forces = read_forces(table, std::mem::take(&mut system.forces), problems)?;
     system.noise = read_noise(table, std::mem::take(&mut system.noise), problems)?;
@@ -89,6 +93,17 @@ fn read_casimirs(
         }
         Some(item) => item.pairs("a table of formulas, or \"find\"", problems, Item::formula),
         None => Some(known),
+    }
+}
+
+/// The definitions of a `[system]` table.
+fn read_define(
+    table: &Table<'_>,
+    problems: &mut Problems,
+) -> Option<Vec<(Located<String>, Located<String>)>> {
+    match table.get("define") {
+        Some(item) => item.pairs("a table of formulas", problems, Item::formula),
+        None => Some(Vec::new()),
     }
 }
 
@@ -147,8 +162,10 @@ fn override_values(
     } = parameters.unwrap_or_default();
     replace_sites(&mut system.sites, sites, problems);
     let is_known = |name: &str| system.parameters.iter().any(|(p, _)| p.value == name);
+    let own = OwnFormulas::of(system);
     let (new, parameters): (Vec<_>, Vec<_>) = (parameters.into_iter())
-        .partition(|(name, _)| !is_known(&name.value) && system.forces.names(&name.value));
+        .partition(|(name, _)| !is_known(&name.value) && own.name_it(&name.value));
+    check_new_names(system, new.iter().map(|(name, _)| name), problems);
     system.parameters.extend(new);
     replace(
         &mut system.parameters,
@@ -158,7 +175,7 @@ fn override_values(
     );
     let (known, unknown): (Vec<_>, Vec<_>) = formulas.into_iter().partition(|(name, _)| {
         let mut numbers = system.parameters.iter();
-        numbers.any(|(own, _)| own.value == name.value) || system.forces.names(&name.value)
+        numbers.any(|(known, _)| known.value == name.value) || own.name_it(&name.value)
     });
     for (name, _) in unknown {
         let known = system.parameters.iter().map(|(own, _)| own.value.as_str());
@@ -191,6 +208,26 @@ fn override_values(
     replace(&mut moving, Some(given), "family of this system", problems);
     system.families = moving;
     add_sites(system, problems);
+}
+
+/// Names in the formulas that stand beside a library system: they may name parameters that it has not.
+struct OwnFormulas(HashSet<String>);
+
+impl OwnFormulas {
+    fn of(system: &SystemSection) -> Self {
+        let define = system.define.iter().map(|(_, formula)| formula);
+        let all = system.forces.formulas().into_iter().chain(define);
+        let parsed = all.filter_map(|formula| Formula::parse(&formula.value).ok());
+        let names = parsed.flat_map(|formula| {
+            let names = formula.references().into_iter().map(str::to_owned);
+            names.collect::<Vec<_>>()
+        });
+        Self(names.collect())
+    }
+
+    fn name_it(&self, name: &str) -> bool {
+        self.0.contains(name)
+    }
 }
 
 /// Makes definitions of parameters that are formulas of other ones; beside `library` they take the place of numbers.
@@ -312,10 +349,7 @@ fn read_inline(
         Some(item) => read_parameters(item, has_sites, |_| false, problems),
         None => Some(Parameters::default()),
     };
-    let define = match table.get("define") {
-        Some(item) => item.pairs("a table of formulas", problems, Item::formula),
-        None => Some(Vec::new()),
-    };
+    let define = read_define(table, problems);
     let tables = read_tables(table.get("tables"), registry, problems);
     if table.get("variables").is_none() && table.get("families").is_none() {
         table.require(
@@ -479,10 +513,10 @@ fn check_names(system: &SystemSection, problems: &mut Problems) {
     }
 }
 
-/// Tables beside a library system have names that it does not use.
-fn check_tables(
+/// Tables and definitions beside a library system have names that it does not use.
+fn check_new_names<'a>(
     system: &SystemSection,
-    tables: &[(Located<String>, TableSpec)],
+    names: impl Iterator<Item = &'a Located<String>>,
     problems: &mut Problems,
 ) {
     let named = system.parameters.iter().map(|(name, _)| name);
@@ -491,7 +525,7 @@ fn check_tables(
         .chain(system.tables.iter().map(|(name, _)| name))
         .map(|name| name.value.as_str())
         .collect();
-    for (name, _) in tables {
+    for name in names {
         if taken.contains(name.value.as_str()) {
             let cause = SceneProblemCause::Duplicate {
                 name: name.value.clone(),

@@ -36,15 +36,14 @@ const NUMBERS_ALONE: &str = "a `library` system that computes numbers";
 static LIBRARY_BESIDE: [Beside; 1] = [Beside::Keys {
     keys: &[
         "variables",
-        "define",
         "bracket",
         "constraints",
         "boundary",
         "convention",
         "hamiltonian",
     ],
-    advice: "beside `library` only `parameters`, `tables`, `families`, `casimirs`, `forces`, `damping` and `noise` may \
-              stand; remove it, or write the system out without `library`",
+    advice: "beside `library` only `parameters`, `define`, `tables`, `families`, `casimirs`, `forces`, `torque`, `damping` and \
+              `noise` may stand; remove it, or write the system out without `library`",
 }];
 
 /// Keys of a system that is written out, and those that are found.
@@ -60,8 +59,8 @@ static EQUATIONS_BESIDE: [Beside; 1] = [Beside::Keys {
         "hamiltonian",
         "casimirs",
     ],
-    advice: "beside `equations` only `variables`, `parameters`, `bracket = \"find\"`, `forces`, `damping` and `noise` may stand: the \
-              rest is found",
+    advice: "beside `equations` only `variables`, `parameters`, `bracket = \"find\"`, `forces`, `torque`, `damping` and `noise` may \
+              stand: the rest is found",
 }];
 
 static PARAMETERS_BESIDE: [Beside; 1] = [Beside::Note(
@@ -112,7 +111,8 @@ pub(super) static SYSTEM: [Key; 17] = [
         FORMULAS,
         "Names for formulas that other formulas use: { B = \"sqrt(x^2 + y^2)\" }",
     )
-    .default("{}"),
+    .default("{}")
+    .not_beside(&[Beside::Note(NUMBERS_ALONE)]),
     key(
         "tables",
         Shape::Names(&table(&LOOKUP, &[&["axes"]])),
@@ -209,8 +209,8 @@ pub(super) static LOOKUP: [Key; 6] = [
     key(
         "file",
         Shape::Text,
-        "A file beside the scene: an array of NumPy's (.npy) of the axes' nodes; for one axis also a column, for two a grid \
-         of numbers in CSV or JSON, a row for each node of the first",
+        "A file beside the scene: an array of NumPy's (.npy) of the axes' nodes; in CSV or JSON a column for one axis, for two a grid \
+         of numbers, a row for each node of the first, for any a list of places and values",
     )
     .otherwise("an array given in Python")
     .not_beside(&[Beside::InPlaceOf {
@@ -229,7 +229,7 @@ pub(super) static LOOKUP: [Key; 6] = [
     key(
         "column",
         Shape::Text,
-        "The name of its column, for one axis and a file of several columns",
+        "The name of its column, in a file of several columns",
     )
     .otherwise("the only one"),
     key(
@@ -291,7 +291,7 @@ pub(super) static DAMPING: [Key; 2] = [
             ])),
             FORMULAS,
         ]),
-        "The velocities that are damped: a diagonal, or { \"p[i]\" = \"1\" } for some of it, or \
+        "The velocities that are damped: a diagonal, or { \"q[i]\" = \"1\" } for friction on q' alone, or \
          the rows of a symmetric matrix without negative eigenvalues",
     )
     .otherwise("all alike"),

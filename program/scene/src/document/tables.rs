@@ -14,8 +14,8 @@ use super::located::{Located, Number, Place};
 use super::reader::{Item, Problems};
 use super::suggest::nearest;
 use super::system_schema::LOOKUP;
+use crate::grid::{GridAxis, read_nodes};
 use crate::npy::read_npy;
-use crate::table::{read_column, read_grid};
 
 /// A table: where its numbers are, and what its axes are.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,10 +85,36 @@ impl TableSpec {
             first: first.value.value,
             last: last.value.value,
             nodes: *nodes,
-            is_periodic: self.periodic.iter().any(|own| own.value == axis.value),
+            is_periodic: self.is_periodic(axis),
         });
-        TableFunction::new(name, axes.collect(), self.degree, &array.numbers)
-            .map_err(|error| (place, format!("the table `{name}`: {error}")))
+        TableFunction::new(name, axes.collect(), self.degree, &array.numbers).map_err(|error| {
+            // As many columns as a list of places and values has.
+            let is_list = self.axes.len() == 2 && array.shape[1] == 3 && self.file.is_some();
+            let names: Vec<&str> = self.axes.iter().map(|(axis, _)| axis.value.as_str()).collect();
+            let list = match is_list {
+                true => format!(
+                    "; is it a list of {} and a value in each row? Then its first line is {},{name}",
+                    names.join(", "),
+                    names.join(",")
+                ),
+                false => String::new(),
+            };
+            (place, format!("the table `{name}`: {error}{list}"))
+        })
+    }
+
+    fn grid_axes(&self) -> Vec<GridAxis<'_>> {
+        let axes = self.axes.iter();
+        axes.map(|(name, [first, last])| GridAxis {
+            name: &name.value,
+            ends: [first.value.value, last.value.value],
+            is_periodic: self.is_periodic(name),
+        })
+        .collect()
+    }
+
+    fn is_periodic(&self, axis: &Located<String>) -> bool {
+        self.periodic.iter().any(|own| own.value == axis.value)
     }
 
     fn array(&self, name: &str, directory: &Path) -> Result<Arc<NumberArray>, String> {
@@ -103,22 +129,15 @@ impl TableSpec {
             .extension()
             .is_some_and(|end| end.eq_ignore_ascii_case("npy"));
         let column = self.column.as_ref().map(|column| column.value.as_str());
-        let array = match (is_npy, self.axes.len()) {
-            (true, _) => read_npy(&path)?,
-            (false, 1) => {
-                let numbers = read_column(&path, column)?;
-                NumberArray {
-                    shape: vec![numbers.len()],
-                    numbers,
-                }
-            }
-            (false, 2) => read_grid(&path)?,
-            _ => {
+        let array = match (is_npy, column) {
+            (true, Some(column)) if self.axes.len() > 1 => {
                 return Err(format!(
-                    "{}: a table of three axes is read from a file of NumPy's, written by numpy.save(\"{name}.npy\", array)",
+                    "{}: an array has no column `{column}`; leave `column` out",
                     path.display()
                 ));
             }
+            (true, _) => read_npy(&path)?,
+            (false, _) => read_nodes(&path, &self.grid_axes(), column)?,
         };
         Ok(Arc::new(array))
     }
@@ -198,15 +217,6 @@ fn read_table(item: &Item<'_>, problems: &mut Problems) -> Option<TableSpec> {
         problems.push(cause, name.place());
     }
     let (file, column) = (file?, column?);
-    if let Some(column) = column.as_ref().filter(|_| axes.len() > 1) {
-        let cause = SceneProblemCause::Shape {
-            what: "`column`".to_owned(),
-            found: format!("a table of {} axes beside it", axes.len()),
-            expected: "a table of one axis: of several axes the file is a grid of numbers"
-                .to_owned(),
-        };
-        problems.push(cause, column.place());
-    }
     Some(TableSpec {
         file,
         column,

@@ -35,7 +35,7 @@ pub const LIE_ALGEBRAS: [LieAlgebra; 11] = [
         name: "so3",
         coordinates: &["x1", "x2", "x3"],
         bracket: &[(0, 1, &[(-1, 2)]), (1, 2, &[(-1, 0)]), (2, 0, &[(-1, 1)])],
-        summary: "rotations of space: {x1,x2} = -x3 and cyclic",
+        summary: "rotations of space: {x1,x2} = -x3 and cyclic; with {H,x} a spin, s' = s × (-∂H/∂s), with {x,H} a body, m' = m × ω, ω = ∂H/∂m",
     },
     LieAlgebra {
         name: "se3",

@@ -421,7 +421,7 @@ fn a_magnetic_field_with_a_divergence_is_told_so() {
         let document = SceneDocument::parse("scene.toml", text, &registry).expect("a scene");
         let run = super::super::compose_system(&document).expect("a system");
         let checks = super::super::SceneChecks::of(&run.system, &run.near).expect("checks");
-        checks.refusal(&document, &run.system, false)
+        checks.refusal(&document, (&run.system, &run.near), false)
     };
     let refused = refusal(&field("[\"x\", \"0\", \"1\"]")).expect("div B = 1");
     assert!(

@@ -209,3 +209,94 @@ fn files_give_a_number_a_site() {
         "{message}"
     );
 }
+
+/// Values of sites may be formulas of others, in whatever order they stand, and so may initial values.
+#[test]
+fn values_of_sites_may_name_those_of_others() {
+    let parameters = "\"J[i]\" = \"2*w[i] + w[i+1]\", \"w[i]\" = \"m[i]^2 + a\", \"m[i]\" = [1, 2, 3, 4], \"m[2]\" = 5, a = 0.5";
+    let start = "initial = { \"q[i]\" = \"J[i] - sum(k, m[k])\", \"p[i]\" = 0 }";
+    let composed = compose_system(&document(&chain(parameters), start)).expect("a system");
+    let m = [1.0, 2.0, 5.0, 4.0];
+    let w = m.map(|m| m * m + 0.5);
+    let j = [0, 1, 2, 3].map(|i| 2.0 * w[i] + w[(i + 1) % 4]);
+    let initial = composed.initial;
+    assert_eq!(initial[..4], j.map(|j| j - 12.0));
+    // Behind the coordinates they stand in the order of the scene.
+    assert_eq!(initial[8..], [j, w, m].concat());
+    // A coordinate is none of them.
+    let refused = compose_system(&document(&chain("\"J[i]\" = \"q[i]\""), START));
+    let message = refused.expect_err("a coordinate").message;
+    assert!(message.contains("`q` depends on the state"), "{message}");
+}
+
+#[test]
+fn values_that_lead_round_in_a_circle_are_refused() {
+    for (parameters, said) in [
+        (
+            "\"J[i]\" = \"w[i]\", \"w[i]\" = \"m[i]\", \"m[i]\" = \"2*w[i]\"",
+            "the values of `w`, `m` are each given by the next",
+        ),
+        (
+            "\"J[i]\" = \"1 + J[i-1]\"",
+            "values of `J` are given by values of `J`",
+        ),
+        (
+            "\"J[i]\" = 1, \"J[2]\" = \"J[1]\"",
+            "values of `J` are given by values of `J`",
+        ),
+    ] {
+        let refused = compose_system(&document(&chain(parameters), START)).expect_err(said);
+        assert!(refused.message.contains(said), "{}", refused.message);
+    }
+    let open = format!(
+        "{}\nboundary = \"open\"",
+        chain("\"J[i]\" = \"m[i+1]\", \"m[i]\" = 1")
+    );
+    let refused = compose_system(&document(&open, START)).expect_err("outside");
+    assert!(
+        refused
+            .message
+            .contains("`m[i+1]` lies beyond the open end"),
+        "{}",
+        refused.message
+    );
+}
+
+/// Names of indices are free: two keys for one family are one, and neither may win in silence.
+#[test]
+fn keys_that_give_a_site_two_values_are_refused_by_both_names() {
+    let plane = "families = { q = [2, 3], p = [2, 3] }\nbracket = { \"q[i,j],p[i,j]\" = \"-1\" }\n\
+                 hamiltonian = \"sum(i, sum(j, p[i,j]^2/2 + q[i,j]^2/2))\"\nparameters = { a = 2 }";
+    let start = |keys: &str| document(plane, &format!("initial = {{ \"p[i,j]\" = 0, {keys} }}"));
+    for (one, other, values) in [
+        ("q[i,j]\" = \"i\"", "q[j,i]\" = \"2*i\"", "q[0, 1]"),
+        (
+            "q[i,j]\" = \"i\"",
+            "q[k,l]\" = [6, 5, 4, 3, 2, 1]",
+            "q[0, 0]",
+        ),
+    ] {
+        let refused = compose_system(&start(&format!("\"{one}, \"{other}"))).expect_err(other);
+        let key = |text: &str| format!("\"{}\"", text.split('"').next().unwrap_or_default());
+        for said in [key(one), key(other)] {
+            assert!(refused.message.contains(&said), "{}", refused.message);
+        }
+        let name = values.replace(' ', "");
+        let message = refused.message.replace(' ', "");
+        assert!(
+            message.contains(&format!("give{name}twovalues")),
+            "{message}"
+        );
+    }
+    // Crossing rows with one value at their corner, and rows before the whole, are no contradiction.
+    let keys = "\"q[0,j]\" = 0, \"q[i,0]\" = 0, \"q[i,j]\" = \"7\", \"q[1,2]\" = 5";
+    let composed = compose_system(&start(keys)).expect("a system");
+    assert_eq!(composed.initial[..6], [0.0, 0.0, 0.0, 0.0, 7.0, 5.0]);
+    let crossing = "\"q[0,j]\" = 1, \"q[i,0]\" = 0, \"q[i,j]\" = \"7\"";
+    let refused = compose_system(&start(crossing)).expect_err("a corner");
+    assert!(
+        refused.message.contains("two values, 1.0 and 0.0"),
+        "{}",
+        refused.message
+    );
+}

@@ -1,0 +1,284 @@
+//! Everyday words, and where the guide explains what is meant.
+
+use crate::guide::{Explained, part};
+
+/// Words for what a part of the guide explains under another name.
+struct Synonym {
+    words: &'static [&'static str],
+    /// The page.
+    page: &'static str,
+    /// A part of the page: words of its heading, or a name in the first column of a table.
+    at: &'static str,
+    /// What stands there, for the test.
+    #[cfg_attr(not(test), expect(dead_code, reason = "of the test"))]
+    says: &'static str,
+}
+
+const fn leads(
+    words: &'static [&'static str],
+    page: &'static str,
+    at: &'static str,
+    says: &'static str,
+) -> Synonym {
+    Synonym {
+        words,
+        page,
+        at,
+        says,
+    }
+}
+
+/// A word may stand in several rows: all parts are printed.
+const SYNONYMS: [Synonym; 24] = [
+    leads(
+        &["sign", "signs", "backward", "backwards", "reversed"],
+        "define-a-system",
+        "variables and bracket",
+        "{H, x}",
+    ),
+    leads(
+        &["backward", "backwards", "negative"],
+        "keys",
+        "time-step",
+        "backwards",
+    ),
+    leads(
+        &["sign", "reversed"],
+        "read-the-report",
+        "backward-time",
+        "convention",
+    ),
+    leads(
+        &["units", "unit", "si"],
+        "define-a-system",
+        "shorter brackets",
+        "Units are yours",
+    ),
+    leads(
+        &["friction", "drag", "dissipation", "dissipative"],
+        "forces",
+        "damping",
+        "rate",
+    ),
+    leads(&["friction", "drag"], "forces", "forces", "friction*p"),
+    leads(
+        &[
+            "fit",
+            "fitting",
+            "estimate",
+            "estimation",
+            "observations",
+            "regression",
+        ],
+        "gradients",
+        "parameters from observations",
+        "Fit",
+    ),
+    leads(
+        &[
+            "restart",
+            "resume",
+            "checkpoint",
+            "checkpoints",
+            "continue",
+            "crash",
+            "interrupt",
+        ],
+        "read-the-report",
+        "interrupted, resumed",
+        "checkpoint",
+    ),
+    leads(
+        &["exit", "exit code", "exit codes", "return code", "status"],
+        "commands",
+        "commands",
+        "interrupted, with a checkpoint",
+    ),
+    leads(
+        &[
+            "adaptive",
+            "adaptive step",
+            "adaptive steps",
+            "variable step",
+            "step size control",
+        ],
+        "time",
+        "a pace: variable steps",
+        "adaptive step",
+    ),
+    leads(
+        &[
+            "n-body",
+            "nbody",
+            "n body",
+            "bodies",
+            "gravity",
+            "planets",
+            "stars",
+            "molecular dynamics",
+        ],
+        "lattices",
+        "many bodies",
+        "pairs",
+    ),
+    leads(
+        &["n-body", "nbody", "n body", "planets", "rebound", "mercury"],
+        "from-rebound",
+        "what becomes of the words",
+        "leapfrog",
+    ),
+    leads(
+        &[
+            "species",
+            "population",
+            "populations",
+            "predator",
+            "ecology",
+            "library",
+            "examples",
+        ],
+        "define-a-system",
+        "systems of the library",
+        "lotka-volterra",
+    ),
+    leads(
+        &["section", "crossing", "surface of section"],
+        "events",
+        "a poincaré section",
+        "crosses",
+    ),
+    leads(
+        &["numpy", "array", "arrays"],
+        "tables",
+        "files",
+        "numpy.save",
+    ),
+    leads(
+        &["numpy", "pandas", "dataframe"],
+        "start",
+        "in python",
+        "leafwise",
+    ),
+    leads(
+        &["numpy", "solve_ivp", "odeint"],
+        "from-scipy",
+        "what becomes of the arguments",
+        "NumPy",
+    ),
+    leads(
+        &["field", "magnetic field", "lorentz", "charge"],
+        "define-a-system",
+        "shorter brackets",
+        "magnetic field",
+    ),
+    leads(
+        &["field", "grid data", "interpolation"],
+        "tables",
+        "a potential at nodes",
+        "values",
+    ),
+    leads(
+        &["vary", "scan", "parameter study", "bifurcation"],
+        "sweeps",
+        "sweeps",
+        "grid",
+    ),
+    leads(
+        &[
+            "accuracy",
+            "precision",
+            "tolerance",
+            "tolerances",
+            "error",
+            "rtol",
+            "atol",
+        ],
+        "choose",
+        "order and step",
+        "error that you need",
+    ),
+    leads(
+        &["accuracy", "precision", "tolerance", "tolerances"],
+        "commands",
+        "commands",
+        "tune",
+    ),
+    leads(
+        &["energy drift", "energy error", "conservation", "conserved"],
+        "read-the-report",
+        "drifts",
+        "largest drift",
+    ),
+    leads(
+        &["leapfrog", "verlet", "symplectic", "integrator"],
+        "choose",
+        "three questions",
+        "splitting",
+    ),
+];
+
+/// The parts of the guide that explain what an everyday word stands for.
+pub fn synonyms(word: &str) -> Vec<Explained> {
+    let meant = SYNONYMS.iter().filter(|own| own.words.contains(&word));
+    meant.flat_map(|own| part(own.page, own.at)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::SYNONYMS;
+    use crate::guide::{explained, named, part};
+
+    /// Each leads to a part that contains the answer, and is found by each of its words.
+    #[test]
+    fn everyday_words_lead_to_their_answers() {
+        for own in &SYNONYMS {
+            let parts = part(own.page, own.at);
+            let text: String = parts.iter().map(|part| part.text.as_str()).collect();
+            assert!(text.contains(own.says), "{}: {}: {text}", own.page, own.at);
+            for word in own.words {
+                let found = explained(word);
+                let is_led = found
+                    .iter()
+                    .any(|found| parts.iter().any(|part| part.text == found.text));
+                // A word that stands in the guide itself stands for itself.
+                let leads = is_led || named(word).next().is_some();
+                assert!(leads, "{word}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_words_of_newcomers_are_known() {
+        for word in [
+            "sign",
+            "units",
+            "friction",
+            "drag",
+            "fit",
+            "restart",
+            "checkpoint",
+            "exit codes",
+            "negative",
+            "backward",
+            "adaptive",
+            "n-body",
+            "gravity",
+            "planets",
+            "species",
+            "poincare",
+            "Poincaré",
+            "POINCARE",
+            "numpy",
+            "field",
+            "vary",
+            "accuracy",
+            "tolerance",
+            "energy drift",
+            "resume",
+            "Exit Code",
+            "step-size control",
+        ] {
+            assert!(!explained(word).is_empty(), "{word}");
+        }
+    }
+}
