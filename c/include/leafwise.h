@@ -30,7 +30,7 @@ typedef enum LeafwiseCode {
     LEAFWISE_INVALID_SCENE = 3,
     // The integrator steps in another thread.
     LEAFWISE_BUSY = 4,
-    // A derivative that the scene's method does not offer.
+    // A derivative that the scene's method does not offer, and steps of a scene whose events change the state.
     LEAFWISE_UNSUPPORTED = 5,
     // A mistake of this library.
     LEAFWISE_MISTAKE = 6,

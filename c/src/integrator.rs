@@ -4,6 +4,7 @@ use leafwise::core::Walk;
 use leafwise::walk::FunctionValues;
 
 use crate::call_error::CallError;
+use crate::code::LeafwiseCode;
 use crate::scene::Scene;
 
 /// A trajectory of a scene at its present state.
@@ -19,6 +20,11 @@ pub(crate) struct Integrator {
 impl Integrator {
     pub(crate) fn new(scene: &Scene) -> Result<Self, CallError> {
         let run = &scene.run;
+        let acts = run.has_no_acts();
+        acts.map_err(|acts| CallError {
+            code: LeafwiseCode::LEAFWISE_UNSUPPORTED,
+            message: acts.to_string(),
+        })?;
         let paced = run.extension.as_ref().filter(|_| run.pace().is_some());
         let invariants = run.invariant_functions();
         let invariants =

@@ -123,7 +123,7 @@ impl Scene {
     /// Refuses a bracket that is not Poisson, and a Casimir that is none.
     fn checked(self) -> Result<Self, CallError> {
         let checks = SceneChecks::of(&self.run.system, &self.run.near).map_err(Failure::from)?;
-        match checks.refusal(&self.document, &self.run.system, false) {
+        match checks.refusal(&self.document, (&self.run.system, &self.run.near), false) {
             Some(refusal) => Err(refusal.into()),
             None => Ok(self),
         }

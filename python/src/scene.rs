@@ -392,6 +392,8 @@ impl Scene {
         py.detach(|| {
             let (read, run) = self.composed(&overrides, &parameters)?;
             read.check(&run, allow_non_poisson)?;
+            let acts = run.has_no_acts();
+            acts.map_err(|acts| LeafwiseError::new_err(acts.to_string()))?;
             Ok(Integrator::new(&run, read.functions))
         })
     }

@@ -105,7 +105,7 @@ pub use shape::{TensorShape, tensor_shape};
 pub use states::{RecordedStates, StateSlice, WIDEST_STATE};
 pub use stepping::{LatticeBase, LatticeStepping, Stepping};
 pub use system::{ComposedSystem, compose_system};
-pub use uneven::Uneven;
+pub use uneven::{ActingEvents, Uneven};
 pub use values::are_values;
 
 use crate::diagnostic::SceneDiagnostic;

@@ -16,6 +16,14 @@ pub struct Uneven {
     pub found: &'static str,
 }
 
+/// Events of a scene that change the state, where the method's steps are made alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[error(
+    "an integrator makes the steps of the method alone, and events of this scene change the state: take a run, or `set` out of the \
+     section"
+)]
+pub struct ActingEvents;
+
 impl ComposedRun {
     /// Checks that samples are those after equal numbers of equal steps, so that they have derivatives.
     ///
@@ -38,6 +46,17 @@ impl ComposedRun {
         match odd.into_iter().find(|(is_there, _)| *is_there) {
             None => Ok(()),
             Some((_, found)) => Err(Uneven { found }),
+        }
+    }
+
+    /// Checks that the method's steps alone are the motion: no event of the scene changes the state.
+    ///
+    /// # Errors
+    /// [`ActingEvents`].
+    pub fn has_no_acts(&self) -> Result<(), ActingEvents> {
+        match self.plan.events.act {
+            None => Ok(()),
+            Some(_) => Err(ActingEvents),
         }
     }
 
