@@ -180,7 +180,7 @@ fn has(info: &PartInfo, parameter: &str) -> bool {
     info.parameters.iter().any(|own| own.name == parameter)
 }
 
-/// What the registry says of a part.
+/// Declaration of a part.
 fn info(name: &str) -> &'static PartInfo {
     let parts = Registry::with_builtin().parts().into_iter();
     let mut parts = parts.filter(|info| info.name == name);

@@ -22,9 +22,9 @@ const AT_REST: f64 = 0.03;
 /// and q2, share their largest size too, where they are 0 or of both signs along the run. What keeps one sign, such as
 /// a population, has its own size at each state, however small that is.
 ///
-/// A coordinate that is 0 along the run, as the radial momentum of a circular orbit is, has a natural size: the least
-/// that moves another coordinate by its own size in one step, min_j s_j/|∂Φ_j/∂x_i|. Else its round-off would be all
-/// of its motion.
+/// A coordinate that is 0 along the run, as the radial momentum of a circular orbit is, has a natural size. It is the
+/// least that moves another coordinate by its own size in one step, min_j s_j/|∂Φ_j/∂x_i|. Else its round-off would be
+/// all of its motion.
 pub(super) struct Sizes(Vec<f64>);
 
 impl Sizes {
@@ -79,8 +79,8 @@ impl Sizes {
         }
     }
 
-    /// The same of the neighbours of x, by the tangents A and B of both motions, where x itself is nearly at rest and
-    /// its motion tells nothing but an error: (max |A − B|_ij s_j/s_i) / (max |B − 1|_ij s_j/s_i).
+    /// The same of the neighbours of x, by the tangents A and B of both motions: (max |A − B|_ij s_j/s_i) / (max |B −
+    /// 1|_ij s_j/s_i). Returns `None` unless x itself is nearly at rest, where its motion tells nothing but an error.
     pub fn at_rest(
         &self,
         x: &[f64],
