@@ -11,6 +11,7 @@ mod collocation;
 mod drift;
 mod edges;
 mod energy_casimir;
+mod exact_energy;
 mod exact_methods;
 mod expansion;
 mod flows;

@@ -39,6 +39,7 @@ mod code_evaluators;
 pub mod diagnostics;
 mod dimensions;
 pub mod dynamics;
+pub mod exact_energy;
 pub mod formulas;
 mod generating_function;
 mod generating_shadow;

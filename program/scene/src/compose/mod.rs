@@ -17,6 +17,7 @@
 //! - `observables`: the quantities that a run watches and those that it records; `indicators`: those that follow tangents;
 //! - `parts`: realization and dynamic approximation by name;
 //! - `lattice`, `stepping`: families too long to be written out;
+//! - `exact_energy`: steps that keep the energy by multiples of Casimirs;
 //! - `fit`: whether a part of a library fits the system;
 //! - `sample_times`: when a run keeps samples;
 //! - `domain`: values of parameters under which noise and damping are none;
@@ -39,6 +40,7 @@ mod dense;
 mod domain;
 mod ends;
 mod events;
+mod exact_energy;
 mod extended;
 mod fit;
 mod forces;

@@ -16,6 +16,7 @@ use leafwise_walk::{Direction, Indicator, SampleTimes, Section};
 use super::Refusal;
 use super::bodies::many_bodies;
 use super::events::{Events, check_axes, section_of};
+use super::exact_energy::ExactEnergySteps;
 use super::extended::{Extension, PaceFormula};
 use super::fit::{check_exactness, check_first_order, check_tensor};
 use super::functions::CompiledFunctions;
@@ -151,7 +152,8 @@ fn compose_at_its_values(
     };
     let channels = std::mem::take(&mut composed.noise);
     let noise = NoisySteps::of(document, &composed.system, channels, lattice.as_ref())?;
-    let moved = stepped(noise.as_ref(), &composed);
+    let exact = ExactEnergySteps::of(document, &composed, lattice.is_some())?;
+    let moved = stepped(noise.as_ref(), exact.as_ref(), &composed);
     let own = lattice.as_ref();
     let swept = noise
         .as_ref()
@@ -184,7 +186,7 @@ fn compose_at_its_values(
             compose_lattice(lattices, &composed.system, parts, registry)
                 .map(|stepping| Stepping::Lattice(Box::new(stepping)))
         }
-        _ => compose_written(stepped(noise.as_ref(), &composed), parts),
+        _ => compose_written(stepped(noise.as_ref(), exact.as_ref(), &composed), parts),
     };
     let mut method = method.map_err(|error| refused(&composed, &error))?;
     if let (Stepping::Lattice(stepping), Some(own)) = (&method, own) {
@@ -196,7 +198,10 @@ fn compose_at_its_values(
     }
     let step = &document.method.step;
     let fits = check_own_parts(
-        (stepped(noise.as_ref(), &composed), &composed.near),
+        (
+            stepped(noise.as_ref(), exact.as_ref(), &composed),
+            &composed.near,
+        ),
         &method,
         &choices,
         step.epsilon(),
@@ -205,6 +210,9 @@ fn compose_at_its_values(
     fits.map_err(|error| refused(&composed, &error))?;
     if let Some(noise) = &noise {
         method = noise.enter(document, registry, method)?;
+    }
+    if let Some(exact) = &exact {
+        method = exact.enter(document, &composed.system, method)?;
     }
     let system = &composed.system;
     let shadow = with_shadows(document, system, &method, &mut composed.observables)?;
@@ -252,8 +260,16 @@ fn compose_at_its_values(
 }
 
 /// The system whose steps the parts make.
-fn stepped<'a>(noise: Option<&'a NoisySteps>, composed: &'a ComposedSystem) -> &'a PoissonSystem {
-    noise.map_or(&composed.system, |noise| &noise.stepped)
+fn stepped<'a>(
+    noise: Option<&'a NoisySteps>,
+    exact: Option<&'a ExactEnergySteps>,
+    composed: &'a ComposedSystem,
+) -> &'a PoissonSystem {
+    match (noise, exact) {
+        (Some(noise), _) => &noise.stepped,
+        (None, Some(exact)) => &exact.stepped,
+        (None, None) => &composed.system,
+    }
 }
 
 /// Times lie ahead of the run.

@@ -124,6 +124,7 @@ pub const SCENES_WITH_EVERY_KEY: [&str; 24] = [
     library = "rigid-body"
     [method]
     stepper   = "splitting"
+    energy    = "exact"
     time-step = 0.1
     [run]
     initial = [1, 3, 3]
