@@ -158,7 +158,7 @@ fn what_it_does_not_stand_beside_is_refused() {
         (
             canonical.to_owned(),
             "declares no Casimirs",
-            "energy-preserving",
+            "a higher order",
         ),
         (
             body.replace("order = 2", "order = 2, hamiltonian = \"energy-casimir\""),

@@ -61,8 +61,8 @@ pub fn with_multiples(system: &SystemFormulas) -> Result<SystemFormulas, BuildEr
     };
     if system.casimirs().is_empty() {
         return refuse(
-            "the system declares no Casimirs, and there is nothing to take a multiple of; take a shorter step, a higher order, or \
-             stepper = \"energy-preserving\", which is no Poisson map",
+            "the system declares no Casimirs, and there is nothing to take a multiple of; take a shorter step or a \
+             higher order",
         );
     }
     if !system.forces().is_empty() {
@@ -209,7 +209,7 @@ struct Begin<'a> {
 
 /// A change of the multiples along a line, and the energy's error of the step there.
 #[derive(Clone, Copy)]
-struct Tried {
+struct ErrorAt {
     change: f64,
     error: f64,
 }
@@ -232,18 +232,18 @@ impl Line<'_, '_> {
     }
 
     /// `None` where the step cannot be made.
-    fn at(&mut self, change: f64) -> Option<Tried> {
+    fn at(&mut self, change: f64) -> Option<ErrorAt> {
         let multiples = self.multiples(change);
         let error = self
             .of
             .attempt(&multiples, self.begin, self.increment)
             .ok()?;
-        Some(Tried { change, error })
+        Some(ErrorAt { change, error })
     }
 
     /// The change with the smallest error that is found from no change, where it is `error`.
-    fn search(&mut self, error: f64) -> Tried {
-        let start = Tried { change: 0.0, error };
+    fn search(&mut self, error: f64) -> ErrorAt {
+        let start = ErrorAt { change: 0.0, error };
         let near = self.by_secants(start);
         if near.error.abs() <= MOST_ROUNDINGS * self.least {
             return near;
@@ -256,7 +256,7 @@ impl Line<'_, '_> {
     }
 
     /// Secants from a small change on, while they are short and halve the error.
-    fn by_secants(&mut self, start: Tried) -> Tried {
+    fn by_secants(&mut self, start: ErrorAt) -> ErrorAt {
         let (mut before, mut best, mut slow) = (start, start, 0);
         let Some(mut last) = self.at(FIRST_CHANGE) else {
             return best;
@@ -278,7 +278,7 @@ impl Line<'_, '_> {
     }
 
     /// Changes that double on both sides, until the error has another sign; then what is between.
-    fn by_looking_around(&mut self, start: Tried) -> Tried {
+    fn by_looking_around(&mut self, start: ErrorAt) -> ErrorAt {
         let mut sides = [Some(start); 2];
         let mut change = FIRST_CHANGE;
         while change <= LARGEST_CHANGE {
@@ -298,7 +298,7 @@ impl Line<'_, '_> {
     }
 
     /// The zero between two changes with errors of two signs: secants whose resting end counts half, and halvings.
-    fn between(&mut self, mut a: Tried, mut b: Tried) -> Tried {
+    fn between(&mut self, mut a: ErrorAt, mut b: ErrorAt) -> ErrorAt {
         let mut best = match a.error.abs() < b.error.abs() {
             true => a,
             false => b,
@@ -327,7 +327,7 @@ impl Line<'_, '_> {
 }
 
 /// Where the line through two errors is 0.
-fn zero_between(a: Tried, b: Tried) -> f64 {
+fn zero_between(a: ErrorAt, b: ErrorAt) -> f64 {
     b.change - b.error * (b.change - a.change) / (b.error - a.error)
 }
 
@@ -439,7 +439,7 @@ impl LaneOfEnergy {
         if error.abs() <= least {
             return Ok(());
         }
-        let mut best = Tried { change: 0.0, error };
+        let mut best = ErrorAt { change: 0.0, error };
         for direction in self.directions((units, &from, error), begin, increment) {
             let mut line = Line {
                 of: self,

@@ -56,7 +56,7 @@ impl ExactEnergySteps {
         let Some(formulas) = composed.system.expressions() else {
             return refuse(
                 "exact energy takes multiples of Casimirs from H, and this system has no formulas",
-                "take stepper = \"energy-preserving\", which is no Poisson map",
+                "write its tensor and Hamiltonian as formulas",
             );
         };
         let stepped = with_multiples(formulas);
