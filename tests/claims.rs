@@ -8,6 +8,7 @@ mod branches;
 mod checkpoint;
 mod closed_form;
 mod collocation;
+mod contact;
 mod drift;
 mod edges;
 mod energy_casimir;

@@ -36,6 +36,7 @@ pub mod bisection;
 pub mod chart;
 pub mod closed_form;
 mod code_evaluators;
+pub mod contact;
 pub mod diagnostics;
 mod dimensions;
 pub mod dynamics;

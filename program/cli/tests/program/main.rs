@@ -12,6 +12,7 @@ mod guide;
 mod imported;
 mod indicators;
 mod invalid_scenes;
+mod kept;
 mod kills;
 mod learned;
 mod motion;

@@ -54,7 +54,7 @@ impl EnergyError<'_> {
         run: &ComposedRun,
         states: &[Vec<f64>],
     ) -> Option<Advice> {
-        if run.system.has_forces() || run.method.noise().is_some() {
+        if run.work_of_forces().is_some() {
             return None;
         }
         let size = self.initial.abs();

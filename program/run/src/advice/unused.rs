@@ -31,9 +31,9 @@ pub(super) fn unused_parameters(document: &SceneDocument) -> Vec<Advice> {
 
 fn of_bracket(bracket: &BracketSpec) -> Vec<&str> {
     match bracket {
-        BracketSpec::Entries(entries) | BracketSpec::TwoForm(entries) => {
-            entries.iter().map(|(_, f)| f.value.as_str()).collect()
-        }
+        BracketSpec::Entries(entries)
+        | BracketSpec::Contact(entries)
+        | BracketSpec::TwoForm(entries) => entries.iter().map(|(_, f)| f.value.as_str()).collect(),
         BracketSpec::MagneticField(field) | BracketSpec::OneForm(field) => {
             field.iter().map(|f| f.value.as_str()).collect()
         }

@@ -11,7 +11,7 @@
 //! - `system`: [`compose_system`], the Poisson system with its initial state;
 //! - `bodies`: sums over pairs of sites, in loops; `body_columns`: those that a run records;
 //! - `time`: where a scene names the time;
-//! - `extended`: the phase space with the time as a coordinate;
+//! - `extended`: the phase space with the time as a coordinate; `contact`: with the scale of a contact form;
 //! - `events`: the events that a run watches between its steps; `course`: the course of its walks;
 //! - `initial`: the initial state;
 //! - `observables`: the quantities that a run watches and those that it records; `indicators`: those that follow tangents;
@@ -34,6 +34,7 @@ mod bodies;
 mod body_columns;
 mod channels;
 mod checks;
+mod contact;
 mod course;
 mod definitions;
 mod dense;
@@ -81,6 +82,7 @@ mod values;
 
 pub use channels::{Channel, RunNoise};
 pub use checks::{CasimirCheck, SceneChecks};
+pub use contact::Contact;
 pub use dense::DENSE_LIMIT;
 pub use domain::{OutOfDomain, ParameterDomain};
 pub use ends::{LeftOut, left_out};

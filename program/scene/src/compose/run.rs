@@ -15,6 +15,7 @@ use leafwise_walk::{Direction, Indicator, SampleTimes, Section};
 
 use super::Refusal;
 use super::bodies::many_bodies;
+use super::contact::Contact;
 use super::events::{Events, check_axes, section_of};
 use super::exact_energy::ExactEnergySteps;
 use super::extended::{Extension, PaceFormula};
@@ -85,6 +86,8 @@ pub struct ComposedRun {
     pub near: Vec<f64>,
     /// The time as a coordinate, where H names it: two coordinates of `system` behind the scene's own.
     pub extension: Option<Extension>,
+    /// The scale of a contact form as the last coordinate of `system`, where the bracket is one.
+    pub contact: Option<Contact>,
     /// The method.
     pub method: Stepping,
     /// From where, how far, what to keep.
@@ -214,6 +217,9 @@ fn compose_at_its_values(
     if let Some(exact) = &exact {
         method = exact.enter(document, &composed.system, method)?;
     }
+    if let Some(contact) = &composed.contact {
+        method = contact.enter(method);
+    }
     let system = &composed.system;
     let shadow = with_shadows(document, system, &method, &mut composed.observables)?;
     let indicators = indicators(
@@ -253,6 +259,7 @@ fn compose_at_its_values(
         system: composed.system,
         near: composed.near,
         extension: composed.extension,
+        contact: composed.contact,
         method,
         plan,
         functions: CompiledFunctions::default(),
@@ -472,8 +479,11 @@ impl ComposedRun {
         })
     }
 
-    /// Work of forces and noise: how they change the energy and the Casimirs, in words. `None` where there are none.
+    /// Work of forces, of noise and of contact motions: how they change the energy and the Casimirs, in words. `None` where there are none.
     pub fn work_of_forces(&self) -> Option<String> {
+        if self.contact.is_some() {
+            return Some("changes as in every contact motion: dH/dt = -H dH/ds".to_owned());
+        }
         let forces = self.system.expressions()?.forces();
         let energy = match (forces.one_form.is_empty(), &forces.damping) {
             (true, None) if self.method.noise().is_some() => "changes by the noise",

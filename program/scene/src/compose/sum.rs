@@ -163,7 +163,9 @@ fn check_formulas(
         ),
     };
     match &spec.bracket.value {
-        BracketSpec::Entries(entries) | BracketSpec::TwoForm(entries) => {
+        BracketSpec::Entries(entries)
+        | BracketSpec::Contact(entries)
+        | BracketSpec::TwoForm(entries) => {
             for (key, entry) in entries {
                 let pair = VariablePattern::parse_pair(&key.value);
                 let named = pair.iter().flat_map(|(a, b)| [a.name(), b.name()]);

@@ -27,7 +27,7 @@ pub(super) const CASES: [Case; 2] = [
 ];
 
 /// Scenes that between them hold every key of [`scene_keys`].
-pub const SCENES_WITH_EVERY_KEY: [&str; 24] = [
+pub const SCENES_WITH_EVERY_KEY: [&str; 25] = [
     r#"
     [system]
     variables   = ["x", "v"]
@@ -39,6 +39,19 @@ pub const SCENES_WITH_EVERY_KEY: [&str; 24] = [
     time-step   = 0.1
     [run]
     initial = [1, 0.5]
+    steps   = 10
+    "#,
+    r#"
+    [system]
+    variables   = ["x", "v", "s"]
+    bracket     = { contact = [["x", "v"]] }
+    hamiltonian = "v^2/2 + x^2/2 + 0.1*s"
+    [method]
+    realization = "auto"
+    dynamics    = "auto"
+    time-step   = 0.1
+    [run]
+    initial = [1, 0.5, 0]
     steps   = 10
     "#,
     r#"
