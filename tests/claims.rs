@@ -33,6 +33,7 @@ mod offsets;
 mod opaque_checks;
 mod opaque_methods;
 mod opaque_steppers;
+mod orbits;
 mod orders;
 mod pace;
 mod paper;

@@ -9,7 +9,7 @@ macro_rules! pages {
 }
 
 /// Names and texts of the pages, in the order of the guide's contents.
-pub const PAGES: [(&str, &str); 34] = pages![
+pub const PAGES: [(&str, &str); 35] = pages![
     "start",
     "from-scipy",
     "from-julia",
@@ -39,6 +39,7 @@ pub const PAGES: [(&str, &str); 34] = pages![
     "clusters",
     "shadow",
     "indicators",
+    "orbits",
     "gradients",
     "own-parts",
     "theory",

@@ -10,7 +10,7 @@ pub use jobs::{
 };
 pub use questions::{
     DescribeArguments, EvaluateArguments, ExplainArguments, FindArguments, ImportArguments, Kind,
-    LearnArguments, ListArguments, NewArguments, SchemaArguments, ShadowArguments,
+    LearnArguments, ListArguments, NewArguments, OrbitArguments, SchemaArguments, ShadowArguments,
 };
 pub use studies::{
     CompareArguments, ReproduceArguments, StressArguments, TuneArguments, VerifyArguments,
@@ -109,6 +109,8 @@ pub enum Command {
     Learn(LearnArguments),
     /// Print the shadow Hamiltonian of a scene's method, and how well it is kept
     Shadow(ShadowArguments),
+    /// Close a periodic orbit near a scene's initial state, with its period, multipliers and stability
+    Orbit(OrbitArguments),
     /// Measure what every part declares: orders, tensor defects, drift, cost
     Verify(VerifyArguments),
     /// Measure cost against accuracy over methods, orders and steps
@@ -180,6 +182,7 @@ impl Command {
             Self::Import(arguments) => arguments.json,
             Self::Learn(arguments) => arguments.json,
             Self::Shadow(arguments) => arguments.json,
+            Self::Orbit(arguments) => arguments.json,
             Self::Verify(arguments) => arguments.json,
             Self::Compare(arguments) => arguments.json,
             Self::Tune(arguments) => arguments.json,

@@ -17,6 +17,7 @@ mod kills;
 mod learned;
 mod motion;
 mod noise;
+mod orbits;
 mod other_commands;
 mod paces;
 mod parts;
