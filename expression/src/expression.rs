@@ -157,6 +157,15 @@ impl Expression {
         self.replaced(&other, &mut Known::default())
     }
 
+    /// The same formula of functions of its variables: `of(i)` in the place of i.
+    pub fn at_formulas(&self, of: &dyn Fn(usize) -> Self) -> Self {
+        let other = |part: &Expression| match part {
+            Expression::Variable(index) => of(*index),
+            other => other.clone(),
+        };
+        self.replaced(&other, &mut Known::default())
+    }
+
     /// The same formula with other parts in the place of those that hold no parts.
     pub(crate) fn replaced(
         &self,

@@ -14,6 +14,7 @@
 //! - [`run`]: runs, ensembles and sweeps, into directories; [`report`]: their pages.
 //! - [`conformance`]: checks that one part, built-in or of a plugin, is as declared.
 //! - [`verify`]: every part measured against its declaration.
+//! - [`orbit`]: periodic orbits and their multipliers.
 //! - [`trade`]: cost against accuracy, measured on a scene.
 //! - [`reproduce`](mod@reproduce): the paper's figures and numbers, measured.
 //! - [`stress`]: the extremes, each with its expected outcome.
@@ -47,7 +48,7 @@ pub use leafwise_run as run;
 pub use leafwise_scene as scene;
 pub use leafwise_so3 as so3;
 pub use leafwise_splitting as splitting;
-pub use leafwise_studies::{conformance, reproduce, stress, trade, verify};
+pub use leafwise_studies::{conformance, orbit, reproduce, stress, trade, verify};
 pub use leafwise_systems as systems;
 pub use leafwise_walk as walk;
 

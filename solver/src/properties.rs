@@ -13,6 +13,8 @@ pub enum Structure {
     Order(usize),
     /// Φ maps every symplectic leaf into itself, to round-off, and keeps all Casimirs; it is not a Poisson map.
     Leaves,
+    /// Φ multiplies a contact form by a function, to round-off.
+    Contact,
     /// Not a Poisson map.
     None,
 }
@@ -23,6 +25,7 @@ impl fmt::Display for Structure {
             Self::Exact => f.write_str("exact"),
             Self::Order(n) => write!(f, "order {n}"),
             Self::Leaves => f.write_str("leaves"),
+            Self::Contact => f.write_str("contact"),
             Self::None => f.write_str("none"),
         }
     }

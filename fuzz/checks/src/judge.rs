@@ -89,7 +89,7 @@ fn judged(scene: &RandomScene, registry: &Registry) -> Verdict {
         Ok(checks) => checks,
         Err(error) => return Verdict::Refused(kind(&error.to_string())),
     };
-    if let Some(refusal) = checks.refusal(&document, &composed.system, false) {
+    if let Some(refusal) = checks.refusal(&document, (&composed.system, &composed.near), false) {
         return Verdict::Suspicious(format!("a true tensor is refused: {}", refusal.message));
     }
     let end = match end(scene, &composed, STEPS) {

@@ -11,7 +11,7 @@ macro_rules! pages {
 }
 
 /// Names and texts of the pages, in the order of the guide's contents.
-pub const PAGES: [(&str, &str); 35] = pages![
+pub const PAGES: [(&str, &str); 37] = pages![
     "start",
     "from-scipy",
     "from-julia",
@@ -31,6 +31,7 @@ pub const PAGES: [(&str, &str); 35] = pages![
     "tabulate",
     "time",
     "forces",
+    "contact",
     "noise",
     "choose",
     "choose-a-method",
@@ -42,6 +43,7 @@ pub const PAGES: [(&str, &str); 35] = pages![
     "clusters",
     "shadow",
     "indicators",
+    "orbits",
     "gradients",
     "own-parts",
     "theory",

@@ -132,6 +132,7 @@ fn execute(
         Command::Learn(arguments) => commands::learn::execute(&arguments, plugins, console),
         Command::Tabulate(arguments) => commands::tabulate::execute(&arguments, plugins, console),
         Command::Shadow(arguments) => commands::shadow::execute(&arguments, plugins, console),
+        Command::Orbit(arguments) => commands::orbit::execute(&arguments, plugins, console),
         Command::Tune(arguments) => commands::tune::execute(&arguments, plugins, console),
         Command::Reproduce(arguments) => {
             commands::reproduce::execute(&arguments, console, interrupt)

@@ -27,6 +27,7 @@ from ._functions import System
 from ._gradient import Gradient, Tangents, Trajectory, Tried
 from ._leafwise import Growth, Integrator, version as _version
 from ._learn import Learned, Tabulated, learn, tabulate
+from ._orbit import Orbit, orbit
 from ._parts import closed_form, generating_function
 from ._run import Run
 from ._scene import Scene
@@ -49,6 +50,7 @@ __all__ = [
     "LeafwiseError",
     "LeafwiseWarning",
     "Learned",
+    "Orbit",
     "Run",
     "Scene",
     "SceneError",
@@ -70,6 +72,7 @@ __all__ = [
     "lattice",
     "learn",
     "load_plugin",
+    "orbit",
     "solve",
     "tabulate",
 ]

@@ -10,8 +10,8 @@ pub use jobs::{
 };
 pub use questions::{
     AxisName, DescribeArguments, EvaluateArguments, ExplainArguments, FindArguments,
-    ImportArguments, Kind, LearnArguments, ListArguments, NewArguments, PlotArguments,
-    SchemaArguments, ShadowArguments, TabulateArguments,
+    ImportArguments, Kind, LearnArguments, ListArguments, NewArguments, OrbitArguments,
+    PlotArguments, SchemaArguments, ShadowArguments, TabulateArguments,
 };
 pub use studies::{
     CompareArguments, ReproduceArguments, StressArguments, TuneArguments, VerifyArguments,
@@ -114,6 +114,8 @@ pub enum Command {
     Tabulate(TabulateArguments),
     /// Print the shadow Hamiltonian of a scene's method, and how well it is kept
     Shadow(ShadowArguments),
+    /// Close a periodic orbit near a scene's initial state, with its period, multipliers and stability
+    Orbit(OrbitArguments),
     /// Measure what every part declares: orders, tensor defects, drift, cost
     Verify(VerifyArguments),
     /// Measure cost against accuracy over methods, orders and steps
@@ -187,6 +189,7 @@ impl Command {
             Self::Learn(arguments) => arguments.json,
             Self::Tabulate(arguments) => arguments.json,
             Self::Shadow(arguments) => arguments.json,
+            Self::Orbit(arguments) => arguments.json,
             Self::Verify(arguments) => arguments.json,
             Self::Compare(arguments) => arguments.json,
             Self::Tune(arguments) => arguments.json,

@@ -310,6 +310,26 @@ pub struct ShadowArguments {
     pub json: bool,
 }
 
+/// Arguments of `orbit`.
+#[derive(Args, Clone, Debug)]
+pub struct OrbitArguments {
+    /// Whose orbit: it is looked for near the initial state.
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// The period, about [default: the time that the scene's run takes]
+    #[arg(long, value_name = "T")]
+    pub period: Option<f64>,
+    /// Steps of a turn [default: as many as take no longer than the scene's]
+    #[arg(long, value_name = "COUNT")]
+    pub steps: Option<u64>,
+    /// Hold the period in place of the energy
+    #[arg(long)]
+    pub hold_period: bool,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
 /// Arguments of `new`.
 #[derive(Args, Clone, Debug)]
 pub struct NewArguments {

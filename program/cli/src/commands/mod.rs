@@ -14,6 +14,7 @@ pub mod list;
 pub mod merge;
 mod motion;
 pub mod new;
+pub mod orbit;
 pub mod plot;
 pub mod plugin;
 pub mod reproduce;

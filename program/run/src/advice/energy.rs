@@ -49,8 +49,7 @@ impl EnergyError<'_> {
     /// A warning where the error is a large part of the energy's scale along `states`.
     pub fn advice(&self, run: &ComposedRun, states: &[Vec<f64>]) -> Option<Advice> {
         // Events change it by what they are.
-        let has_acts = run.plan.events.act.is_some();
-        if run.system.has_forces() || run.method.noise().is_some() || has_acts {
+        if run.work_of_forces().is_some() || run.plan.events.act.is_some() {
             return None;
         }
         let size = self.initial.abs();

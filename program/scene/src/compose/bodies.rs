@@ -106,6 +106,7 @@ pub(super) fn many_bodies(
         near: initial.clone(),
         initial,
         extension: None,
+        contact: None,
         noise: Vec::new(),
         observables: observables_in(document, None, |formula, known| {
             let parsed = parse(document, formula).ok();

@@ -8,6 +8,7 @@ use leafwise_expression::Expression;
 use leafwise_walk::{Course, Event, Indicators, Pace, StateFunctions};
 
 use super::body_columns::BodyColumns;
+use super::contact::Contact;
 use super::extended::Extension;
 use super::lattice_functions::{LatticeFunctions, RecordedColumn, of_coordinates};
 use super::observables::{Observable, RecordedFormula};
@@ -45,6 +46,7 @@ impl ComposedRun {
         };
         let paced = self.extension.as_ref().filter(|_| self.pace().is_some());
         let energy = paced.map_or(formulas.hamiltonian(), Extension::energy);
+        let energy = self.contact.as_ref().map_or(energy, Contact::energy);
         let casimirs = formulas.casimirs().iter();
         let casimirs = casimirs.map(|casimir| &casimir.expression);
         let all: Vec<_> = std::iter::once(energy).chain(casimirs).collect();
@@ -179,8 +181,9 @@ impl ComposedRun {
         if count == 0 {
             return None;
         }
-        // e is the last coordinate. It moves others by its part of K = (H + e) g alone.
-        let measured = self.dimension() - usize::from(self.extension.is_some());
+        // e and the scale of a contact form are the last coordinates. e moves others by its part of K = (H + e) g alone.
+        let beside = [self.extension.is_some(), self.contact.is_some()];
+        let measured = self.dimension() - beside.map(usize::from).iter().sum::<usize>();
         Some(Indicators {
             which,
             directions: self.leaf_directions(count),

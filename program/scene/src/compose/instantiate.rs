@@ -8,6 +8,7 @@ use leafwise_expression::Expression;
 
 use super::Refusal;
 use super::channels::{Channel, channels};
+use super::contact::{Contact, SCALE};
 use super::definitions::scope;
 use super::events::{Events, events};
 use super::extended::Extension;
@@ -42,6 +43,8 @@ pub struct Instantiated {
     pub events: Events,
     /// The time and its energy behind the scene's own coordinates, where H names the time.
     pub extension: Option<Extension>,
+    /// The scale of a contact form behind all other coordinates, where the bracket is one.
+    pub contact: Option<Contact>,
 }
 
 /// Writes the scene's templates out with its families as long as those of `lattice`.
@@ -86,11 +89,15 @@ pub fn instantiate(
         true => Events::default(),
         false => events(document, &scope)?,
     };
+    let scale = names.len() + extension.as_ref().map_or(0, |_| 2);
+    let named = (names.as_slice(), scale);
+    let contact = Contact::of(document, named, &mut bracket, &mut hamiltonian)?;
     if let Some(extension) = &mut extension {
         let convention = system.convention;
         extension.extend(convention, &mut names, &mut bracket, &mut hamiltonian);
         forms.extend(extension);
     }
+    names.extend(contact.as_ref().map(|_| SCALE.to_owned()));
     let moving = moving(document, lattice);
     let forces = forces(document, &scope, &names[..moving], names.len())?;
     let noise = channels(document, &scope)?;
@@ -105,6 +112,7 @@ pub fn instantiate(
         observables,
         events,
         extension,
+        contact,
     })
 }
 

@@ -400,7 +400,7 @@ pub(super) fn bracket_reach(
 ) -> Result<TemplateReach, Refusal> {
     let bracket = &document.system.bracket;
     match &bracket.value {
-        BracketSpec::Entries(written) => {
+        BracketSpec::Entries(written) | BracketSpec::Contact(written) => {
             for (key, formula) in written {
                 let (a, b) = VariablePattern::parse_pair(&key.value)
                     .map_err(|error| refusal(document, key, &error))?;

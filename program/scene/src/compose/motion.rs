@@ -49,6 +49,10 @@ impl Motion {
 
     /// ẋ of a composed run; `None` where it has no value at the initial state.
     pub fn of(run: &ComposedRun) -> Option<Self> {
+        // That of K is not that of p.
+        if run.contact.is_some() {
+            return None;
+        }
         let in_time = run.in_time().ok()?;
         let code = field_at(run, &in_time)?;
         let Some(system) = in_time.expressions() else {

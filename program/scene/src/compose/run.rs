@@ -15,7 +15,9 @@ use leafwise_walk::{Direction, Indicator, SampleTimes, Section};
 
 use super::Refusal;
 use super::bodies::many_bodies;
+use super::contact::Contact;
 use super::events::{Events, check_axes, section_of};
+use super::exact_energy::ExactEnergySteps;
 use super::extended::{Extension, PaceFormula};
 use super::fit::{check_exactness, check_first_order, check_tensor};
 use super::functions::CompiledFunctions;
@@ -86,6 +88,8 @@ pub struct ComposedRun {
     pub near: Vec<f64>,
     /// The time as a coordinate, where H names it: two coordinates of `system` behind the scene's own.
     pub extension: Option<Extension>,
+    /// The scale of a contact form as the last coordinate of `system`, where the bracket is one.
+    pub contact: Option<Contact>,
     /// The method.
     pub method: Stepping,
     /// From where, how far, what to keep.
@@ -153,7 +157,8 @@ fn compose_at_its_values(
     };
     let channels = std::mem::take(&mut composed.noise);
     let noise = NoisySteps::of(document, &composed.system, channels, lattice.as_ref())?;
-    let moved = stepped(noise.as_ref(), &composed);
+    let exact = ExactEnergySteps::of(document, &composed, lattice.is_some())?;
+    let moved = stepped(noise.as_ref(), exact.as_ref(), &composed);
     let own = lattice.as_ref();
     let swept = noise
         .as_ref()
@@ -186,7 +191,7 @@ fn compose_at_its_values(
             compose_lattice(lattices, &composed.system, parts, registry)
                 .map(|stepping| Stepping::Lattice(Box::new(stepping)))
         }
-        _ => compose_written(stepped(noise.as_ref(), &composed), parts),
+        _ => compose_written(stepped(noise.as_ref(), exact.as_ref(), &composed), parts),
     };
     let mut method = method.map_err(|error| refused(&composed, &error))?;
     if let (Stepping::Lattice(stepping), Some(own)) = (&method, own) {
@@ -198,7 +203,10 @@ fn compose_at_its_values(
     }
     let step = &document.method.step;
     let fits = check_own_parts(
-        (stepped(noise.as_ref(), &composed), &composed.near),
+        (
+            stepped(noise.as_ref(), exact.as_ref(), &composed),
+            &composed.near,
+        ),
         &method,
         &choices,
         step.epsilon(),
@@ -207,6 +215,12 @@ fn compose_at_its_values(
     fits.map_err(|error| refused(&composed, &error))?;
     if let Some(noise) = &noise {
         method = noise.enter(document, registry, method)?;
+    }
+    if let Some(exact) = &exact {
+        method = exact.enter(document, &composed.system, method)?;
+    }
+    if let Some(contact) = &composed.contact {
+        method = contact.enter(method);
     }
     let system = &composed.system;
     let shadow = with_shadows(document, system, &method, &mut composed.observables)?;
@@ -259,6 +273,7 @@ fn compose_at_its_values(
         system: composed.system,
         near: composed.near,
         extension: composed.extension,
+        contact: composed.contact,
         method,
         plan,
         functions: CompiledFunctions::default(),
@@ -266,8 +281,16 @@ fn compose_at_its_values(
 }
 
 /// The system whose steps the parts make.
-fn stepped<'a>(noise: Option<&'a NoisySteps>, composed: &'a ComposedSystem) -> &'a PoissonSystem {
-    noise.map_or(&composed.system, |noise| &noise.stepped)
+fn stepped<'a>(
+    noise: Option<&'a NoisySteps>,
+    exact: Option<&'a ExactEnergySteps>,
+    composed: &'a ComposedSystem,
+) -> &'a PoissonSystem {
+    match (noise, exact) {
+        (Some(noise), _) => &noise.stepped,
+        (None, Some(exact)) => &exact.stepped,
+        (None, None) => &composed.system,
+    }
 }
 
 /// Times lie ahead of the run.
@@ -470,8 +493,11 @@ impl ComposedRun {
         })
     }
 
-    /// Work of forces and noise: how they change the energy and the Casimirs, in words. `None` where there are none.
+    /// Work of forces, of noise and of contact motions: how they change the energy and the Casimirs, in words. `None` where there are none.
     pub fn work_of_forces(&self) -> Option<String> {
+        if self.contact.is_some() {
+            return Some("changes as in every contact motion: dH/dt = -H dH/ds".to_owned());
+        }
         let forces = self.system.expressions()?.forces();
         let energy = match (forces.one_form.is_empty(), &forces.damping) {
             (true, None) if self.method.noise().is_some() => "changes by the noise",

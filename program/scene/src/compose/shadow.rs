@@ -92,7 +92,7 @@ impl ShadowEnergy {
         let (m, first) = Self::first(map, |last| map.shadow(formulas, last, FIRST_PRODUCTS))?;
         let limit = match map.properties().structure {
             Structure::Order(n) => Some(2 * (n / 2) + 2),
-            Structure::Exact | Structure::Leaves | Structure::None => None,
+            Structure::Exact | Structure::Leaves | Structure::Contact | Structure::None => None,
         };
         let operations = |formula: &Expression| -> Result<u64, NoShadow> {
             Ok(formulas

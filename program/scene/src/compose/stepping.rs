@@ -185,6 +185,9 @@ impl Stepping {
                 Structure::Leaves => {
                     "along symplectic leaves, Casimirs to round-off; not a Poisson map".to_owned()
                 }
+                Structure::Contact => {
+                    "a contact map, to round-off: ds - p dq is multiplied by a function".to_owned()
+                }
                 Structure::None => "not a Poisson map".to_owned(),
             },
         ));

@@ -162,7 +162,10 @@ fn check_formulas(
             name,
         ),
     };
-    if let BracketSpec::Entries(entries) | BracketSpec::TwoForm(entries) = &spec.bracket.value {
+    if let BracketSpec::Entries(entries)
+    | BracketSpec::Contact(entries)
+    | BracketSpec::TwoForm(entries) = &spec.bracket.value
+    {
         for (key, _) in entries {
             let pair = VariablePattern::parse_pair(&key.value);
             let named = pair.iter().flat_map(|(a, b)| [a.name(), b.name()]);

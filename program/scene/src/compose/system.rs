@@ -5,6 +5,7 @@ use leafwise_core::lattice::LatticeSource;
 
 use super::Refusal;
 use super::channels::Channel;
+use super::contact::{Contact, check_short};
 use super::definitions::scope;
 use super::events::{Events, events};
 use super::extended::Extension;
@@ -28,6 +29,8 @@ pub struct ComposedSystem {
     pub initial: Vec<f64>,
     /// The time as a coordinate, where H names it.
     pub extension: Option<Extension>,
+    /// The scale of a contact form as a coordinate, 1 in every state, where the bracket is one.
+    pub contact: Option<Contact>,
     /// Channels of noise, which move the system at random.
     pub noise: Vec<Channel>,
     /// Observables that the run records.
@@ -66,12 +69,15 @@ pub fn compose_system(document: &SceneDocument) -> Result<ComposedSystem, Refusa
             near: initial.clone(),
             initial,
             extension: None,
+            contact: None,
             noise: Vec::new(),
             observables: observables(document, &scope, None)?,
             events,
         });
     }
-    if let Some(lattice) = SceneLattice::of(document)? {
+    let lattice = SceneLattice::of(document)?;
+    check_short(document, lattice.is_some())?;
+    if let Some(lattice) = lattice {
         let (system, geometry, observables) = lattice.trial()?;
         let initial = initial_state(document)?;
         let whole = scope(document, lattice.geometry(), None)?;
@@ -86,6 +92,7 @@ pub fn compose_system(document: &SceneDocument) -> Result<ComposedSystem, Refusa
             system,
             initial,
             extension: None,
+            contact: None,
             observables,
             events,
             near,
@@ -154,6 +161,7 @@ pub(super) fn written_out(document: &SceneDocument) -> Result<ComposedSystem, Re
     let mut events = std::mem::take(&mut instantiated.events);
     let forms = std::mem::take(&mut instantiated.forms);
     let extension = instantiated.extension.take();
+    let contact = instantiated.contact.take();
     let noise = std::mem::take(&mut instantiated.noise);
     let system = instantiated.system(document).map_err(|error| {
         document.diagnostic(
@@ -168,6 +176,7 @@ pub(super) fn written_out(document: &SceneDocument) -> Result<ComposedSystem, Re
         Some(extension) => extension.state(document, &initial, &system.parameter_values())?,
         None => initial,
     };
+    let initial = [initial, vec![1.0; usize::from(contact.is_some())]].concat();
     if let Some(extension) = &extension {
         check_begin(document, &system, &initial, extension.coordinates)?;
     }
@@ -181,6 +190,7 @@ pub(super) fn written_out(document: &SceneDocument) -> Result<ComposedSystem, Re
         near: initial.clone(),
         initial,
         extension,
+        contact,
         noise,
         observables,
         events,

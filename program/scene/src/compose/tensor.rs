@@ -26,7 +26,7 @@ pub(super) fn entries(
     // Parameters of sites stand behind the coordinates and commute with all.
     let coordinates = &names[..moving(document, lattice)];
     match &document.system.bracket.value {
-        BracketSpec::Entries(written) => {
+        BracketSpec::Entries(written) | BracketSpec::Contact(written) => {
             let table = Antisymmetric {
                 noun: "a bracket",
                 name: |a, b| format!("{{{a}, {b}}}"),

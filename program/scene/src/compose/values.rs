@@ -56,6 +56,7 @@ impl ComposedRun {
             Some(extension) => extension.state(document, &own, &parameters)?,
             None => own,
         };
+        let initial = [initial, vec![1.0; usize::from(self.contact.is_some())]].concat();
         self.plan.events.check(document, &initial, &parameters)?;
         check_forces(document, &system, &initial)?;
         let mut run = self.clone();

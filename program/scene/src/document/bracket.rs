@@ -14,6 +14,8 @@ use super::system_schema::{BRACKET, SUM, SUMMAND};
 pub enum BracketSpec {
     /// Entries `"x1,x2" = "formula"` for {x1, x2}.
     Entries(Vec<(Located<String>, Located<String>)>),
+    /// Contact coordinates: entries of pairs q, p, beside one variable s.
+    Contact(Vec<(Located<String>, Located<String>)>),
     /// The linear bracket of a Lie algebra.
     LieAlgebra(LieAlgebraSpec),
     /// {x_i, x_j} = a_ij x_i x_j; the rows of the square matrix a.
@@ -32,7 +34,7 @@ impl BracketSpec {
     /// Its formulas, those of the summands of a sum and their constraints among them.
     pub fn formulas(&self) -> Vec<&Located<String>> {
         match self {
-            Self::Entries(entries) | Self::TwoForm(entries) => {
+            Self::Entries(entries) | Self::Contact(entries) | Self::TwoForm(entries) => {
                 entries.iter().map(|(_, formula)| formula).collect()
             }
             Self::MagneticField(formulas) | Self::OneForm(formulas) => formulas.iter().collect(),
@@ -68,9 +70,17 @@ pub(super) fn read_bracket(
     problems: &mut Problems,
 ) -> Option<BracketSpec> {
     if item.is_string() {
-        item.word("kind of bracket", &[("canonical", ())], problems)?;
-        let entries = coordinates.by_names(&item.place(), problems);
-        return entries.map(BracketSpec::Entries);
+        let words = [("canonical", false), ("contact", true)];
+        let is_contact = item.word("kind of bracket", &words, problems)?;
+        return match is_contact {
+            false => coordinates
+                .by_names(&item.place(), problems)
+                .map(BracketSpec::Entries),
+            true => coordinates
+                .paired()
+                .by_names(&item.place(), problems)
+                .map(BracketSpec::Contact),
+        };
     }
     let table = item.table("bracket", "a table or \"canonical\"", problems)?;
     if let Some(old) = table.get(MAGNETIC) {
@@ -101,6 +111,9 @@ pub(super) fn read_bracket(
         "canonical" => read_pairs(kind, problems)
             .and_then(|pairs| coordinates.by_pairs(&pairs, problems))
             .map(BracketSpec::Entries),
+        "contact" => read_pairs(kind, problems)
+            .and_then(|pairs| coordinates.by_pairs(&pairs, problems))
+            .map(BracketSpec::Contact),
         "lie-algebra" => read_lie_algebra(kind, problems).map(BracketSpec::LieAlgebra),
         "magnetic-field" => kind
             .list_of("a list of formulas", problems, Item::formula)
@@ -145,12 +158,23 @@ fn summand(
         None => Some(Vec::new()),
     };
     let bracket = bracket?;
-    if let BracketSpec::Sum(_) = &bracket.value {
+    let second = match &bracket.value {
+        BracketSpec::Sum(_) => Some((
+            "sum",
+            "a summand is no sum: write its summands beside the others",
+        )),
+        BracketSpec::Contact(_) => Some((
+            "contact",
+            "a contact system is no summand: write all its pairs beside one variable s",
+        )),
+        _ => None,
+    };
+    if let Some((second, advice)) = second {
         problems.push(
             SceneProblemCause::Conflict {
                 first: "sum".to_owned(),
-                second: "sum".to_owned(),
-                advice: "a summand is no sum: write its summands beside the others".to_owned(),
+                second: second.to_owned(),
+                advice: advice.to_owned(),
             },
             bracket.place(),
         );

@@ -70,16 +70,8 @@ impl Coordinates {
     /// Each coordinate has one momentum, and no variable is left.
     pub fn by_names(&self, place: &Place, problems: &mut Problems) -> Option<Entries> {
         let mut pairs = Vec::new();
-        for (at, (name, _)) in self.names.iter().enumerate() {
-            let others = (0..self.names.len()).filter(|other| *other != at);
-            let partners: Vec<(usize, bool)> = others
-                .filter_map(|other| {
-                    let other_name = &self.names[other].0;
-                    let is_alike = self.names[at].1 == self.names[other].1;
-                    let (first, second) = (is_pair(name, other_name), is_pair(other_name, name));
-                    (is_alike && (first || second)).then_some((other, first))
-                })
-                .collect();
+        for at in 0..self.names.len() {
+            let partners = self.partners(at);
             match partners[..] {
                 [(momentum, true)] => pairs.push((at, momentum)),
                 [(_, false)] => {}
@@ -122,6 +114,31 @@ impl Coordinates {
             free.find(|other| self.whole(*other) != self.whole(at) && self.are_alike(at, *other))?;
         let pair = [self.whole(at), self.whole(other)];
         (!is_in_a_pair(at)).then_some(pair)
+    }
+
+    /// The variables that may be paired with one, and whether they are its momenta.
+    fn partners(&self, at: usize) -> Vec<(usize, bool)> {
+        let name = &self.names[at].0;
+        let others = (0..self.names.len()).filter(|other| *other != at);
+        let partners = others.filter_map(|other| {
+            let other_name = &self.names[other].0;
+            let is_alike = self.names[at].1 == self.names[other].1;
+            let (first, second) = (is_pair(name, other_name), is_pair(other_name, name));
+            (is_alike && (first || second)).then_some((other, first))
+        });
+        partners.collect()
+    }
+
+    /// Those without a single variable that names pair with no other.
+    pub fn paired(&self) -> Self {
+        let is_single = |at: &usize| self.names[*at].1.is_empty();
+        let is_left = |at: &usize| self.partners(*at).is_empty() && is_single(at);
+        let left = (0..self.names.len()).find(is_left);
+        let kept = (0..self.names.len()).filter(|at| Some(*at) != left);
+        Self {
+            names: kept.map(|at| self.names[at].clone()).collect(),
+            sign: self.sign,
+        }
     }
 
     /// The entries of pairs that are written out, the coordinate first; of vectors one for each component.

@@ -137,6 +137,8 @@ pub struct MethodSection {
     pub pace: Option<Located<String>>,
     /// How noise enters a step, where the scene says.
     pub noise: Option<Located<Noise>>,
+    /// `energy = "exact"`, where the scene says so.
+    pub exact_energy: Option<Located<()>>,
     /// Values of parameters from which the parts choose what they are made of, in place of the system's:
     /// the pieces of a splitting, the multiples of Casimirs.
     pub chosen_at: Vec<(Located<String>, Located<Number>)>,
@@ -172,6 +174,13 @@ pub(super) fn read_method(
         }
         None => Some(None),
     };
+    let exact_energy = match table.get("energy") {
+        Some(item) => {
+            let word = item.word("energy", &[("exact", ())], problems);
+            word.map(|()| Some(Located::new((), item.place())))
+        }
+        None => Some(None),
+    };
     let chosen_at = match table.get(CHOSEN_AT) {
         Some(item) => item.pairs("a table of numbers", problems, Item::number),
         None => Some(Vec::new()),
@@ -184,6 +193,7 @@ pub(super) fn read_method(
         step: step?,
         pace: pace?,
         noise: noise?,
+        exact_energy: exact_energy?,
         chosen_at: chosen_at?,
     })
 }

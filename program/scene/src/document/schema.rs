@@ -147,7 +147,7 @@ static OBSERVABLES_BESIDE: [Beside; 2] = [
 /// The key of [`MethodSection::chosen_at`](super::MethodSection::chosen_at).
 pub const CHOSEN_AT: &str = "chosen-at";
 
-pub(super) static METHOD: [Key; 10] = [
+pub(super) static METHOD: [Key; 11] = [
     key(
         "realization",
         Shape::Part(PartKind::Realization),
@@ -196,6 +196,14 @@ pub(super) static METHOD: [Key; 10] = [
          steps of H, of order 2",
     )
     .default("\"joint\""),
+    key(
+        "energy",
+        Shape::Words(&["exact"]),
+        "Keeps the energy to round-off beside the Casimirs: each step takes multiples of Casimirs from H. The steps are no Poisson \
+         map as a whole",
+    )
+    .otherwise("as the steps have it")
+    .not_beside(&[Beside::Note("noise, forces, a pace, H that names t, a long lattice, steps that are no exact Poisson maps")]),
     key(
         CHOSEN_AT,
         Shape::Names(&Shape::Number),

@@ -131,13 +131,13 @@ pub(super) static SYSTEM: [Key; 17] = [
     key(
         "bracket",
         Shape::Either(&[
-            Shape::Words(&["canonical", "find"]),
+            Shape::Words(&["canonical", "contact", "find"]),
             KIND,
             table(&SUM, &[&["sum"]]),
             PAIRS,
         ]),
         "The Poisson tensor: { \"x,y\" = \"formula\" } for each pair that is not zero, a kind by its name, \"canonical\": q with p, \
-         x with px, q' = dH/dp, or \"find\" beside `equations`",
+         x with px, q' = dH/dp, \"contact\": such pairs and one variable s, or \"find\" beside `equations`",
     ),
     key(
         "constraints",
@@ -318,6 +318,7 @@ const KIND: Shape = table(
     &BRACKET,
     &[
         &["canonical"],
+        &["contact"],
         &["lie-algebra"],
         &["log-canonical"],
         &["magnetic-field"],
@@ -355,13 +356,21 @@ pub(super) static SUMMAND: [Key; 3] = [
     .default("[]"),
 ];
 
-pub(super) static BRACKET: [Key; 6] = [
+pub(super) static BRACKET: [Key; 7] = [
     key(
         "canonical",
         Shape::List(&Shape::List(&Shape::Text)),
         "Pairs of a coordinate and its momentum, q' = dH/dp and p' = -dH/dq under either convention: [[\"q\", \"p\"]]",
     )
     .not_beside(&[Beside::Note("any other entry of the bracket")]),
+    key(
+        "contact",
+        Shape::List(&Shape::List(&Shape::Text)),
+        "Pairs of a coordinate and its momentum beside one variable s more: q' = dH/dp, p' = -dH/dq - p dH/ds, s' = p dH/dp - H",
+    )
+    .not_beside(&[Beside::Note(
+        "any other entry of the bracket, a sum, forces, noise, a pace, casimirs, constraints, a long lattice",
+    )]),
     key(
         "lie-algebra",
         Shape::Either(&[

@@ -136,7 +136,7 @@ fn examine(
         && measured.structure.exponent.is_none()
         && measured.structure.at_least.is_none();
     match (declared.structure, measured.tensor_defect) {
-        (Structure::None, _) => {}
+        (Structure::Contact | Structure::None, _) => {}
         (Structure::Leaves, _) => {
             findings.push(place.judged(named("Casimirs"), measured.casimir_drift, structure))
         }

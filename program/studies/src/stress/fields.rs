@@ -27,7 +27,8 @@ pub(super) const CASES: [Case; 2] = [
 ];
 
 /// Scenes that between them hold every key of [`scene_keys`].
-pub const SCENES_WITH_EVERY_KEY: [&str; 24] = [
+pub const SCENES_WITH_EVERY_KEY: [&str; 25] = [
+    include_str!("scenes/contact.toml"),
     include_str!("scenes/own-names.toml"),
     include_str!("scenes/torque.toml"),
     include_str!("scenes/equations.toml"),

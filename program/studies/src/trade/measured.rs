@@ -153,6 +153,6 @@ pub(super) fn is_poisson(structure: Structure, tensor_defect: Option<f64>) -> bo
     match structure {
         Structure::Exact => tensor_defect.is_none_or(|defect| defect <= BELIED),
         Structure::Order(_) => tensor_defect.is_some_and(|defect| defect <= Defect::ROUND_OFF),
-        Structure::Leaves | Structure::None => false,
+        Structure::Leaves | Structure::Contact | Structure::None => false,
     }
 }

@@ -126,7 +126,10 @@ impl Search<'_> {
         };
         if tried.is_met() {
             let structure = track.candidate.properties.structure;
-            if !matches!(structure, Structure::Leaves | Structure::None) {
+            if !matches!(
+                structure,
+                Structure::Leaves | Structure::Contact | Structure::None
+            ) {
                 let time_step = self.bench.extent() / setting.steps as f64;
                 let run = &track.candidate.run;
                 let states: [&[f64]; 2] = [&run.plan.initial, &tried.trial.stepped];

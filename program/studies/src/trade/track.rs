@@ -88,7 +88,7 @@ impl<'a> Track<'a> {
     pub fn is_geometric(&self) -> bool {
         !matches!(
             self.candidate.properties.structure,
-            Structure::Leaves | Structure::None
+            Structure::Leaves | Structure::Contact | Structure::None
         )
     }
 

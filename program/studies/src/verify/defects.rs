@@ -115,7 +115,9 @@ impl Defects {
     /// than any order.
     pub fn judge(&self, declared: MapProperties) -> Judgement {
         match (declared.structure, self.is_round_off()) {
-            (_, None) | (Structure::Leaves | Structure::None, _) => Judgement::Open,
+            (_, None) | (Structure::Leaves | Structure::Contact | Structure::None, _) => {
+                Judgement::Open
+            }
             (_, Some(true)) => Judgement::Met,
             (Structure::Exact, Some(false)) if self.are_told() => Judgement::NotMet,
             (Structure::Exact, Some(false)) => Judgement::Undecided,

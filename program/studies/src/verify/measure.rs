@@ -104,7 +104,7 @@ pub fn measure(
                 judgement => judgement,
             },
             Structure::Order(n) => defects.judge(declared).on_rough(n, smooth),
-            Structure::None => defects.judge(declared),
+            Structure::Contact | Structure::None => defects.judge(declared),
         },
         judge_symmetry(declared, run.self_adjointness),
     ];

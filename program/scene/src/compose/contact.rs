@@ -1,0 +1,185 @@
+//! Contact systems, q' = ∂H/∂p, p' = −∂H/∂q − p ∂H/∂s, s' = p·∂H/∂p − H.
+//!
+//! The canonical system of K = r H(q, P/r, s) over P·dq − r ds has one more coordinate r, behind all others. Steps end at r = 1,
+//! where P is p: formulas of the scene stay as they are.
+
+use std::sync::Arc;
+
+use leafwise_core::StepMap;
+use leafwise_core::contact::{ContactMap, Homogeneous};
+use leafwise_expression::Expression;
+
+use super::Refusal;
+use super::stepping::{MapStepping, Stepping};
+use super::tensor::Entries;
+use crate::document::{BracketSpec, Convention, Place, SceneDocument};
+
+/// Name of r in messages: no name of a formula.
+pub(super) const SCALE: &str = "(r)";
+
+/// The homogeneous system of a contact system.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contact {
+    /// p and r.
+    of: Homogeneous,
+    /// H.
+    energy: Expression,
+}
+
+impl Contact {
+    /// Puts K in the place of H of a scene with a contact bracket, and pairs s with r, the coordinate `scale` behind all others;
+    /// `None` for other scenes.
+    ///
+    /// # Errors
+    /// What does not stand beside it, and variables that are not pairs and one more, underlined in the scene.
+    pub(super) fn of(
+        document: &SceneDocument,
+        (names, scale): (&[String], usize),
+        bracket: &mut Entries,
+        hamiltonian: &mut Expression,
+    ) -> Result<Option<Self>, Refusal> {
+        if !matches!(document.system.bracket.value, BracketSpec::Contact(_)) {
+            return Ok(None);
+        }
+        check(document)?;
+        let own = document.system.coordinates();
+        let is_paired = |at: &usize| bracket.keys().any(|(a, b)| a == at || b == at);
+        let left: Vec<usize> = (0..own).filter(|at| !is_paired(at)).collect();
+        let [last] = left[..] else {
+            let left: Vec<&str> = left.iter().map(|at| names[*at].as_str()).collect();
+            let message = match left.is_empty() {
+                true => "a contact bracket has one variable beside its pairs, and here is none"
+                    .to_owned(),
+                false => format!(
+                    "a contact bracket has one variable beside its pairs, and here are {}",
+                    left.join(", ")
+                ),
+            };
+            let help = "write variables = [\"q\", \"p\", \"s\"]";
+            return Err(refusal(
+                document,
+                &document.system.bracket.place(),
+                message,
+                help,
+            ));
+        };
+        // {q, p} with which q' = ∂H/∂p.
+        let sign = match document.system.convention {
+            Convention::HamiltonFirst => -1,
+            Convention::HamiltonSecond => 1,
+        };
+        let pairs = bracket.iter().filter(|((a, _), _)| *a < own);
+        let momenta =
+            pairs.map(
+                |((a, b), entry)| match entry.evaluate(&[], &[]) == f64::from(sign) {
+                    true => *b,
+                    false => *a,
+                },
+            );
+        let momenta: Vec<usize> = momenta.collect();
+        // The momentum of s is −r.
+        bracket.insert((last, scale), Expression::from(-sign));
+        let energy = hamiltonian.clone();
+        let r = || Box::new(Expression::Variable(scale));
+        let of_ratio = |at: usize| match momenta.contains(&at) {
+            true => Expression::Quotient(Box::new(Expression::Variable(at)), r()),
+            false => Expression::Variable(at),
+        };
+        *hamiltonian = Expression::Product(vec![*r(), energy.at_formulas(&of_ratio)]);
+        Ok(Some(Self {
+            of: Homogeneous { momenta, scale },
+            energy,
+        }))
+    }
+
+    /// H, where K stands in its place.
+    pub fn energy(&self) -> &Expression {
+        &self.energy
+    }
+
+    /// A step of the homogeneous system from r = 1, brought back there.
+    pub(super) fn enter(&self, method: Stepping) -> Stepping {
+        let map: Arc<dyn StepMap> = match method {
+            Stepping::Written(method) => Arc::new(*method),
+            Stepping::Map(stepping) => stepping.map,
+            Stepping::Lattice(stepping) => stepping.stepped,
+        };
+        Stepping::Map(MapStepping {
+            map: Arc::new(ContactMap::new(map, self.of.clone())),
+            method: None,
+            is_composed: false,
+            noise: None,
+        })
+    }
+}
+
+/// Refuses what a contact system does not stand beside.
+fn check(document: &SceneDocument) -> Result<(), Refusal> {
+    let system = &document.system;
+    let forces = &system.forces;
+    let force = (forces.one_form.as_ref().map(|own| own.place()))
+        .or(forces.torque.as_ref().map(|own| own.place()))
+        .or(forces.damping.as_ref().map(|own| own.rate.place()));
+    if let Some(place) = force {
+        let message =
+            "forces do not stand beside a contact bracket: their work is no part of ds - p dq";
+        let help = "write friction into H: `+ gamma*s` makes p' = ... - gamma*p";
+        return Err(refusal(document, &place, message.to_owned(), help));
+    }
+    let others = [
+        (
+            system
+                .noise
+                .first()
+                .map(|channel| channel.hamiltonian.place()),
+            "noise",
+            "take the noise out",
+        ),
+        (
+            document.method.pace.as_ref().map(|pace| pace.place()),
+            "a pace",
+            "take steps that are short enough everywhere",
+        ),
+        (
+            system.casimirs.first().map(|(name, _)| name.place()),
+            "Casimirs",
+            "record the function in `observables`: contact motions have no Casimirs",
+        ),
+        (
+            system.constraints.first().map(|own| own.place()),
+            "constraints",
+            "write the system in coordinates without them",
+        ),
+    ];
+    for (place, noun, help) in others {
+        if let Some(place) = place {
+            let message = format!("a contact bracket does not stand beside {noun}");
+            return Err(refusal(document, &place, message, help));
+        }
+    }
+    Ok(())
+}
+
+/// Refuses a contact bracket over a long lattice.
+///
+/// # Errors
+/// The bracket, underlined in the scene.
+pub(super) fn check_short(document: &SceneDocument, is_long: bool) -> Result<(), Refusal> {
+    let is_contact = matches!(document.system.bracket.value, BracketSpec::Contact(_));
+    if is_contact && is_long {
+        let message =
+            "a contact bracket is not offered on long lattices: s and its momentum meet every site";
+        let place = document.system.bracket.place();
+        return Err(refusal(
+            document,
+            &place,
+            message.to_owned(),
+            "shorten the lattice",
+        ));
+    }
+    Ok(())
+}
+
+fn refusal(document: &SceneDocument, place: &Place, message: String, help: &str) -> Refusal {
+    Box::new(document.diagnostic(place, message, "here", Some(help.to_owned())))
+}

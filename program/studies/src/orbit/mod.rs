@@ -1,0 +1,427 @@
+//! Periodic orbits: Φᴺ(x) = x with N steps of T/N, by Newton's method with invariants held, and what neighbours do after a turn.
+//!
+//! The unknowns are x and T. Equations are those of the closing, one that holds the phase, and one for each invariant that is
+//! held. The least step is taken that makes the sum of their squares least. Singular values of symmetries do not count: of a
+//! family of orbits one that is near is found.
+//!
+//! Tangents are carried by the exact monodromy M = DΦᴺ. Its kernels M v = v and wᵀM = wᵀ are those of the time and
+//! of the integrals. Between them are left the multipliers of the reduced motion.
+
+mod linear;
+
+use leafwise_core::StepMap;
+use leafwise_core::gradient::{GradientError, Plan, Trajectory};
+use leafwise_scene::compose::ComposedRun;
+use thiserror::Error;
+
+pub use linear::Complex;
+use linear::{Columns, SingularValues, eigenvalues};
+
+/// Newton steps, at most.
+const STEPS: usize = 40;
+
+/// Halvings of one.
+const HALVINGS: usize = 10;
+
+/// A closure, over the size of the state, that whole corrections alone make better.
+const NEAR: f64 = 1e-10;
+
+/// Singular values of the bordered system that count, over the largest.
+const PART: f64 = 1e-11;
+
+/// Singular values of M − 1 that are taken for zeros, over its size.
+const KERNEL: f64 = 1e-7;
+
+/// The part of a period by which its derivative is found.
+const CHANGE: f64 = 1e-5;
+
+/// A multiplier off the unit circle by more is that of an unstable orbit.
+const STABLE: f64 = 1e-6;
+
+/// The closure, over the size of the state, that is an orbit's.
+const CLOSED: f64 = 1e-9;
+
+/// The quantity beside Casimirs that is held while an orbit is closed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Hold {
+    /// The energy: the period is found.
+    Energy,
+    /// The period: the energy is found.
+    Period,
+}
+
+/// A closed orbit.
+#[derive(Clone, Debug)]
+pub struct PeriodicOrbit {
+    /// A state on it.
+    pub state: Vec<f64>,
+    /// T.
+    pub period: f64,
+    /// N.
+    pub steps: u64,
+    /// max |Φᴺ(x) − x|.
+    pub closure: f64,
+    /// Newton steps that were made.
+    pub iterations: usize,
+    /// Multipliers that are 1 by the time and the integrals.
+    pub trivial: usize,
+    /// All others, the largest first.
+    pub multipliers: Vec<Complex>,
+    /// max |μ_k μ_{m+1−k} − 1| of multipliers by size: they come in pairs.
+    pub pairing: f64,
+}
+
+impl PeriodicOrbit {
+    /// Whether no multiplier is off the unit circle.
+    pub fn is_stable(&self) -> bool {
+        self.multipliers
+            .iter()
+            .all(|of| of.modulus() <= 1.0 + STABLE)
+    }
+}
+
+/// Why no orbit is found.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum OrbitError {
+    /// A run that has none.
+    #[error("{message}")]
+    NotOffered {
+        /// Reason.
+        message: &'static str,
+        /// A remedy.
+        help: &'static str,
+    },
+    /// A step fails.
+    #[error("the orbit cannot be followed: {0}")]
+    Step(#[from] GradientError),
+    /// Newton's method ends elsewhere.
+    #[error(
+        "no orbit closes near here: after {iterations} corrections the ends are {closure:.1e} apart"
+    )]
+    NotClosed {
+        /// Corrections made.
+        iterations: usize,
+        /// max |Φᴺ(x) − x|.
+        closure: f64,
+    },
+}
+
+/// The end of a turn.
+struct AfterTurn {
+    /// Φᴺ(x) − x.
+    gap: Vec<f64>,
+    /// Columns of DΦᴺ.
+    monodromy: Columns,
+}
+
+/// Steps of one map.
+struct Turns<'a> {
+    map: &'a dyn StepMap,
+    parameters: Vec<f64>,
+    epsilon: f64,
+    steps: u64,
+}
+
+impl Turns<'_> {
+    fn turn(&self, x: &[f64], period: f64) -> Result<AfterTurn, GradientError> {
+        let d = x.len();
+        let trajectory = Trajectory {
+            map: self.map,
+            parameters: &self.parameters,
+            epsilon: self.epsilon,
+            h: period / (self.steps as f64 * self.epsilon),
+            goes_on: &|| true,
+        };
+        let mut tangents = vec![0.0; d * d];
+        (0..d).for_each(|i| tangents[i * d + i] = 1.0);
+        let plan = Plan {
+            steps: self.steps,
+            every: self.steps,
+        };
+        let end = trajectory.push(x, (&tangents, &[]), plan)?;
+        let ends = end.samples[d..].iter().zip(x);
+        Ok(AfterTurn {
+            gap: ends.map(|(end, x)| end - x).collect(),
+            monodromy: end.tangents[d * d..]
+                .chunks_exact(d)
+                .map(<[f64]>::to_vec)
+                .collect(),
+        })
+    }
+
+    /// ∂Φᴺ/∂T.
+    fn by_period(&self, x: &[f64], period: f64) -> Result<Vec<f64>, GradientError> {
+        let [ahead, behind] = [1.0 + CHANGE, 1.0 - CHANGE].map(|part| self.turn(x, period * part));
+        let (ahead, behind) = (ahead?.gap, behind?.gap);
+        let change = 2.0 * CHANGE * period;
+        Ok(ahead
+            .iter()
+            .zip(behind)
+            .map(|(a, b)| (a - b) / change)
+            .collect())
+    }
+}
+
+/// Closes an orbit near a run's initial state and a period, in so many steps.
+///
+/// # Errors
+/// [`OrbitError`].
+pub fn close(
+    run: &ComposedRun,
+    (period, steps): (f64, u64),
+    hold: Hold,
+) -> Result<PeriodicOrbit, OrbitError> {
+    refuse(run, steps)?;
+    let turns = Turns {
+        map: run.method.map(),
+        parameters: run.system.parameter_values(),
+        epsilon: run.plan.epsilon,
+        steps,
+    };
+    let mut invariants = Invariants::of(run)?;
+    let (mut x, mut period) = (run.plan.initial.clone(), period);
+    let held = invariants.values(&x);
+    let size = x.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
+    let mut turn = turns.turn(&x, period)?;
+    let mut iterations = 0;
+    while iterations < STEPS {
+        let along = turns.by_period(&x, period)?;
+        let system = bordered(&turn, &along, &mut invariants, (&x, &held, hold));
+        let change = SingularValues::of(&system.0).solve(&system.1, PART);
+        let before = length(&turn.gap);
+        let mut part = 1.0;
+        let mut better = None;
+        // Near round-off a shorter correction is no better.
+        let halvings = if before > NEAR * size { HALVINGS } else { 1 };
+        for _ in 0..halvings {
+            let moved = x.iter().zip(&change).map(|(x, dx)| x + part * dx);
+            let moved: Vec<f64> = moved.collect();
+            let longer = period + part * change[x.len()];
+            if let Ok(next) = turns.turn(&moved, longer)
+                && length(&next.gap) < before
+            {
+                better = Some((moved, longer, next));
+                break;
+            }
+            part *= 0.5;
+        }
+        let Some(next) = better else { break };
+        iterations += 1;
+        (x, period, turn) = next;
+    }
+    let closure = turn
+        .gap
+        .iter()
+        .fold(0.0_f64, |most, gap| most.max(gap.abs()));
+    if closure.is_nan() || closure > CLOSED * size {
+        return Err(OrbitError::NotClosed {
+            iterations,
+            closure,
+        });
+    }
+    let (trivial, multipliers) = multipliers(&turn.monodromy);
+    let opposite = multipliers.iter().zip(multipliers.iter().rev());
+    let products = opposite.map(|(a, b)| (a.modulus() * b.modulus() - 1.0).abs());
+    Ok(PeriodicOrbit {
+        pairing: products.fold(0.0, f64::max),
+        state: x,
+        period,
+        steps: turns.steps,
+        closure,
+        iterations,
+        trivial,
+        multipliers,
+    })
+}
+
+fn refuse(run: &ComposedRun, steps: u64) -> Result<(), OrbitError> {
+    let (message, help) = if run.method.lattice().is_some() {
+        (
+            "orbits of long lattices are not closed",
+            "shorten the lattice",
+        )
+    } else if run.method.noise().is_some() {
+        (
+            "a motion with noise has no periodic orbits",
+            "take the noise out",
+        )
+    } else if run.is_extended() {
+        (
+            "orbits of systems whose H names the time, with a pace, parameters of sites or a contact bracket are not closed",
+            "close the orbit of a system without them",
+        )
+    } else if steps == 0 {
+        (
+            "an orbit takes steps, and here are none",
+            "give a period and a number of steps",
+        )
+    } else {
+        return Ok(());
+    };
+    Err(OrbitError::NotOffered { message, help })
+}
+
+/// Energy and Casimirs, with their gradients.
+struct Invariants {
+    observer: leafwise_core::Observer,
+}
+
+impl Invariants {
+    fn of(run: &ComposedRun) -> Result<Self, OrbitError> {
+        let observer = run.invariants().map_err(|_| OrbitError::NotOffered {
+            message: "the invariants have no code",
+            help: "declare others",
+        })?;
+        Ok(Self { observer })
+    }
+
+    fn values(&mut self, x: &[f64]) -> Vec<f64> {
+        let mut values = vec![0.0; self.observer.observables()];
+        self.observer.evaluate(x, &mut values);
+        values
+    }
+
+    /// By differences: they direct Newton's method, and its end depends on values alone.
+    fn gradients(&mut self, x: &[f64]) -> Vec<Vec<f64>> {
+        let mut gradients = vec![vec![0.0; x.len()]; self.observer.observables()];
+        let mut moved = x.to_vec();
+        for i in 0..x.len() {
+            let change = 1e-6 * x[i].abs().max(1.0);
+            moved[i] = x[i] + change;
+            let ahead = self.values(&moved);
+            moved[i] = x[i] - change;
+            let behind = self.values(&moved);
+            moved[i] = x[i];
+            for ((gradient, a), b) in gradients.iter_mut().zip(ahead).zip(behind) {
+                gradient[i] = (a - b) / (2.0 * change);
+            }
+        }
+        gradients
+    }
+}
+
+/// The columns of [M − 1, ∂_T; borders] and the right-hand side.
+fn bordered(
+    turn: &AfterTurn,
+    along: &[f64],
+    invariants: &mut Invariants,
+    (x, held, hold): (&[f64], &[f64], Hold),
+) -> (Columns, Vec<f64>) {
+    let d = x.len();
+    let mut rows: Vec<(Vec<f64>, f64)> = (0..d)
+        .map(|i| {
+            let own = (0..d).map(|j| turn.monodromy[j][i] - f64::from(u8::from(i == j)));
+            (own.chain([along[i]]).collect(), -turn.gap[i])
+        })
+        .collect();
+    let unit = |mut row: Vec<f64>, right: f64| {
+        let size = length(&row);
+        let inverse = if size > 0.0 { 1.0 / size } else { 0.0 };
+        row.iter_mut().for_each(|entry| *entry *= inverse);
+        (row, right * inverse)
+    };
+    rows.push(unit(along.iter().copied().chain([0.0]).collect(), 0.0));
+    let (now, gradients) = (invariants.values(x), invariants.gradients(x));
+    for (at, gradient) in gradients.into_iter().enumerate() {
+        if at == 0 && hold == Hold::Period {
+            let mut row = vec![0.0; d + 1];
+            row[d] = 1.0;
+            rows.push((row, 0.0));
+        } else {
+            let row = gradient.into_iter().chain([0.0]).collect();
+            rows.push(unit(row, held[at] - now[at]));
+        }
+    }
+    let columns = (0..=d).map(|j| rows.iter().map(|(row, _)| row[j]).collect());
+    (
+        columns.collect(),
+        rows.iter().map(|(_, right)| *right).collect(),
+    )
+}
+
+fn length(v: &[f64]) -> f64 {
+    libm::sqrt(v.iter().map(|x| x * x).sum())
+}
+
+/// How many multipliers are 1 by the time and the integrals, and the others.
+fn multipliers(monodromy: &Columns) -> (usize, Vec<Complex>) {
+    let d = monodromy.len();
+    let mut less = monodromy.clone();
+    (0..d).for_each(|i| less[i][i] -= 1.0);
+    let parts = SingularValues::of(&less);
+    let size = parts.values[0].max(1.0);
+    let rank = parts
+        .values
+        .iter()
+        .filter(|value| **value > KERNEL * size)
+        .count();
+    // The image of M − 1 is what all integrals leave; in it lie those of the kernel that are no motion across leaves.
+    let image = &parts.left[..rank];
+    let project = |v: &Vec<f64>| -> Vec<f64> {
+        image
+            .iter()
+            .map(|u| u.iter().zip(v).map(|(a, b)| a * b).sum())
+            .collect()
+    };
+    let inside: Columns = parts.right[rank..].iter().map(project).collect();
+    let found = SingularValues::of(&inside);
+    let kept: Columns = (found.left.iter().zip(&found.values))
+        .filter(|(_, value)| **value > 0.5)
+        .map(|(column, _)| column.clone())
+        .collect();
+    let basis = complement(&kept, rank);
+    // Its vectors in the state's coordinates.
+    let basis: Columns = basis
+        .iter()
+        .map(|own| {
+            let mut v = vec![0.0; d];
+            for (part, u) in own.iter().zip(image) {
+                v.iter_mut().zip(u).for_each(|(v, u)| *v += part * u);
+            }
+            v
+        })
+        .collect();
+    let reduced: Columns = basis
+        .iter()
+        .map(|v| {
+            let mut moved = vec![0.0; d];
+            for (part, column) in v.iter().zip(monodromy) {
+                moved
+                    .iter_mut()
+                    .zip(column)
+                    .for_each(|(m, c)| *m += part * c);
+            }
+            basis
+                .iter()
+                .map(|w| w.iter().zip(&moved).map(|(a, b)| a * b).sum())
+                .collect()
+        })
+        .collect();
+    let found = eigenvalues(&reduced).unwrap_or_default();
+    (d - found.len(), found)
+}
+
+/// An orthonormal basis of what is at right angles to orthonormal vectors.
+fn complement(vectors: &Columns, dimension: usize) -> Columns {
+    let mut all: Columns = vectors.clone();
+    while all.len() < dimension {
+        let candidates = (0..dimension).map(|j| {
+            let mut v = vec![0.0; dimension];
+            v[j] = 1.0;
+            for _ in 0..2 {
+                for u in &all {
+                    let along: f64 = u.iter().zip(&v).map(|(a, b)| a * b).sum();
+                    v.iter_mut().zip(u).for_each(|(v, u)| *v -= along * u);
+                }
+            }
+            v
+        });
+        let longest = candidates.max_by(|a, b| length(a).total_cmp(&length(b)));
+        let Some(mut v) = longest else { break };
+        let size = length(&v);
+        v.iter_mut().for_each(|entry| *entry /= size);
+        all.push(v);
+    }
+    all.split_off(vectors.len())
+}

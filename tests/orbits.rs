@@ -1,0 +1,155 @@
+//! Periodic orbits: closed forms, known orbits of three bodies, multipliers of normal modes.
+
+#![allow(
+    clippy::print_stdout,
+    reason = "measured numbers, read with --nocapture"
+)]
+
+use std::f64::consts::TAU;
+
+use leafwise::orbit::{Hold, OrbitError, PeriodicOrbit, close};
+use leafwise_tests::scenes::until;
+
+fn orbit(
+    system: &str,
+    method: &str,
+    initial: &str,
+    (period, steps): (f64, usize),
+    hold: Hold,
+) -> PeriodicOrbit {
+    let run = until(system, method, initial, (period, steps));
+    let orbit = close(&run, (period, steps as u64), hold).unwrap_or_else(|error| panic!("{error}"));
+    println!("{orbit:?}");
+    orbit
+}
+
+const ORDER_8: &str =
+    "realization = \"auto\"\ndynamics = { name = \"hamilton-jacobi\", order = 8 }";
+
+/// T = 4 K(sin²(q₀/2)), by the arithmetic-geometric mean.
+#[test]
+fn a_pendulum_has_the_period_of_the_closed_form() {
+    let system =
+        "variables = [\"q\", \"p\"]\nbracket = \"canonical\"\nhamiltonian = \"p^2/2 - cos(q)\"";
+    let found = orbit(system, ORDER_8, "[2.0, 0]", (8.5, 200), Hold::Energy);
+    let (mut a, mut b) = (1.0_f64, libm::cos(1.0));
+    for _ in 0..8 {
+        (a, b) = (0.5 * (a + b), libm::sqrt(a * b));
+    }
+    let exact = TAU / a;
+    assert!(
+        (found.period - exact).abs() < 1e-9,
+        "{} {exact}",
+        found.period
+    );
+    assert!(found.closure <= 1e-12, "{:e}", found.closure);
+    assert_eq!((found.trivial, found.multipliers.len()), (2, 0));
+    // With the period held the amplitude is found.
+    let held = orbit(system, ORDER_8, "[1.9, 0]", (exact, 200), Hold::Period);
+    assert!((held.period - exact).abs() < 1e-12 * exact);
+    let energy = 0.5 * held.state[1] * held.state[1] - libm::cos(held.state[0]);
+    assert!((energy + libm::cos(2.0)).abs() < 1e-8, "{energy}");
+}
+
+/// The second mode turns by 2π√2 in a period of the first.
+#[test]
+fn multipliers_of_a_normal_mode_are_those_of_the_other() {
+    let system = "variables = [\"q1\", \"q2\", \"p1\", \"p2\"]\nbracket = \"canonical\"\n\
+        hamiltonian = \"(p1^2 + p2^2)/2 + q1^2/2 + q2^2 + q1^4/8\"";
+    let found = orbit(system, ORDER_8, "[1, 0, 0, 0]", (5.4, 200), Hold::Energy);
+    assert!(found.closure <= 1e-12, "{:e}", found.closure);
+    assert_eq!((found.trivial, found.multipliers.len()), (2, 2));
+    assert!(found.is_stable());
+    assert!(found.pairing <= 1e-10, "{:e}", found.pairing);
+    let angle = found.multipliers[0].argument().abs();
+    let turns = libm::sqrt(2.0) * found.period;
+    assert!((libm::cos(angle) - libm::cos(turns)).abs() < 1e-8);
+}
+
+/// In leaves of two dimensions all multipliers are 1: of the time, the energy and the Casimir.
+#[test]
+fn a_rigid_body_comes_back_in_its_leaf() {
+    let found = orbit(
+        "library = \"rigid-body\"",
+        ORDER_8,
+        "[1, 3, 3]",
+        (6.1, 200),
+        Hold::Energy,
+    );
+    assert!(found.closure <= 1e-12, "{:e}", found.closure);
+    assert_eq!((found.trivial, found.multipliers.len()), (3, 0));
+    let spin: f64 = found.state.iter().map(|x| x * x).sum();
+    assert!((spin - 19.0).abs() < 1e-12, "{spin}");
+}
+
+/// R. Arenstorf's orbit about the earth and the moon, as E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential
+/// Equations I*, (II.0.1), has it.
+#[test]
+fn arenstorfs_orbit_closes() {
+    let system = "variables = [\"x\", \"y\", \"px\", \"py\"]\nparameters = { mu = 0.012277471 }\nbracket = \"canonical\"\n\
+        hamiltonian = \"(px^2 + py^2)/2 + y*px - x*py - (1 - mu)/sqrt((x + mu)^2 + y^2) - mu/sqrt((x - 1 + mu)^2 + y^2)\"";
+    let initial = format!("[0.994, 0, 0, {:?}]", 0.994 - 2.001_585_106_379_082_5);
+    let found = orbit(
+        system,
+        "stepper = { name = \"gauss\", stages = 8 }",
+        &initial,
+        (17.065_216_560_157_962, 6000),
+        Hold::Energy,
+    );
+    assert!(found.closure <= 1e-12, "{:e}", found.closure);
+    assert!(
+        (found.period - 17.065_216_560_158).abs() < 1e-6,
+        "{}",
+        found.period
+    );
+    assert!(found.pairing <= 1e-10, "{:e}", found.pairing);
+    assert!(!found.is_stable());
+}
+
+/// The figure eight of A. Chenciner and R. Montgomery, whose multipliers turn by 0.00842272 and 0.29809253 of a turn (C. Simó,
+/// *Dynamical properties of the figure eight solution*, Contemporary Mathematics 292 (2002)).
+#[test]
+fn the_figure_eight_closes_and_is_stable() {
+    let names = "\"x1\", \"y1\", \"x2\", \"y2\", \"x3\", \"y3\", \"px1\", \"py1\", \"px2\", \"py2\", \"px3\", \"py3\"";
+    let system = format!(
+        "variables = [{names}]\nbracket = \"canonical\"\n\
+         hamiltonian = \"(px1^2 + py1^2 + px2^2 + py2^2 + px3^2 + py3^2)/2 - 1/sqrt((x1 - x2)^2 + (y1 - y2)^2) \
+         - 1/sqrt((x1 - x3)^2 + (y1 - y3)^2) - 1/sqrt((x2 - x3)^2 + (y2 - y3)^2)\""
+    );
+    let initial = "[0.97000436, -0.24308753, -0.97000436, 0.24308753, 0, 0, \
+        0.466203685, 0.43236573, 0.466203685, 0.43236573, -0.93240737, -0.86473146]";
+    let found = orbit(
+        &system,
+        "stepper = { name = \"gauss\", stages = 6 }",
+        initial,
+        (6.325_913_98, 400),
+        Hold::Period,
+    );
+    assert!(found.closure <= 1e-12, "{:e}", found.closure);
+    assert!(found.is_stable());
+    assert!(found.pairing <= 1e-10, "{:e}", found.pairing);
+    assert_eq!((found.trivial, found.multipliers.len()), (8, 4));
+    let mut turns: Vec<f64> = found
+        .multipliers
+        .iter()
+        .map(|of| of.argument().abs() / TAU)
+        .collect();
+    turns.sort_by(f64::total_cmp);
+    for (turn, known) in turns
+        .iter()
+        .zip([0.008_422_72, 0.008_422_72, 0.298_092_53, 0.298_092_53])
+    {
+        assert!((turn - known).abs() < 1e-6, "{turns:?}");
+    }
+}
+
+#[test]
+fn what_has_no_orbits_is_refused() {
+    let damped = "variables = [\"q\", \"p\", \"s\"]\nbracket = \"contact\"\nhamiltonian = \"p^2/2 + q^2/2 + 0.2*s\"";
+    let run = until(damped, ORDER_8, "[1, 0, 0]", (6.0, 60));
+    let refused = close(&run, (6.0, 60), Hold::Energy);
+    assert!(matches!(refused, Err(OrbitError::NotOffered { .. })));
+    let free = "variables = [\"q\", \"p\"]\nbracket = \"canonical\"\nhamiltonian = \"p^2/2\"";
+    let run = until(free, ORDER_8, "[1, 1]", (6.0, 60));
+    assert!(close(&run, (6.0, 60), Hold::Energy).is_err());
+}
