@@ -1,7 +1,7 @@
 //! `leafwise plot`: columns of runs as a figure for a paper.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use leafwise::report::{Chart, ChartAxis, ChartScale, PanelSeries, Stroke};
 use leafwise::scene::document::nearest;
@@ -189,10 +189,10 @@ fn named(arguments: &PlotArguments, run: &Path, y: &str) -> String {
     }
 }
 
-fn read(file: &PathBuf) -> Result<Table, Failure> {
+fn read(file: &Path) -> Result<Table, Failure> {
     let text = read_text(file).map_err(|source| Failure::File {
         action: "read",
-        file: file.clone(),
+        file: file.to_owned(),
         source,
     })?;
     Table::read(&text).map_err(|reason| {
