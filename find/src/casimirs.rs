@@ -14,6 +14,9 @@ const MOST_PRODUCTS: u64 = 1 << 26;
 /// Entries below this, relative to the largest, are 0 at a state of no special value.
 const SINGULAR: f64 = 1e-9;
 
+/// Letters that names of Casimirs begin with.
+const LETTERS: [&str; 3] = ["C", "K", "casimir"];
+
 /// Independent Casimirs of degree at most `degree`, at most d − rank Π of them, those of few terms first. They are polynomials in the
 /// variables, the functions in the tensor, and ln x_i where {x_i, ·} has the factor x_i. Parameters occur to the first degree.
 ///
@@ -27,7 +30,7 @@ pub fn casimirs_of(system: &SystemFormulas, degree: usize) -> Result<Vec<Express
     for entry in system.tensor().values() {
         entries.push(entry.evaluate_in(&mut ring, &mut |_, at| Ok(x[at].clone()))?);
     }
-    let missing = d - rank(tensor_at(system));
+    let missing = corank(system);
     let mut symbols = symbols_of(&mut ring, &entries)?;
     for (i, variable) in x.iter().enumerate() {
         if has_factor(system, &entries, i) {
@@ -69,6 +72,41 @@ pub fn casimirs_of(system: &SystemFormulas, degree: usize) -> Result<Vec<Express
         }
     }
     Ok(found)
+}
+
+/// The same with names C, or C1, C2, …; of other letters where a variable or a parameter has such a name.
+///
+/// # Errors
+/// As [`casimirs_of`].
+pub fn named_casimirs_of(
+    system: &SystemFormulas,
+    degree: usize,
+) -> Result<Vec<(String, String)>, FindError> {
+    let found = casimirs_of(system, degree)?;
+    let parameters: Vec<String> = (system.parameters().iter())
+        .map(|parameter| parameter.name.clone())
+        .collect();
+    let named = |letter: &str| -> Vec<String> {
+        match found.len() {
+            1 => vec![letter.to_owned()],
+            count => (1..=count).map(|at| format!("{letter}{at}")).collect(),
+        }
+    };
+    let is_free = |names: &Vec<String>| {
+        let taken = |name: &String| system.variables().contains(name) || parameters.contains(name);
+        !names.iter().any(taken)
+    };
+    let mut all = LETTERS.map(named).into_iter();
+    let names = all.find(is_free).unwrap_or_else(|| named("casimir"));
+    let formulas = found
+        .iter()
+        .map(|casimir| casimir.written(system.variables(), &parameters));
+    Ok(names.into_iter().zip(formulas).collect())
+}
+
+/// d − rank Π at a state of no special value: how many independent Casimirs there are about it.
+pub fn corank(system: &SystemFormulas) -> usize {
+    system.dimension() - rank(tensor_at(system))
 }
 
 /// Whether {x_i, ·} has the factor x_i, and is not zero.

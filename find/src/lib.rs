@@ -27,7 +27,7 @@ mod report;
 mod search;
 mod written;
 
-pub use casimirs::casimirs_of;
+pub use casimirs::{casimirs_of, corank, named_casimirs_of};
 pub use equations::Equations;
 pub use error::FindError;
 pub use report::{FoundBracket, Kind, RefusedKind, Report};

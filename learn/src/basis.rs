@@ -7,6 +7,9 @@ use leafwise_expression::{Expression, Rational};
 
 use crate::error::LearnError;
 
+/// The degree of the pieces of a spline.
+const PIECE: i32 = 5;
+
 /// The most functions of a basis.
 const MOST_FUNCTIONS: usize = 2000;
 
@@ -15,6 +18,10 @@ const MOST_FUNCTIONS: usize = 2000;
 pub enum FunctionFamily {
     /// xᵏ.
     Polynomial,
+    /// uᵏ with u from −1 to 1 over the range of the data.
+    Centred,
+    /// u, …, u⁵, and (u − t)⁵ right of each of k − 5 knots t at equal distances: splines that are four times continuously differentiable.
+    Spline,
     /// e^{kx} and e^{−kx}.
     Exponential,
     /// cos(2πkx/period) and sin(2πkx/period).
@@ -33,10 +40,40 @@ pub struct BasisAxis {
     pub has_logarithm: bool,
 }
 
+/// Which products of functions of one variable a basis has.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum BasisDegree {
+    /// Those whose degrees sum to at most this one.
+    Total(usize),
+    /// Those whose degree in each variable is at most its own.
+    Each(Vec<usize>),
+}
+
+impl BasisDegree {
+    /// The largest sum of the degrees of a product.
+    pub fn total(&self) -> usize {
+        match self {
+            Self::Total(degree) => *degree,
+            Self::Each(degrees) => degrees.iter().sum(),
+        }
+    }
+
+    /// The largest degree in a variable.
+    pub fn of_variable(&self, i: usize) -> usize {
+        match self {
+            Self::Total(degree) => *degree,
+            Self::Each(degrees) => degrees.get(i).copied().unwrap_or(0),
+        }
+    }
+}
+
 /// A function of one variable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Member {
     Power(i32),
+    Centred(i32),
+    /// The number of a knot, from 0.
+    Knot(i32),
     Exponential(i32),
     Cosine(i32),
     Sine(i32),
@@ -51,9 +88,14 @@ struct AxisMembers {
     scale: f64,
     /// 2π/period.
     frequency: f64,
+    /// u = rate x − shift.
+    rate: f64,
+    shift: f64,
+    /// u of the knots.
+    knots: Vec<f64>,
 }
 
-/// A basis f_1, …, f_n on ℝᵈ: all products whose degrees sum to 1 … D, and logarithms.
+/// A basis f_1, …, f_n on ℝᵈ: all products of these degrees but for 1, and logarithms.
 #[derive(Clone, Debug)]
 pub struct Basis {
     axes: Vec<AxisMembers>,
@@ -69,18 +111,28 @@ impl Basis {
     pub fn new(
         axes: &[BasisAxis],
         ranges: &[(f64, f64)],
-        degree: usize,
+        degree: &BasisDegree,
     ) -> Result<Self, LearnError> {
-        let most = degree as i32;
         let mut own = Vec::with_capacity(axes.len());
-        for (axis, &(least, largest)) in axes.iter().zip(ranges) {
+        for (i, (axis, &(least, largest))) in axes.iter().zip(ranges).enumerate() {
+            let most = degree.of_variable(i) as i32;
             let scale = match axis.family {
                 FunctionFamily::Polynomial => size(least, largest),
                 _ => 1.0,
             };
             let mut frequency = 1.0;
+            let (rate, shift) = centred(least, largest);
+            let mut knots = Vec::new();
             let mut members: Vec<Member> = match axis.family {
                 FunctionFamily::Polynomial => (1..=most).map(Member::Power).collect(),
+                FunctionFamily::Centred => (1..=most).map(Member::Centred).collect(),
+                FunctionFamily::Spline => {
+                    let count = (most - PIECE).max(0);
+                    let at = |k: i32| 2.0 * f64::from(k + 1) / f64::from(count + 1) - 1.0;
+                    knots = (0..count).map(|k| rounded(at(k))).collect();
+                    let powers = (1..=most.min(PIECE)).map(Member::Centred);
+                    powers.chain((0..count).map(Member::Knot)).collect()
+                }
                 FunctionFamily::Exponential => (1..=most)
                     .flat_map(|k| [Member::Exponential(k), Member::Exponential(-k)])
                     .collect(),
@@ -101,11 +153,14 @@ impl Basis {
                 members,
                 scale,
                 frequency,
+                rate,
+                shift,
+                knots,
             });
         }
         let mut functions = Vec::new();
         let mut factors = Vec::new();
-        products(&own, 0, most, &mut factors, &mut functions)?;
+        products(&own, 0, degree.total() as i32, &mut factors, &mut functions)?;
         functions.sort_by_key(|factors| {
             let degrees = factors.iter().map(|&(i, at)| own[i].members[at].degree());
             degrees.sum::<i32>()
@@ -223,7 +278,8 @@ impl Basis {
 impl Member {
     fn degree(self) -> i32 {
         match self {
-            Self::Power(k) | Self::Cosine(k) | Self::Sine(k) => k,
+            Self::Power(k) | Self::Centred(k) | Self::Cosine(k) | Self::Sine(k) => k,
+            Self::Knot(k) => PIECE + 1 + k,
             Self::Exponential(k) => k.abs(),
             Self::Logarithm => 1,
         }
@@ -238,6 +294,16 @@ impl AxisMembers {
                 let u = x / self.scale;
                 let below = power(u, k - 1);
                 (below * u, f64::from(k) * below / self.scale)
+            }
+            Member::Centred(k) => {
+                let u = self.rate * x - self.shift;
+                let below = power(u, k - 1);
+                (below * u, f64::from(k) * below * self.rate)
+            }
+            Member::Knot(k) => {
+                let u = (self.rate * x - (self.shift + self.knots[k as usize])).max(0.0);
+                let below = power(u, PIECE - 1);
+                (below * u, f64::from(PIECE) * below * self.rate)
             }
             Member::Exponential(k) => {
                 let k = f64::from(k);
@@ -264,6 +330,18 @@ impl AxisMembers {
         match member {
             Member::Power(1) => name.to_owned(),
             Member::Power(k) => format!("{name}^{k}"),
+            Member::Centred(k) => {
+                let power = if k == 1 {
+                    String::new()
+                } else {
+                    format!("^{k}")
+                };
+                format!("({}{}){power}", times(self.rate), less(self.shift))
+            }
+            Member::Knot(k) => {
+                let shift = self.shift + self.knots[k as usize];
+                format!("max({}{}, 0)^{PIECE}", times(self.rate), less(shift))
+            }
             Member::Exponential(k) => format!("exp({})", times(f64::from(k))),
             Member::Cosine(k) => format!("cos({})", times(f64::from(k) * self.frequency)),
             Member::Sine(k) => format!("sin({})", times(f64::from(k) * self.frequency)),
@@ -309,6 +387,30 @@ fn size(least: f64, largest: f64) -> f64 {
     match size > 0.0 && size.is_finite() {
         true => libm::exp2(libm::round(libm::log2(size))),
         false => 1.0,
+    }
+}
+
+/// The numbers of u = rate x − shift, which leads from a range to −1 … 1. Both are rounded to six digits, so that formulas are short.
+fn centred(least: f64, largest: f64) -> (f64, f64) {
+    let half = largest / 2.0 - least / 2.0;
+    let rate = rounded(1.0 / half);
+    match rate > 0.0 && f64::is_finite(rate) {
+        true => (rate, rounded(rate * (largest / 2.0 + least / 2.0))),
+        false => (1.0, rounded(least)),
+    }
+}
+
+/// Six digits of a number.
+fn rounded(x: f64) -> f64 {
+    format!("{x:.5e}").parse().unwrap_or(x)
+}
+
+/// Less a number, as text behind a term.
+fn less(shift: f64) -> String {
+    match shift {
+        0.0 => String::new(),
+        shift if shift < 0.0 => format!(" + {:?}", -shift),
+        shift => format!(" - {shift:?}"),
     }
 }
 

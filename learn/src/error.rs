@@ -80,6 +80,74 @@ pub enum LearnError {
         /// The highest.
         most: usize,
     },
+    /// Degrees or bounds of other variables.
+    #[error("there are {found} degrees or bounds for {variables} variables: give one for each")]
+    Degrees {
+        /// How many there are.
+        found: usize,
+        /// How many variables there are.
+        variables: usize,
+    },
+    /// Bounds of a box that are none.
+    #[error(
+        "{variable} from {least:?} to {largest:?} is no range: give two numbers, the least one first"
+    )]
+    Bounds {
+        /// The variable.
+        variable: String,
+        /// The first number.
+        least: f64,
+        /// The second one.
+        largest: f64,
+    },
+    /// More pairs than are made.
+    #[error("{pairs} pairs are more than {most}: give their number, or a lower degree")]
+    TooManyPairs {
+        /// How many pairs there would be.
+        pairs: usize,
+        /// The most.
+        most: usize,
+    },
+    /// States from which a method has no steps.
+    #[error(
+        "from {failed} of {states} states of the region {steps} steps do not succeed: take a smaller region, or fewer steps"
+    )]
+    NoSteps {
+        /// Of how many states a step fails.
+        failed: usize,
+        /// How many states there are.
+        states: usize,
+        /// Steps of each.
+        steps: u64,
+    },
+    /// A region in which the generating function of many steps ends.
+    #[error(
+        "{steps} steps have no generating function in the whole region: det(1 + DΦ) is {determinant:.1e} of its value for no motion near x = {state:?},          as after half a turn about an equilibrium. Take fewer steps, or a smaller region"
+    )]
+    ChartEnds {
+        /// Steps of the table.
+        steps: u64,
+        /// A state near the end.
+        state: Vec<f64>,
+        /// det(1 + DΦ)/2ᵈ there.
+        determinant: f64,
+    },
+    /// A table that misses the steps.
+    #[error(
+        "a table of degree {degree} for {steps} steps leaves {:.0} % of the motion at states that no pair has, and has no step from {failed} of {states}:          the realization ends within the region, or the degree is too low. Take fewer steps, a smaller region, or a higher degree", 100.0 * part
+    )]
+    NoTable {
+        /// Steps of the table.
+        steps: u64,
+        /// Its degree.
+        degree: usize,
+        /// Root mean square of its error, relative to the motion.
+        part: f64,
+        /// From how many states it has no step.
+        failed: usize,
+        /// How many states there are.
+        states: usize,
+    },
     /// A period that is none.
     #[error("a Fourier basis needs a period above 0, and this one is {period:?}")]
     Period {

@@ -249,7 +249,9 @@ pub(crate) fn fit(
             continue;
         }
         let has_settled = change <= CONVERGED * motion;
-        if change <= SMALL * largest || sweeps == MOST_SWEEPS {
+        // Columns that were left out may count by the smaller tolerance.
+        let is_whole = squares.rank == n || tolerance >= before;
+        if (change <= SMALL * largest && is_whole) || sweeps == MOST_SWEEPS {
             let freedom = right.len().saturating_sub(squares.rank);
             return Ok(Fitted {
                 noise: left / freedom.max(1) as f64,

@@ -7,7 +7,7 @@ use leafwise_core::formulas::FormulaDynamics;
 use leafwise_core::part::Dimensions;
 use leafwise_core::{Accuracy, Method, PoissonSystem, RealizationData};
 
-use crate::basis::{Basis, BasisAxis};
+use crate::basis::{Basis, BasisAxis, BasisDegree};
 use crate::error::LearnError;
 use crate::fit::{FitSetting, Fitted, fit, values_at};
 use crate::geometry::Geometry;
@@ -21,7 +21,7 @@ const MOST_DEGREE: usize = 24;
 
 /// The highest degree, and the most functions, that are tried where no degree is given.
 const TRIED_DEGREE: usize = 8;
-const TRIED_FUNCTIONS: usize = 200;
+pub(crate) const TRIED_FUNCTIONS: usize = 200;
 
 /// A lower degree is taken where it leaves at most so many times the least.
 const AS_GOOD: f64 = 1.1;
@@ -50,11 +50,13 @@ pub struct LearnOptions {
     /// Functions of each variable.
     pub axes: Vec<BasisAxis>,
     /// The degree; chosen by pairs that are held out where there is none.
-    pub degree: Option<usize>,
+    pub degree: Option<BasisDegree>,
     /// λ of the penalty λ² Σ_j ‖A_j‖² c_j².
     pub ridge: f64,
     /// Whether both states of a pair have errors of one size. Then the states are corrected too: total least squares.
     pub has_noise: bool,
+    /// Whether H is found from orbits of the learned map. Otherwise Ŝ/h stands in its place.
+    pub finds_hamiltonian: bool,
 }
 
 /// Learns Ŝ of the map over a realization that leads from each pair's first state to its second in one step of ε and h.
@@ -91,32 +93,28 @@ pub fn learn(
     };
     let mut geometry = Geometry::new(system, realization.as_ref(), epsilon)?;
     let ranges = pairs.ranges();
-    let mut fitted_at = |degree: usize| -> Result<(Basis, Fitted), LearnError> {
+    let mut fitted_at = |degree: &BasisDegree| -> Result<(Basis, Fitted), LearnError> {
         let basis = Basis::new(&options.axes, &ranges, degree)?;
         let fitted = fit(&mut geometry, pairs, &basis, names, setting)?;
         Ok((basis, fitted))
     };
     let mut degrees = Vec::new();
-    let (degree, basis, fitted) = match options.degree {
-        Some(degree) if (1..=MOST_DEGREE).contains(&degree) => {
-            let (basis, fitted) = fitted_at(degree)?;
-            (degree, basis, fitted)
-        }
+    let (degree, basis, fitted) = match &options.degree {
         Some(degree) => {
-            return Err(LearnError::Degree {
-                degree,
-                most: MOST_DEGREE,
-            });
+            checked(degree, d)?;
+            let (basis, fitted) = fitted_at(degree)?;
+            (degree.total(), basis, fitted)
         }
         None => {
             let mut tried = Vec::new();
             for degree in 1..=TRIED_DEGREE {
                 let is_first = tried.is_empty();
-                let functions = Basis::new(&options.axes, &ranges, degree)?.len();
+                let total = BasisDegree::Total(degree);
+                let functions = Basis::new(&options.axes, &ranges, &total)?.len();
                 if functions > TRIED_FUNCTIONS && !is_first {
                     break;
                 }
-                let (basis, fitted) = match fitted_at(degree) {
+                let (basis, fitted) = match fitted_at(&total) {
                     Ok(found) => found,
                     Err(LearnError::TooFew { .. }) if !is_first => break,
                     // Casimirs alone, or a motion that no lower degree follows.
@@ -154,16 +152,25 @@ pub fn learn(
     let squares = &fitted.squares;
     let generating = &squares.solution;
     let method = method_of(system, realization, &basis, generating)?;
-    let orbits = Orbits::of(&method, system, pairs, epsilon, h);
+    let orbits = Orbits::of(
+        &method,
+        system,
+        pairs,
+        (epsilon, h),
+        options.finds_hamiltonian,
+    );
     let kept: Vec<usize> = squares.kept().to_vec();
-    let recovered = orbits.hamiltonian(
-        &mut geometry,
-        &basis,
-        names,
-        (&kept, pairs.len(), fitted.tolerance),
-        epsilon,
-        setting,
-    )?;
+    let recovered = match options.finds_hamiltonian {
+        true => orbits.hamiltonian(
+            &mut geometry,
+            &basis,
+            names,
+            (&kept, pairs.len(), fitted.tolerance),
+            epsilon,
+            setting,
+        )?,
+        false => None,
+    };
     let mut advice = Vec::new();
     if pairs.duplicates() > 0 {
         advice.push(LearnAdvice::Duplicates {
@@ -217,11 +224,17 @@ pub fn learn(
             part: own.unresolved,
         }),
         Some(_) => {}
-        None => advice.push(LearnAdvice::NotRecovered),
+        None if options.finds_hamiltonian => advice.push(LearnAdvice::NotRecovered),
+        None => {}
     }
+    // The ridge pulls Ŝ, and once more H from its orbits.
+    let bias = squares.ridge_bias();
     let uncertainty = match &recovered {
-        Some(own) => squares.least(&own.uncertainty),
-        None => vec![0.0; basis.len()],
+        Some(own) => {
+            let sum = own.uncertainty.iter().zip(&bias).map(|(u, b)| u + b);
+            squares.least(&sum.collect::<Vec<_>>())
+        }
+        None => bias.clone(),
     };
     let hamiltonian = match &recovered {
         Some(own) => &squares.least(&own.coefficients),
@@ -239,7 +252,7 @@ pub fn learn(
         formula: basis.name(j, names),
         generating: basis.unscaled(j, generating[j]),
         hamiltonian: basis.unscaled(j, hamiltonian[j]),
-        generating_error: basis.unscaled(j, noise * deviations[j]),
+        generating_error: basis.unscaled(j, libm::hypot(noise * deviations[j], bias[j])),
         error: basis.unscaled(j, libm::hypot(noise * deviations[j], uncertainty[j])),
         is_determined: kept.contains(&j),
     });
@@ -255,7 +268,10 @@ pub fn learn(
         noise,
         off_leaf: fitted.off_leaf,
         one_step: orbits.one_step,
-        step_error: noise * libm::sqrt(squares.rank as f64 / fitted.right.len() as f64),
+        step_error: libm::hypot(
+            noise * libm::sqrt(squares.rank as f64 / fitted.right.len() as f64),
+            root_mean_square(&fitted.matrix.times(&bias)),
+        ),
         energy_error: energy_error(&basis, &fitted, &uncertainty, pairs, names)?,
         hamiltonian_error: recovered.as_ref().map(|own| own.error),
         hamiltonian: basis.written(hamiltonian, names),
@@ -263,7 +279,7 @@ pub fn learn(
             true => None,
             false => Some(basis.written(&further, names)),
         },
-        largest_leverage: largest_leverage(&fitted),
+        largest_leverage: largest_leverage(&fitted, pairs),
         advice,
         basis,
         geometry,
@@ -342,17 +358,45 @@ fn energy_error(
     Ok(libm::sqrt(sum / total))
 }
 
-/// The largest leverage of the pairs' own rows.
-fn largest_leverage(fitted: &Fitted) -> f64 {
+/// The largest leverage of the pairs' own rows, without their weights: those of any other state have none.
+fn largest_leverage(fitted: &Fitted, pairs: &StatePairs) -> f64 {
     let rows = fitted.right.len();
     let every = rows.div_ceil(MOST_STATES);
     let leverages = (0..rows).step_by(every).map(|at| {
         let row: Vec<f64> = (0..fitted.matrix.len())
             .map(|j| fitted.matrix.column(j)[at])
             .collect();
-        fitted.squares.variance(&row)
+        fitted.squares.variance(&row) / pairs.weight(fitted.pair_of[at])
     });
     leverages.fold(0.0, f64::max)
+}
+
+fn root_mean_square(values: &[f64]) -> f64 {
+    let sum: f64 = values.iter().map(|v| v * v).sum();
+    libm::sqrt(sum / values.len().max(1) as f64)
+}
+
+/// A degree of 1 or more, and a number for each variable.
+pub(crate) fn checked(degree: &BasisDegree, d: usize) -> Result<(), LearnError> {
+    let largest = match degree {
+        BasisDegree::Total(degree) => *degree,
+        BasisDegree::Each(degrees) => degrees.iter().copied().max().unwrap_or(0),
+    };
+    if let BasisDegree::Each(degrees) = degree
+        && degrees.len() != d
+    {
+        return Err(LearnError::Degrees {
+            found: degrees.len(),
+            variables: d,
+        });
+    }
+    match (1..=MOST_DEGREE).contains(&largest) {
+        true => Ok(()),
+        false => Err(LearnError::Degree {
+            degree: largest,
+            most: MOST_DEGREE,
+        }),
+    }
 }
 
 fn largest(pairs: &StatePairs) -> f64 {

@@ -184,6 +184,16 @@ pub struct Learned {
 }
 
 impl Learned {
+    /// The learned map, at the step of the pairs.
+    pub fn method(&self) -> &Method {
+        &self.method
+    }
+
+    /// Parameters of the system, as values of the map.
+    pub fn parameters(&self) -> &[f64] {
+        &self.parameters
+    }
+
     /// The leverage of a state: the variance of a step from it, in units of the noise, along the worst direction of its leaf. It is infinite
     /// outside of the basis's domain and where a step depends on what no pair tells.
     ///

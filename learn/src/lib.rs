@@ -11,6 +11,7 @@
 //! - `fit`: coefficients and points y in turn.
 //! - `validation`: the degree by pairs that are held out.
 //! - `motion`: the learned map itself, and H from it.
+//! - `tabulate`: many steps as one map.
 //! - `learned`: results, their errors, and where they may be used.
 
 mod basis;
@@ -22,10 +23,12 @@ mod learned;
 mod motion;
 mod pairs;
 mod squares;
+mod tabulate;
 mod validation;
 
-pub use basis::{Basis, BasisAxis, FunctionFamily};
+pub use basis::{Basis, BasisAxis, BasisDegree, FunctionFamily};
 pub use error::LearnError;
 pub use learn::{LearnOptions, learn};
 pub use learned::{LearnAdvice, Learned, LearnedFunction};
 pub use pairs::StatePairs;
+pub use tabulate::{ManySteps, Region, Tabulated, tabulate};

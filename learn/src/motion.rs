@@ -29,7 +29,7 @@ const LEAST_PART: f64 = 0.5;
 pub(crate) struct Recovered {
     /// Coefficients of H in the basis.
     pub coefficients: Vec<f64>,
-    /// Bounds of what differences of all orders would change of them.
+    /// Bounds of what differences of all orders would change of them, and the ridge's part.
     pub uncertainty: Vec<f64>,
     /// The same of ẋ, root mean square and relative to ẋ.
     pub unresolved: f64,
@@ -50,18 +50,22 @@ pub(crate) struct Orbits {
 }
 
 impl Orbits {
-    /// Orbits of a map through the pairs.
+    /// Orbits of a map through the pairs; one step alone where they are not to be long.
     pub fn of(
         method: &Method,
         system: &PoissonSystem,
         pairs: &StatePairs,
-        epsilon: f64,
-        h: f64,
+        (epsilon, h): (f64, f64),
+        is_long: bool,
     ) -> Self {
         let (count, d) = (pairs.len(), pairs.dimension());
+        let parameters = system.parameter_values();
         let states: Vec<&[f64]> = (0..count).map(|k| pairs.before(k)).collect();
-        let forward = walked(method, system, &states, epsilon, h);
-        let backward = walked(method, system, &states, epsilon, -h);
+        let orbits = |h: f64, steps: usize| -> Vec<Vec<Vec<f64>>> {
+            walked(method, &parameters, &states, (epsilon, h), (steps, 1))
+        };
+        let forward = orbits(h, if is_long { MOST } else { 1 });
+        let backward = orbits(-h, if is_long { MOST } else { 0 });
         let (mut sum, mut made, mut weights) = (0.0, 0, 0.0);
         let (mut found, mut numbers) = (Vec::new(), Vec::new());
         for (k, (ahead, behind)) in forward.into_iter().zip(backward).enumerate() {
@@ -161,10 +165,11 @@ impl Orbits {
         let total: f64 = right.iter().map(|b| b * b).sum();
         let changes: Vec<f64> = right.iter().zip(&below).map(|(a, b)| a - b).collect();
         let change = Squares::solve(&matrix, &changes, setting.ridge, tolerance).solution;
+        let bias = squares.ridge_bias();
         let (mut coefficients, mut uncertainty) = (vec![0.0; basis.len()], vec![0.0; basis.len()]);
-        for ((&j, c), change) in kept.iter().zip(&squares.solution).zip(change) {
-            coefficients[j] = *c;
-            uncertainty[j] = factor * change;
+        for (at, &j) in kept.iter().enumerate() {
+            coefficients[j] = squares.solution[at];
+            uncertainty[j] = factor * change[at] + bias[at];
         }
         let unresolved = epsilon * differences / libm::sqrt(total);
         let error = libm::sqrt(left / total) + unresolved;
@@ -193,30 +198,31 @@ fn rest_of_series(distances: &[f64], at: usize) -> f64 {
     (ratio / (1.0 - ratio)).max(1.0)
 }
 
-/// Up to `MOST` states after each of these; fewer where a step fails.
-fn walked(
-    method: &Method,
-    system: &PoissonSystem,
+/// States after each of these, `count` of them `every` so many steps; fewer where a step fails.
+pub(crate) fn walked(
+    map: &dyn StepMap,
+    parameters: &[f64],
     states: &[&[f64]],
-    epsilon: f64,
-    h: f64,
+    (epsilon, h): (f64, f64),
+    (count, every): (usize, u64),
 ) -> Vec<Vec<Vec<f64>>> {
-    let d = method.dimension();
-    let parameters = system.parameter_values();
+    let d = map.dimension();
     let mut found = Vec::with_capacity(states.len());
     for chunk in states.chunks(LANES) {
         let lanes = chunk.len();
         let values = parameters.iter().flat_map(|value| vec![*value; lanes]);
         let initial = (0..d).flat_map(|i| chunk.iter().map(move |state| state[i]));
         let (values, initial): (Vec<f64>, Vec<f64>) = (values.collect(), initial.collect());
-        let mut walk = Walk::side_by_side(method, lanes, (&values, &initial), epsilon, h);
+        let mut walk = Walk::side_by_side(map, lanes, (&values, &initial), epsilon, h);
         let mut orbits: Vec<Vec<Vec<f64>>> = vec![Vec::new(); lanes];
-        for step in 1..=MOST as u64 {
+        for at in 1..=count as u64 {
             // A failed lane rests, and its orbit is shorter.
-            let _ = walk.step();
+            for _ in 0..every {
+                let _ = walk.step();
+            }
             for (lane, orbit) in orbits.iter_mut().enumerate() {
                 let (made, state) = walk.last(lane);
-                if made == step {
+                if made == at * every {
                     orbit.push(state);
                 }
             }

@@ -75,6 +75,8 @@ pub(crate) struct Squares {
     /// P: which column stands where.
     order: Vec<usize>,
     pub rank: usize,
+    /// λ.
+    ridge: f64,
     pub solution: Vec<f64>,
     /// Orthonormal vectors with A v = 0, one for each column that depends on others.
     pub null: Vec<Vec<f64>>,
@@ -112,6 +114,7 @@ impl Squares {
             norms,
             order,
             rank,
+            ridge,
             solution: vec![0.0; n],
             null: Vec::with_capacity(n - rank),
         };
@@ -166,19 +169,44 @@ impl Squares {
         &self.order[..self.rank]
     }
 
+    /// How far the ridge pulls the solution, to second order in its part of AᵀA: b = M(c + M c) with M = λ² (AᵀA + λ²N²)⁻¹ N².
+    pub fn ridge_bias(&self) -> Vec<f64> {
+        let mut bias = vec![0.0; self.norms.len()];
+        if self.ridge == 0.0 {
+            return bias;
+        }
+        let scaled = |c: &[f64]| -> Vec<f64> {
+            let kept = self.kept().iter();
+            kept.map(|&j| c[j] * self.norms[j]).collect()
+        };
+        for _ in 0..2 {
+            let sum: Vec<f64> = (self.solution.iter().zip(&bias))
+                .map(|(c, b)| c + b)
+                .collect();
+            let below = self.forward_substituted(scaled(&sum));
+            let pulled = self.back_substituted(&below);
+            for (pulled, &j) in pulled.iter().zip(&self.order) {
+                bias[j] = self.ridge * self.ridge * pulled / self.norms[j];
+            }
+        }
+        self.least(&bias)
+    }
+
     /// vᵀ (AᵀA)⁻¹ v over the determined columns, of a row v of all columns: the variance of v·c at unit noise.
     pub fn variance(&self, row: &[f64]) -> f64 {
-        let mut v: Vec<f64> = self
-            .kept()
-            .iter()
-            .map(|&j| row[j] / self.norms[j])
-            .collect();
+        let kept = self.kept().iter();
+        let v = self.forward_substituted(kept.map(|&j| row[j] / self.norms[j]).collect());
+        v.iter().map(|v| v * v).sum()
+    }
+
+    /// R⁻ᵀ v over the determined columns.
+    fn forward_substituted(&self, mut v: Vec<f64>) -> Vec<f64> {
         for k in 0..self.rank {
             let column = self.r.column(k);
             let below: f64 = v[..k].iter().zip(column).map(|(v, r)| v * r).sum();
             v[k] = (v[k] - below) / column[k];
         }
-        v.iter().map(|v| v * v).sum()
+        v
     }
 
     /// Standard errors of the solution's coefficients at unit noise.

@@ -52,3 +52,20 @@ def test_a_scene_may_hold_the_equations() -> None:
     )
     assert scene.variables == ["x", "y", "z"]
     assert scene.run().drift["C"] < 1e-14
+
+
+def test_casimirs_of_a_scene() -> None:
+    scene = lw.Scene(
+        system={
+            "variables": ["x", "y", "z"],
+            "bracket": {"x,y": "-z", "y,z": "-x", "z,x": "-y"},
+            "hamiltonian": "x^2/2 + y^2",
+            "casimirs": "find",
+        },
+        method={"realization": "auto", "dynamics": {"name": "hamilton-jacobi", "order": 4}, "time-step": 0.1},
+        run={"initial": [0.3, 0.9, 0.4], "steps": 20},
+    )
+    assert lw.casimirs(scene) == {"C": "x^2 + y^2 + z^2"}
+    assert scene.run().drift["C"] < 1e-14
+    with pytest.raises(TypeError, match="give a leafwise.Scene"):
+        lw.casimirs("scene.toml")  # type: ignore[arg-type]

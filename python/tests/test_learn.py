@@ -55,3 +55,36 @@ def test_mistakes_are_told() -> None:
         lw.learn(pairs(), OSCILLATOR, "wavelets")
     with pytest.raises(TypeError, match="give a leafwise.Scene"):
         lw.learn(pairs(), "scene.toml")  # type: ignore[arg-type]
+
+
+DRIVEN = lw.Scene(
+    system={"variables": ["q", "p"], "bracket": {"q,p": "1"}, "convention": "{x,H}", "hamiltonian": "p^2/2 - 0.02*cos(q)*cos(4*t)"},
+    method={"realization": "auto", "dynamics": {"name": "hamilton-jacobi", "order": 4}, "time-step": np.pi / 64},
+    run={"initial": [0.3, 0.2], "steps": 320},
+)
+
+
+def test_a_period_is_one_step() -> None:
+    table = lw.tabulate(
+        DRIVEN, 32, {"q": (0, 2 * np.pi), "p": (-1, 1)}, basis={"q": "fourier"}, degree={"q": 5, "p": 7}
+    )
+    # (2*5 + 1)*(7 + 1) products but for 1.
+    assert (table.functions, table.steps) == (87, 32)
+    assert table.time_step == pytest.approx(np.pi / 2) and 0 < table.error <= table.largest_error < 1e-6
+    assert table.determinant is not None and 0.5 < table.determinant < 1.5
+    apart = np.abs(table.scene.run(steps=10).x[-1] - DRIVEN.run().x[-1])
+    # Ten errors, which grow along a slow orbit.
+    assert np.max(apart) < 300 * table.largest_error
+    states = np.random.default_rng(1).uniform([0, -1], [2 * np.pi, 1], size=(900, 2))
+    given = lw.tabulate(DRIVEN, 32, states=states, basis={"q": "fourier"}, degree={"q": 4, "p": 5})
+    assert given.report["unseen"] == 180 and given.error < 1e-4
+
+
+def test_what_has_no_table_is_told() -> None:
+    turn = OSCILLATOR.set(system__hamiltonian="(q^2 + p^2)/2", method__time_step=np.pi / 8)
+    with pytest.raises(lw.LeafwiseError, match="no generating function in the whole region"):
+        lw.tabulate(turn, 8, {"q": (-1, 1), "p": (-1, 1)}, degree=2)
+    with pytest.raises(ValueError, match="give one of them"):
+        lw.tabulate(turn, 2, {"q": (-1, 1), "p": (-1, 1)}, states=np.ones((9, 2)))
+    with pytest.raises(TypeError, match="give a leafwise.Scene"):
+        lw.tabulate("scene.toml", 2)  # type: ignore[arg-type]

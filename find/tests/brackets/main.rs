@@ -1,8 +1,12 @@
-//! Brackets of classical equations, found and proved, and equations that have none.
+//! Brackets of classical equations, found and proved, and equations that have none. Times of searches are printed.
+
+#![allow(clippy::print_stdout)]
 
 mod changes;
 mod refusals;
 mod systems;
+
+use std::time::Instant;
 
 use leafwise_core::diagnostics::{Verdict, check_casimir, check_jacobi};
 use leafwise_core::system::{Convention, Parameter};
@@ -209,7 +213,9 @@ fn classical_systems_have_brackets() {
     ];
     let mut count = 0;
     for (name, rows, kind, casimirs) in cases {
+        let begin = Instant::now();
         let bracket = bracket(name, &equations(rows, &[]));
+        println!("{name}: {:?}", begin.elapsed());
         assert_eq!(bracket.kind, *kind, "{name}: {:?}", entries(&bracket));
         assert_eq!(bracket.casimirs.len(), *casimirs, "{name}");
         count += 1;

@@ -1,8 +1,8 @@
 //! Whether the truth lies as often within the reported errors as these say.
 
-use leafwise_learn::LearnAdvice;
+use leafwise_learn::{LearnAdvice, LearnOptions, StatePairs, learn};
 
-use crate::support::{Draws, Place, RIGID_BODY, polynomials, rms};
+use crate::support::{Draws, Place, RIGID_BODY, orbit, polynomials, rms};
 
 const SEEDS: u64 = 120;
 
@@ -87,7 +87,7 @@ fn step_errors_cover_the_steps() {
     let x = [0.6, 0.5, 0.6];
     let next = |learned: &leafwise_learn::Learned| {
         let (system, method) = body.method(learned);
-        crate::support::orbit(&method, &system, &x, h, 1).remove(0)
+        orbit(&method, &system, &x, h, 1).remove(0)
     };
     let truth = next(&truth);
     let mut squares = 0.0;
@@ -165,6 +165,80 @@ fn leverages_of_the_pairs_are_those_of_their_rows() {
         .flat_map(|x| [cos * x[0] + sin * x[1], cos * x[1] - sin * x[0]]);
     let pairs = (states.concat(), after.collect());
     let mut learned = place.learn(2.0, &pairs, &polynomials(2, 2)).expect("pairs");
+    let own = states.iter().map(|x| learned.leverage(x));
+    let largest = own.fold(0.0, f64::max);
+    let ratio = largest / learned.largest_leverage;
+    assert!((ratio - 1.0).abs() < 1e-9, "{ratio}");
+}
+
+/// A ridge λ pulls coefficients of exact pairs by λ² of them or so, and no noise tells of it: the errors do. The estimate leaves out the third order, so errors are within
+/// a factor of 1 + 4λ² of the pull.
+#[test]
+fn errors_cover_the_pull_of_a_ridge() {
+    let text = "[system]\nvariables = [\"q\", \"p\"]\nbracket = { \"q,p\" = \"1\" }\nconvention = \"{x,H}\"\nhamiltonian = \"(q^2 + p^2)/2\"\n";
+    let place = Place::new(text, "constant", "[1, 0]");
+    let h = 0.4;
+    let pairs = place.pairs(&Draws(13).in_box(80, &[(-1.0, 1.0); 2]), h);
+    for ridge in [0.02, 0.1, 0.2] {
+        let options = LearnOptions {
+            ridge,
+            ..polynomials(2, 2)
+        };
+        let mut learned = place.learn(h, &pairs, &options).expect("pairs");
+        let mut functions = learned.functions.iter();
+        let square = functions.find(|own| own.formula == "q^2").expect("q^2");
+        let missed = (square.generating - libm::tan(h / 2.0) / h).abs();
+        let ratio = square.generating_error / missed;
+        assert!(
+            (0.9..1.0 + 8.0 * ridge).contains(&ratio),
+            "λ = {ridge}: {ratio}"
+        );
+        assert!(
+            (square.hamiltonian - 0.5).abs() < 1.1 * square.error,
+            "λ = {ridge}: {square:?}"
+        );
+        // A step in the mean, with both coefficients off by as much: h 2c x has the size of h c.
+        let states = Draws(14).in_box(50, &[(-1.0, 1.0); 2]);
+        let (system, method) = place.method(&learned);
+        let errors = states.iter().flat_map(|x| {
+            let next = orbit(&method, &system, x, h, 1).remove(0);
+            let exact = place.flow(x, h);
+            next.into_iter()
+                .zip(exact)
+                .map(|(a, b)| a - b)
+                .collect::<Vec<_>>()
+        });
+        let error = rms(errors);
+        assert!(
+            error < 1.5 * learned.step_error,
+            "λ = {ridge}: {error:e} {:e}",
+            learned.step_error
+        );
+        assert!(learned.leverage(&states[0]).is_finite());
+    }
+}
+
+/// Weights of pairs do not stand in the leverage of a state: the largest one is that of a state of light pairs, by its own rows without their weights.
+#[test]
+fn the_largest_leverage_has_no_weights() {
+    let text = "[system]\nvariables = [\"q\", \"p\"]\nbracket = { \"q,p\" = \"1\" }\nconvention = \"{x,H}\"\nhamiltonian = \"(q^2 + p^2)/2\"\n";
+    let place = Place::new(text, "constant", "[1, 0]");
+    let states = Draws(15).in_box(60, &[(-1.0, 1.0); 2]);
+    let (before, after) = place.pairs(&states, 0.4);
+    // Those far from the middle count for a hundredth.
+    let weights: Vec<f64> = states
+        .iter()
+        .map(|x| if x[0].abs() > 0.5 { 0.01 } else { 1.0 })
+        .collect();
+    let pairs = StatePairs::new(2, &before, &after, Some(&weights)).expect("pairs");
+    let learned = learn(
+        &place.system,
+        &place.realization,
+        (1.0, 0.4),
+        &pairs,
+        &polynomials(2, 2),
+    );
+    let mut learned = learned.expect("pairs");
     let own = states.iter().map(|x| learned.leverage(x));
     let largest = own.fold(0.0, f64::max);
     let ratio = largest / learned.largest_leverage;

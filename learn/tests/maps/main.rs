@@ -3,9 +3,11 @@
 mod confidence;
 mod refusals;
 mod support;
+mod tabulated;
 mod weights;
 
-use leafwise_learn::{BasisAxis, FunctionFamily, LearnAdvice, LearnOptions};
+use leafwise_core::Walk;
+use leafwise_learn::{BasisAxis, BasisDegree, FunctionFamily, LearnAdvice, LearnOptions};
 use support::{Draws, PENDULUM, Place, RIGID_BODY, logarithms, orbit, polynomials, rms};
 
 /// Root mean square of the errors of one learned step from these states.
@@ -174,6 +176,92 @@ fn an_affine_bracket_and_angles() {
         "{errors:?}"
     );
     assert!(angles < four / 2.0, "{errors:?}");
+}
+
+/// The charged particle of Poisson neural networks: {v₁, v₂} = r depends on the place, H = |v|²/2 + 1/(100 r). The learned map has errors that fall by the degree, and
+/// DΦ Π(x) DΦᵀ is Π(Φ(x)) to round-off at every degree. 1/r is analytic over the box, where centred powers converge by a factor of more than 4 a degree; √5 a degree
+/// is left to slopes of few of them.
+#[test]
+fn a_charged_particle_is_learned() {
+    let text = "[system]\nvariables = [\"x1\", \"x2\", \"v1\", \"v2\"]\nconvention = \"{x,H}\"\n\
+                bracket = { \"x1,v1\" = \"1\", \"x2,v2\" = \"1\", \"v1,v2\" = \"sqrt(x1^2 + x2^2)\" }\n\
+                hamiltonian = \"(v1^2 + v2^2)/2 + 0.01/sqrt(x1^2 + x2^2)\"\n";
+    let realization = "{ name = \"darboux-magnetic\", potential = [\"sqrt(x1^2 + x2^2)*x2/3\", \"-sqrt(x1^2 + x2^2)*x1/3\"] }";
+    let place = Place::new(text, realization, "[0.8, 0, 0.1, 0.1]");
+    let h = 0.1;
+    let mut draws = Draws(16);
+    let ranges = [(0.7, 1.3), (-0.3, 0.3), (-0.3, 0.3), (-0.3, 0.3)];
+    let pairs = place.pairs(&draws.in_box(300, &ranges), h);
+    let unseen = draws.in_box(50, &ranges);
+    let mut before = f64::INFINITY;
+    for degree in [2, 4] {
+        let mut options = polynomials(4, degree);
+        for axis in &mut options.axes {
+            axis.family = FunctionFamily::Centred;
+        }
+        let learned = place.learn(h, &pairs, &options).expect("pairs");
+        assert_eq!(learned.advice, []);
+        let error = one_step(&place, &learned, &unseen, h);
+        assert!(
+            error < before / 5.0,
+            "degree {degree}: {error:e} {before:e}"
+        );
+        before = error;
+        let (system, method) = place.method(&learned);
+        let start = [0.8, 0.0, 0.1, 0.1];
+        let mut walk = Walk::of(&method, &system, &start, h);
+        walk.step().expect("a step");
+        let tangent = walk.tangent(0).expect("a map of formulas");
+        let tensor = |x: &[f64]| {
+            let field = libm::hypot(x[0], x[1]);
+            [
+                [0.0, 0.0, 1.0, 0.0],
+                [0.0, 0.0, 0.0, 1.0],
+                [-1.0, 0.0, 0.0, field],
+                [0.0, -1.0, -field, 0.0],
+            ]
+        };
+        let (before, after) = (tensor(&start), tensor(walk.state()));
+        for i in 0..4 {
+            for j in 0..4 {
+                let all = (0..4).flat_map(|k| (0..4).map(move |l| (k, l)));
+                let moved: f64 = all
+                    .map(|(k, l)| tangent[4 * i + k] * before[k][l] * tangent[4 * j + l])
+                    .sum();
+                // Sums of sixteen products of size 1.
+                assert!(
+                    (moved - after[i][j]).abs() < 1e-13,
+                    "{i} {j}: {moved} {}",
+                    after[i][j]
+                );
+            }
+        }
+    }
+    assert!(before < 1e-5, "{before:e}");
+}
+
+/// Splines of degree 5 in q: slopes of cos 3q err by the fifth power of the distance of knots, 32 times less for half of it; a factor of 2 is left to what powers of p leave.
+#[test]
+fn splines_converge_by_the_distance_of_knots() {
+    let text = "[system]\nvariables = [\"q\", \"p\"]\nbracket = { \"q,p\" = \"1\" }\nconvention = \"{x,H}\"\nhamiltonian = \"p^2/2 + cos(3*q)\"\n";
+    let place = Place::new(text, "constant", "[1, 0]");
+    let h = 0.1;
+    let mut draws = Draws(17);
+    let ranges = [(-1.0, 1.0), (-0.5, 0.5)];
+    let pairs = place.pairs(&draws.in_box(500, &ranges), h);
+    let unseen = draws.in_box(50, &[(-0.9, 0.9), (-0.45, 0.45)]);
+    let errors = [12, 20].map(|degree| {
+        let mut options = polynomials(2, 1);
+        options.axes[0].family = FunctionFamily::Spline;
+        options.degree = Some(BasisDegree::Each(vec![degree, 4]));
+        let learned = place.learn(h, &pairs, &options).expect("pairs");
+        assert_eq!(learned.functions.len(), (degree + 1) * 5 - 1);
+        one_step(&place, &learned, &unseen, h)
+    });
+    assert!(
+        errors[0] > 16.0 * errors[1] && errors[1] < 1e-6,
+        "{errors:?}"
+    );
 }
 
 /// Held-out pairs choose a degree that is enough for exact pairs of a quadratic H over a constant bracket: 2, since Ŝ is quadratic. H of the flow's own

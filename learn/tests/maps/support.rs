@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 // Parts that scenes name.
 use leafwise_constant as _;
+use leafwise_darboux_magnetic as _;
 use leafwise_hamilton_jacobi as _;
 use leafwise_karasev as _;
 use leafwise_lie_poisson as _;
@@ -17,7 +18,7 @@ use leafwise_core::{Method, PoissonSystem, RealizationData, Walk};
 use leafwise_expression::Expression;
 use leafwise_expression::syntax::{Formula, Scope};
 use leafwise_learn::{
-    BasisAxis, FunctionFamily, LearnError, LearnOptions, Learned, StatePairs, learn,
+    BasisAxis, BasisDegree, FunctionFamily, LearnError, LearnOptions, Learned, StatePairs, learn,
 };
 use leafwise_tests::gauss::flow;
 use leafwise_tests::scenes::composed;
@@ -36,10 +37,14 @@ pub struct Place {
 }
 
 impl Place {
-    /// Of a `[system]` table, over a realization by name.
+    /// Of a `[system]` table, over a realization by name, or by a table with its name.
     pub fn new(system: &str, realization: &str, initial: &str) -> Self {
+        let realization = match realization.starts_with('{') {
+            true => realization.to_owned(),
+            false => format!("\"{realization}\""),
+        };
         let run = composed(&format!(
-            "{system}\n[method]\nrealization = \"{realization}\"\ndynamics = \"hamilton-jacobi\"\ntime-step = 0.1\n\
+            "{system}\n[method]\nrealization = {realization}\ndynamics = \"hamilton-jacobi\"\ntime-step = 0.1\n\
              [run]\ninitial = {initial}\nsteps = 1\n"
         ));
         let method = run.method.written().expect("realization and dynamics");
@@ -119,9 +124,10 @@ pub fn polynomials(d: usize, degree: usize) -> LearnOptions {
     };
     LearnOptions {
         axes: vec![axis; d],
-        degree: Some(degree),
+        degree: Some(BasisDegree::Total(degree)),
         ridge: 0.0,
         has_noise: false,
+        finds_hamiltonian: true,
     }
 }
 

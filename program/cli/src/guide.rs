@@ -9,7 +9,7 @@ macro_rules! pages {
 }
 
 /// Names and texts of the pages, in the order of the guide's contents.
-pub const PAGES: [(&str, &str); 33] = pages![
+pub const PAGES: [(&str, &str); 34] = pages![
     "start",
     "from-scipy",
     "from-julia",
@@ -25,6 +25,7 @@ pub const PAGES: [(&str, &str); 33] = pages![
     "equilibria",
     "find",
     "learn",
+    "tabulate",
     "time",
     "forces",
     "noise",

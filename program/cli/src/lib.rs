@@ -128,6 +128,7 @@ fn execute(
         Command::Find(arguments) => commands::find::execute(&arguments, plugins, console),
         Command::Import(arguments) => commands::import::execute(&arguments, console),
         Command::Learn(arguments) => commands::learn::execute(&arguments, plugins, console),
+        Command::Tabulate(arguments) => commands::tabulate::execute(&arguments, plugins, console),
         Command::Shadow(arguments) => commands::shadow::execute(&arguments, plugins, console),
         Command::Tune(arguments) => commands::tune::execute(&arguments, plugins, console),
         Command::Reproduce(arguments) => {

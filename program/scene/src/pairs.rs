@@ -69,6 +69,49 @@ pub fn read_weights(path: &Path) -> Result<Vec<f64>, String> {
     crate::table::read_column(path, None)
 }
 
+/// States of these variables: columns by their names, or an array of NumPy's whose last axis is the state.
+///
+/// # Errors
+/// The first thing wrong, and what to do.
+pub fn read_states(path: &Path, variables: &[String]) -> Result<Vec<Vec<f64>>, String> {
+    let d = variables.len();
+    let named = |reason: String| format!("{}: {reason}", path.display());
+    if path.extension().is_some_and(|extension| extension == "npy") {
+        let array = read_npy(path)?;
+        return match array.shape.last() {
+            Some(&own) if own == d => Ok(array.numbers.chunks(d).map(<[f64]>::to_vec).collect()),
+            _ => Err(named(format!(
+                "its shape is {:?}: states of {d} coordinates have the shape (N, {d})",
+                array.shape
+            ))),
+        };
+    }
+    let text = read_text(path);
+    let text = text.map_err(|error| format!("cannot read {}: {error}", path.display()))?;
+    let table = Table::read(&text).map_err(named)?;
+    let columns = table.columns.as_deref().ok_or_else(|| {
+        named(format!(
+            "it has no line of names: begin it with {}",
+            variables.join(",")
+        ))
+    })?;
+    let places: Result<Vec<usize>, String> =
+        variables.iter().map(|name| place(columns, name)).collect();
+    let places = places.map_err(named)?;
+    let rows = table.rows.iter().enumerate().map(|(at, row)| {
+        let state = places.iter().map(|place| row.get(*place).copied());
+        state.collect::<Option<Vec<f64>>>().ok_or_else(|| {
+            named(format!(
+                "row {} has {} numbers, and {} columns have names",
+                at + 1,
+                row.len(),
+                columns.len()
+            ))
+        })
+    });
+    rows.collect()
+}
+
 fn of_array(array: &NumberArray, variables: &[String]) -> Result<PairTable, String> {
     let d = variables.len();
     let (runs, length) = match array.shape[..] {

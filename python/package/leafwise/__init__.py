@@ -21,12 +21,12 @@ from ._comparison import Comparison
 from ._ensemble import Ensemble
 from ._equilibrium import Equilibrium, import_equilibrium
 from ._errors import IntegrationError, LeafwiseError, LeafwiseWarning, SceneError
-from ._find import Found, find
+from ._find import Found, casimirs, find
 from ._fit import Fit
 from ._functions import System
 from ._gradient import Gradient, Tangents, Trajectory, Tried
 from ._leafwise import Growth, Integrator, version as _version
-from ._learn import Learned, learn
+from ._learn import Learned, Tabulated, learn, tabulate
 from ._parts import closed_form, generating_function
 from ._run import Run
 from ._scene import Scene
@@ -54,11 +54,13 @@ __all__ = [
     "SceneError",
     "StateError",
     "Sweep",
+    "Tabulated",
     "Tangents",
     "Trajectory",
     "Tried",
     "Solution",
     "System",
+    "casimirs",
     "closed_form",
     "command",
     "describe",
@@ -69,4 +71,5 @@ __all__ = [
     "learn",
     "load_plugin",
     "solve",
+    "tabulate",
 ]

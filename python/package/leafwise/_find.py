@@ -64,6 +64,24 @@ class Found:
         )
 
 
+def casimirs(scene: Scene, degree: int | None = None) -> dict[str, str]:
+    """Casimirs of a scene's bracket, found in exact algebra: formulas by name; none where none of these kinds exists.
+
+    Args:
+        scene: gives the bracket.
+        degree: the degree in the variables, their logarithms and the functions in the tensor; by default 2.
+
+    Raises:
+        LeafwiseError: a bracket that exact algebra cannot read, or a degree with too many coefficients.
+        TypeError, ValueError: an argument is none.
+    """
+    if not isinstance(scene, Scene):
+        raise TypeError(f"scene is of {type(scene).__name__}: give a leafwise.Scene")
+    arguments = [] if degree is None else ["--degree", str(count("degree", degree, 1))]
+    report: dict[str, Any] = scene.command("find", *arguments)
+    return dict(report["casimirs"])
+
+
 def find(
     equations: Mapping[str, str], *, parameters: Mapping[str, float] | None = None, degree: int | None = None
 ) -> Found:

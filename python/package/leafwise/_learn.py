@@ -13,9 +13,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._arrays import count, in_order, number, reals
+from ._arrays import count, in_order, number, reals, table
 from ._errors import LeafwiseWarning
 from ._scene import Scene
+
+#: The beginning of what is said of a table that costs more than the steps.
+_NO_GAIN = "the table does not pay"
 
 #: Exit codes of the command: learned, and learned with a motion that is left.
 _ANSWERS = (0, 5)
@@ -54,12 +57,131 @@ class Learned:
     report: dict[str, Any] = field(repr=False)
 
 
+@dataclass(frozen=True)
+class Tabulated:
+    """Many steps of a scene as one step with a generating function.
+
+    Attributes:
+        scene: the scene whose step is the table.
+        steps: how many steps of the scene that is.
+        time_step: the time of them.
+        functions: how many coefficients the table has.
+        error: root mean square of a coordinate of the table less the steps, at states that no pair has.
+        largest_error: the largest of these.
+        determinant: the least det(1 + DΦ) without its sign, 1 for no motion and 0 where the table ends; for constant and log-canonical
+            brackets, else ``None``.
+        seconds: the time of a step of the table for each state.
+        method_seconds: the time of the steps that it stands for.
+        warnings: what is to be known, also where the table does not pay.
+        report: everything that ``leafwise tabulate --json`` prints.
+    """
+
+    scene: Scene
+    steps: int
+    time_step: float
+    functions: int
+    error: float
+    largest_error: float
+    determinant: float | None
+    seconds: float
+    method_seconds: float
+    warnings: list[str]
+    report: dict[str, Any] = field(repr=False)
+
+
+def tabulate(
+    scene: Scene,
+    steps: int,
+    box: Mapping[str, tuple[float, float]] | None = None,
+    *,
+    states: ArrayLike | None = None,
+    basis: str | Mapping[str, str] | None = None,
+    degree: int | Mapping[str, int] | None = None,
+    pairs: int | None = None,
+) -> Tabulated:
+    """Put many steps of a scene together into one step, a table that is as exactly Poisson as the realization is.
+
+    Args:
+        scene: whose steps. Where its Hamiltonian names the time, all begin at t = 0 or `t0`: take a period.
+        steps: how many.
+        box: the range of each variable; by default that of the scene's own orbit.
+        states: states in place of a box, of shape (N, d). Every fifth measures the table.
+        basis: as in :func:`learn`; by default ``"centred"``.
+        degree: as in :func:`learn`.
+        pairs: the number of pairs of states; by default eight equations for each coefficient.
+
+    Returns:
+        The table, and how well it meets the steps. Its warnings are issued as :class:`LeafwiseWarning` too, but whether it pays.
+
+    Raises:
+        LeafwiseError: the chart ends within the region, or the table misses the steps.
+        TypeError, ValueError: an argument is none.
+    """
+    if not isinstance(scene, Scene):
+        raise TypeError(f"scene is of {type(scene).__name__}: give a leafwise.Scene")
+    arguments = ["--steps", str(count("steps", steps, 1)), *_basis(basis), *_degree(degree)]
+    if pairs is not None:
+        arguments += ["--pairs", str(count("pairs", pairs, 1))]
+    for name, bounds in table("box", box).items():
+        least, largest = (number(f"box[{name!r}]", bound) for bound in bounds)
+        arguments += ["--box", f"{name}={least!r}:{largest!r}"]
+    with tempfile.TemporaryDirectory() as folder:
+        if states is not None:
+            if box is not None:
+                raise ValueError("states stand in place of a box: give one of them")
+            names = scene.variables
+            file = Path(folder) / "states.npy"
+            np.save(file, reals("states", in_order("states", states, names), None, len(names)))
+            arguments += ["--states", fspath(file)]
+        report: dict[str, Any] = scene.command("tabulate", *arguments)
+    for warning in report["warnings"]:
+        # Whether a table pays is a measured time, which no program should branch on.
+        if not warning.startswith(_NO_GAIN):
+            warnings.warn(warning, LeafwiseWarning, stacklevel=2)
+    return Tabulated(
+        scene=Scene.parse(report["text"]),
+        steps=report["steps"],
+        time_step=report["time_step"],
+        functions=report["functions"],
+        error=report["error"],
+        largest_error=report["largest_error"],
+        determinant=report["determinant"],
+        seconds=report["seconds"],
+        method_seconds=report["method"]["seconds"],
+        warnings=report["warnings"],
+        report=report,
+    )
+
+
+def _basis(basis: str | Mapping[str, str] | None) -> list[str]:
+    if basis is None:
+        return []
+    if isinstance(basis, str):
+        return ["--basis", basis]
+    if not isinstance(basis, Mapping):
+        raise TypeError(f"basis is of {type(basis).__name__}: give the name of a family, or one for each variable")
+    arguments = []
+    for name, family in basis.items():
+        if not (isinstance(name, str) and isinstance(family, str)):
+            raise TypeError(f"basis holds {name!r}: {family!r}, not the name of a variable and one of a family")
+        arguments += ["--basis", f"{name}={family}"]
+    return arguments
+
+
+def _degree(degree: int | Mapping[str, int] | None) -> list[str]:
+    if degree is None:
+        return []
+    if isinstance(degree, Mapping):
+        return ["--degree", ",".join(f"{name}={count(f'degree[{name!r}]', own, 0)}" for name, own in degree.items())]
+    return ["--degree", str(count("degree", degree, 1))]
+
+
 def learn(
     pairs: ArrayLike | tuple[ArrayLike, ArrayLike],
     scene: Scene,
     basis: str | Mapping[str, str] | None = None,
     *,
-    degree: int | None = None,
+    degree: int | Mapping[str, int] | None = None,
     time_step: float | None = None,
     ridge: float = 0.0,
     weights: ArrayLike | None = None,
@@ -70,9 +192,10 @@ def learn(
     Args:
         pairs: two arrays (x, x') of shape (N, d), or the states of a trajectory, (T, d), or of several, (R, T, d).
         scene: gives the variables, the bracket and the time step. Its Hamiltonian is not looked at.
-        basis: ``"polynomial"``, ``"exponential"``, ``"fourier"``, ``"fourier:PERIOD"``, each with ``"+ln"`` for logarithms; or one for each of
-            some variables, by name. By default polynomials, with logarithms for a log-canonical bracket.
-        degree: the degree; by default the lowest that pairs which are held out do not tell from the best.
+        basis: ``"polynomial"``, ``"centred"``, ``"spline"``, ``"exponential"``, ``"fourier"``, ``"fourier:PERIOD"``, each with ``"+ln"``
+            for logarithms; or one for each of some variables, by name. By default polynomials, with logarithms for a log-canonical bracket.
+        degree: the degree, or one for each variable, by name; by default the lowest that pairs which are held out do not tell from
+            the best.
         time_step: the time between x and x'; by default the scene's.
         ridge: the penalty of coefficients, relative to columns of unit length.
         weights: a weight for each pair. Only their ratios count, and pairs of weight 0 are left out.
@@ -98,20 +221,9 @@ def learn(
     else:
         given = in_order("pairs", pairs, names)
         states = reals("pairs", given, *([None] * (np.ndim(given) - 1) if np.ndim(given) in (2, 3) else [None]), len(names))
-    arguments: list[str] = []
-    if degree is not None:
-        arguments += ["--degree", str(count("degree", degree, 1))]
+    arguments = _degree(degree) + _basis(basis)
     if time_step is not None:
         scene = scene.set(method__time_step=number("time_step", time_step))
-    if isinstance(basis, str):
-        arguments += ["--basis", basis]
-    elif isinstance(basis, Mapping):
-        for name, family in basis.items():
-            if not (isinstance(name, str) and isinstance(family, str)):
-                raise TypeError(f"basis holds {name!r}: {family!r}, not the name of a variable and one of a family")
-            arguments += ["--basis", f"{name}={family}"]
-    elif basis is not None:
-        raise TypeError(f"basis is of {type(basis).__name__}: give the name of a family, or one for each variable")
     arguments += ["--ridge", repr(number("ridge", ridge))]
     if not isinstance(noisy, (bool, np.bool_)):
         raise TypeError(f"noisy is of {type(noisy).__name__}: give True or False")

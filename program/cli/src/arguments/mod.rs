@@ -11,6 +11,7 @@ pub use jobs::{
 pub use questions::{
     DescribeArguments, EvaluateArguments, ExplainArguments, FindArguments, ImportArguments, Kind,
     LearnArguments, ListArguments, NewArguments, SchemaArguments, ShadowArguments,
+    TabulateArguments,
 };
 pub use studies::{
     CompareArguments, ReproduceArguments, StressArguments, TuneArguments, VerifyArguments,
@@ -107,6 +108,8 @@ pub enum Command {
     Import(ImportArguments),
     /// Learn a Poisson map and its Hamiltonian from pairs of states one step apart
     Learn(LearnArguments),
+    /// Put many steps of a scene together into one: a table that is exactly as Poisson
+    Tabulate(TabulateArguments),
     /// Print the shadow Hamiltonian of a scene's method, and how well it is kept
     Shadow(ShadowArguments),
     /// Measure what every part declares: orders, tensor defects, drift, cost
@@ -179,6 +182,7 @@ impl Command {
             Self::Find(arguments) => arguments.json,
             Self::Import(arguments) => arguments.json,
             Self::Learn(arguments) => arguments.json,
+            Self::Tabulate(arguments) => arguments.json,
             Self::Shadow(arguments) => arguments.json,
             Self::Verify(arguments) => arguments.json,
             Self::Compare(arguments) => arguments.json,

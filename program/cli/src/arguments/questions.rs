@@ -165,11 +165,11 @@ pub struct LearnArguments {
     pub scene: SceneArguments,
     /// Pairs of states: CSV with the columns x,y,x',y' or a trajectory x,y; or an array of NumPy's of the shape (N, 2, d) or (T, d)
     pub pairs: PathBuf,
-    /// The degree of the basis [default: the lowest that pairs which are held out do not tell from the best, up to 8]
-    #[arg(long, value_name = "D", value_parser = clap::value_parser!(u8).range(1..=24))]
-    pub degree: Option<u8>,
-    /// Functions of all variables or of one: polynomial, exponential, fourier, fourier:PERIOD, polynomial+ln, q=fourier [default: polynomial, with
-    /// ln for a log-canonical bracket]
+    /// The degree of the basis, or one for each variable: 6, q=14,p=8 [default: the lowest that pairs which are held out do not tell from the best, up to 8]
+    #[arg(long, value_name = "D")]
+    pub degree: Option<String>,
+    /// Functions of all variables or of one: polynomial, centred, spline, exponential, fourier, fourier:PERIOD, polynomial+ln, q=fourier [default:
+    /// polynomial, with ln for a log-canonical bracket]
     #[arg(long, value_name = "[X=]FAMILY")]
     pub basis: Vec<String>,
     /// The penalty L of coefficients, relative to columns of unit length
@@ -182,6 +182,38 @@ pub struct LearnArguments {
     #[arg(long)]
     pub noisy: bool,
     /// Write the scene of the learned map to this file
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `tabulate`.
+#[derive(Args, Clone, Debug)]
+pub struct TabulateArguments {
+    /// Scene whose steps are put together.
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// The number of steps that one step of the table is
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub steps: u64,
+    /// The range of a variable, once for each: q=-1:1 [default: that of the scene's own orbit]
+    #[arg(long = "box", value_name = "X=A:B", allow_hyphen_values = true)]
+    pub bounds: Vec<String>,
+    /// States in place of a box: CSV with a column for each variable, or an array of NumPy's of the shape (N, d)
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["bounds", "pairs"])]
+    pub states: Option<PathBuf>,
+    /// The degree of the basis, or one for each variable: 6, th=14,I=8 [default: chosen by pairs that are held out, up to 8]
+    #[arg(long, value_name = "D")]
+    pub degree: Option<String>,
+    /// Functions of all variables or of one, as in `learn` [default: centred, with ln for a log-canonical bracket]
+    #[arg(long, value_name = "[X=]FAMILY")]
+    pub basis: Vec<String>,
+    /// The number of pairs of states [default: eight equations for each coefficient]
+    #[arg(long, value_name = "COUNT")]
+    pub pairs: Option<usize>,
+    /// Write the scene whose step is the table to this file
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Print one JSON object on standard output

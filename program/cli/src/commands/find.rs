@@ -1,9 +1,8 @@
 //! `leafwise find`: the bracket and the Hamiltonian of equations of motion, the Casimirs of a bracket.
 use std::path::Path;
 
-use leafwise::core::SystemFormulas;
 use leafwise::find::{
-    Equations, FindError, FoundBracket, Kind, Options, Report, casimirs_of, find,
+    Equations, FindError, FoundBracket, Kind, Options, Report, corank, find, named_casimirs_of,
 };
 use leafwise::scene::compose::compose;
 use leafwise::scene::json::object;
@@ -206,17 +205,7 @@ fn casimirs(
     let composed = while_building(shown, || compose(&document, &parts.registry))?;
     let system = composed.system.formulas("the search for Casimirs")?;
     let degree = arguments.degree.map_or(CASIMIR_DEGREE, usize::from);
-    let found = while_building(shown, || casimirs_of(system, degree)).map_err(refused)?;
-    let names = names(system);
-    let rows: Vec<(String, String)> = (found.iter().enumerate())
-        .map(|(at, casimir)| {
-            let name = match found.len() {
-                1 => "C".to_owned(),
-                _ => format!("C{}", at + 1),
-            };
-            (name, casimir.written(system.variables(), &names))
-        })
-        .collect();
+    let rows = while_building(shown, || named_casimirs_of(system, degree)).map_err(refused)?;
     if arguments.json {
         console.json(&CasimirsJson {
             outcome: if rows.is_empty() { "none" } else { "found" },
@@ -224,9 +213,10 @@ fn casimirs(
             casimirs: rows.clone(),
         });
     } else if rows.is_empty() {
-        console.result(&format!(
-            "No Casimir of degree {degree} or less in the variables"
-        ));
+        console.result(&match corank(system) {
+            0 => "The tensor has full rank: only constants commute with all functions".to_owned(),
+            _ => format!("No Casimir of degree {degree} or less in the variables"),
+        });
     } else {
         let rows: Vec<Vec<String>> = (rows.iter())
             .map(|(name, formula)| vec![format!("  Casimir {name}"), format!("= {formula}")])
@@ -242,11 +232,6 @@ fn casimirs(
         write_scene(file, &text, console)?;
     }
     Ok(exit::DONE)
-}
-
-fn names(system: &SystemFormulas) -> Vec<String> {
-    let parameters = system.parameters().iter();
-    parameters.map(|parameter| parameter.name.clone()).collect()
 }
 
 fn json(equations: &Equations, report: &Report) -> FindJson {

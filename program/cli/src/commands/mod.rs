@@ -22,5 +22,6 @@ pub mod shadow;
 mod shard;
 pub mod stress;
 pub mod sweep;
+pub mod tabulate;
 pub mod tune;
 pub mod verify;

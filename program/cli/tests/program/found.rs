@@ -126,3 +126,87 @@ fn equations_that_cannot_be_read_are_underlined() {
     let said = here.leafwise(&["find", "-e", "q'"]);
     assert_eq!(said.code, Some(2), "{}", said.err);
 }
+
+/// A bracket of three or more variables with `casimirs = "find"`.
+fn with_casimirs_to_find(variables: &str, bracket: &str, initial: &str) -> String {
+    format!(
+        "[system]\nvariables = [{variables}]\nparameters = {{ a = 2 }}\nbracket = {{ {bracket} }}\nhamiltonian = \"x^2/2 + 2*y^2/3\"\ncasimirs = \"find\"\n\n\
+         [method]\nrealization = \"auto\"\ndynamics = {{ name = \"hamilton-jacobi\", order = 4 }}\ntime-step = 0.05\n\n\
+         [run]\ninitial = {initial}\nsteps = 40\n"
+    )
+}
+
+/// Casimirs stand in the place of the word: recorded by their names, kept to round-off, proved by `check`; a variable C takes its name from them.
+#[test]
+fn casimirs_of_a_scene_are_found() {
+    let spins = "\"x,y\" = \"-z\", \"y,z\" = \"-x\", \"z,x\" = \"-y\"";
+    let four = "\"x,y\" = \"x*y\", \"y,z\" = \"a*y*z\", \"z,w\" = \"z*w\"";
+    // Of (x, y, z, w) with neighbours alone the tensor has full rank; with three species ln z + a ln x is a Casimir.
+    let three = "\"x,y\" = \"x*y\", \"y,z\" = \"a*y*z\"";
+    for (variables, bracket, initial, name) in [
+        ("\"x\", \"y\", \"z\"", spins, "[0.3, 0.9, 0.4]", "C"),
+        ("\"x\", \"y\", \"z\"", three, "[1, 1.1, 1.2]", "C"),
+        (
+            "\"x\", \"y\", \"C\"",
+            &spins.replace('z', "C"),
+            "[0.3, 0.9, 0.4]",
+            "K",
+        ),
+    ] {
+        let text = with_casimirs_to_find(variables, bracket, initial);
+        let here = Place::with(&format!(
+            "{text}record = {{ observables = [\"energy\", \"{name}\"] }}\n"
+        ));
+        let said = here.leafwise(&["run", "scene.toml", "--out", "out", "--quiet"]);
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        let samples = here.read("out/samples.csv");
+        let at = samples
+            .lines()
+            .next()
+            .and_then(|names| names.split(',').position(|own| own == name));
+        let values: Vec<f64> = (samples.lines().skip(1))
+            .map(|row| {
+                row.split(',')
+                    .nth(at.expect(name))
+                    .expect(name)
+                    .parse()
+                    .expect("a number")
+            })
+            .collect();
+        assert_eq!(values.len(), 41);
+        assert!(
+            values.iter().all(|c| (c - values[0]).abs() < 1e-13),
+            "{values:?}"
+        );
+        let said = here.leafwise(&["check", "scene.toml"]);
+        assert_eq!(said.code, Some(0), "{}{}", said.out, said.err);
+        let said = here.leafwise(&["find", "scene.toml"]);
+        assert!(
+            said.out.contains(&format!("Casimir {name}")),
+            "{}",
+            said.out
+        );
+    }
+    let full = with_casimirs_to_find("\"x\", \"y\", \"z\", \"w\"", four, "[1, 1, 1, 1]");
+    // x³ + y³ + z³ has the degree 3.
+    let cubic = "\"x,y\" = \"z^2\", \"y,z\" = \"x^2\", \"z,x\" = \"y^2\"";
+    let cubic = with_casimirs_to_find("\"x\", \"y\", \"z\"", cubic, "[0.3, 0.9, 0.4]");
+    let wrong = full.replace("a*y*z", "b*y*z");
+    for (text, expected) in [
+        (&full, "full rank"),
+        (&cubic, "none has degree 2 or less"),
+        (&wrong, "b"),
+        (
+            &full.replace("casimirs = \"find\"", "casimirs = \"seek\""),
+            "\"find\"",
+        ),
+    ] {
+        let here = Place::with(text);
+        let said = here.leafwise(&["run", "scene.toml", "--quiet"]);
+        assert_eq!(said.code, Some(3), "{expected}: {}{}", said.out, said.err);
+        assert!(said.err.contains(expected), "{expected}: {}", said.err);
+    }
+    let here = Place::with(&cubic.replace("casimirs = \"find\"\n", ""));
+    let said = here.leafwise(&["find", "scene.toml", "--degree", "3"]);
+    assert!(said.out.contains("x^3"), "{}", said.out);
+}

@@ -29,5 +29,6 @@ mod states;
 mod support;
 mod sweeps;
 mod tables;
+mod tabulated;
 mod time;
 mod warnings;

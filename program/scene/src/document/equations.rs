@@ -8,8 +8,9 @@ use toml_edit::{DocumentMut, InlineTable, value};
 
 use super::error::{SceneErrors, SceneProblemCause};
 use super::field::{Parameters, read_parameters};
-use super::located::{Located, Source};
+use super::located::{Located, Place, Source};
 use super::method_table::RewriteError;
+use super::overrides::apply_overrides;
 use super::reader::{Item, Problems, Table, end_of};
 use super::schema::SCENE;
 use super::system_schema::SYSTEM;
@@ -294,6 +295,83 @@ pub fn with_hamiltonian(text: &str, hamiltonian: &str) -> Result<Option<String>,
     }
     system.insert("hamiltonian", value(hamiltonian));
     Ok(Some(scene.to_string()))
+}
+
+/// A scene's text for another map of the same system, with these numbers for its parameters if any are given. Of `[run]` the initial state and so many steps stay; what looks at the time, ensembles
+/// and sweeps do not.
+///
+/// # Errors
+/// [`RewriteError`] for a text that is not a scene.
+pub fn with_plain_run(
+    text: &str,
+    parameters: Option<&[(String, f64)]>,
+    steps: u64,
+) -> Result<String, RewriteError> {
+    let scene = text.parse::<DocumentMut>();
+    let mut scene = scene.map_err(|error| RewriteError::Syntax {
+        message: error.message().to_owned(),
+    })?;
+    let table = |scene: &mut DocumentMut, table: &'static str, kept: &dyn Fn(&str) -> bool| {
+        let own = scene
+            .get_mut(table)
+            .and_then(|item| item.as_table_like_mut());
+        let own = own.ok_or(RewriteError::NoTable { table })?;
+        let keys: Vec<String> = own.iter().map(|(key, _)| key.to_owned()).collect();
+        for key in keys.iter().filter(|key| !kept(key)) {
+            own.remove(key);
+        }
+        Ok::<_, RewriteError>(())
+    };
+    table(&mut scene, "run", &|key| key == "initial")?;
+    scene["run"]["steps"] = value(i64::try_from(steps).unwrap_or(i64::MAX));
+    let is_given = |key: &str| key == "parameters" && parameters.is_some();
+    table(&mut scene, "system", &|key| !is_given(key))?;
+    if let Some(parameters) = parameters.filter(|given| !given.is_empty()) {
+        let mut numbers = InlineTable::new();
+        for (name, number) in parameters {
+            numbers.insert(name, (*number).into());
+        }
+        scene["system"]["parameters"] = value(numbers);
+    }
+    for key in ["ensemble", "sweep"] {
+        scene.remove(key);
+    }
+    Ok(scene.to_string())
+}
+
+/// The text under overrides, where `casimirs` of its `[system]` is the word `find`. Beside equations these are found with the bracket.
+pub(crate) fn asking_for_casimirs(text: &str, overrides: &[(String, String)]) -> Option<String> {
+    // Most scenes do not ask.
+    let is_word = |text: &str| text.contains(FIND);
+    if !is_word(text) && !overrides.iter().any(|(_, value)| is_word(value)) {
+        return None;
+    }
+    let text = apply_overrides(text, overrides, &mut Problems::default())?;
+    place_of_casimirs(&text).is_some().then_some(text)
+}
+
+/// The refusal of a text that asks for Casimirs.
+pub(crate) fn no_casimirs(name: String, text: String, reason: String) -> SceneErrors {
+    let mut problems = Problems::default();
+    let place = place_of_casimirs(&text).unwrap_or_else(|| end_of(&text));
+    problems.push(SceneProblemCause::NoCasimirs { reason }, place);
+    SceneErrors {
+        name,
+        text,
+        fragment: None,
+        problems: problems.0,
+    }
+}
+
+fn place_of_casimirs(text: &str) -> Option<Place> {
+    let document = DeTable::parse(text).ok()?;
+    let mut none = Problems::default();
+    let root = Table::new("the scene", document.get_ref(), end_of(text), text);
+    let table = root
+        .get("system")?
+        .table("[system]", "a table", &mut none)?;
+    let item = table.get("casimirs").filter(|item| item.is_word(FIND))?;
+    (!has_equations(&table)).then(|| item.place())
 }
 
 /// A scene's text with these Casimirs, names and formulas, in the place of those that it has.

@@ -164,6 +164,12 @@ pub enum SceneProblemCause {
         /// The reason, of each kind that was looked for.
         reason: String,
     },
+    /// A bracket of which no Casimirs were found.
+    #[error("no Casimir was found for this bracket: {reason}")]
+    NoCasimirs {
+        /// The reason.
+        reason: String,
+    },
     /// A bracket entry whose key is no pair of variables.
     #[error("`{key}` is not a pair of variables")]
     BracketKey {
@@ -255,7 +261,7 @@ impl SceneProblemCause {
             Self::BracketKey { .. } => "expected two variables and a comma".to_owned(),
             Self::CanonicalPair { name, .. } => format!("`{name}` is in no pair"),
             Self::System { .. } => "here".to_owned(),
-            Self::NoBracket { .. } => "nothing to put here".to_owned(),
+            Self::NoBracket { .. } | Self::NoCasimirs { .. } => "nothing to put here".to_owned(),
             Self::TwoSummands { .. } => "in an earlier summand".to_owned(),
             Self::NoSummand { .. } => "of no summand".to_owned(),
             Self::WithoutSites { .. } => "of no lattice".to_owned(),
@@ -346,6 +352,9 @@ impl SceneProblemCause {
                 "`leafwise find SCENE` prints what was tried; damping and driving stand beside a bracket of the rest, as \
                  `forces` and `damping`"
                     .to_owned(),
+            ),
+            Self::NoCasimirs { .. } => Some(
+                "leave `casimirs` out, or write those that you know; `leafwise find SCENE --degree D` looks for others".to_owned(),
             ),
             Self::MagneticSign => Some(
                 "under \"{H,x}\" `magnetic` meant v' = -v × B, under \"{x,H}\" it ran time backwards; for \

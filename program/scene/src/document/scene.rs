@@ -45,24 +45,11 @@ pub struct SceneDocument {
 }
 
 impl SceneDocument {
-    /// Reads a scene. Messages give `name`, the name of the file. The `registry` has the systems that the scene may
-    /// name.
+    /// Reads a scene as [`parse_with`](Self::parse_with) does; Casimirs are not looked for.
     ///
     /// # Errors
-    /// Everything found wrong, with its place and the nearest valid name.
-    pub fn parse(name: &str, text: &str, registry: &Registry) -> Result<Self, SceneErrors> {
-        Self::parse_with(name, text, &[], registry)
-    }
-
-    /// Reads a scene after applying overrides such as `("method.epsilon", "0.05")`.
-    ///
-    /// An override rewrites the text, so that the scene as run can be saved and every place refers to it. A value that
-    /// is not TOML is taken as a string. Setting one of several alternatives (`time-step` against `epsilon` and `h`,
-    /// `stepper` against `realization` and `dynamics`, `ball` against `box`) removes the others.
-    ///
-    /// # Errors
-    /// Those of [`SceneDocument::parse`]. An override whose path the format does not have.
-    pub fn parse_with(
+    /// Those of [`parse_with`](Self::parse_with).
+    pub(crate) fn read_with(
         name: &str,
         text: &str,
         overrides: &[(String, String)],

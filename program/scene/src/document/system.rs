@@ -10,7 +10,7 @@ use toml::de::DeTable;
 
 use super::bracket::{BracketSpec, read_bracket};
 use super::canonical::Coordinates;
-use super::equations::{found_system, has_equations};
+use super::equations::{FIND, found_system, has_equations};
 use super::error::SceneProblemCause;
 use super::families::{
     Families, boundaries, chain_length, check_boundaries, on_axes, read_families,
@@ -81,7 +81,13 @@ fn read_casimirs(
     problems: &mut Problems,
 ) -> Option<Vec<(Located<String>, Located<String>)>> {
     match table.get("casimirs") {
-        Some(item) => item.pairs("a table of formulas", problems, Item::formula),
+        // Found ones stand there unless the system cannot be read.
+        Some(item) if item.is_word(FIND) => {
+            let reason = "the system cannot be read".to_owned();
+            problems.push(SceneProblemCause::NoCasimirs { reason }, item.place());
+            None
+        }
+        Some(item) => item.pairs("a table of formulas, or \"find\"", problems, Item::formula),
         None => Some(known),
     }
 }

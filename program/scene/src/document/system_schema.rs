@@ -166,8 +166,8 @@ pub(super) static SYSTEM: [Key; 17] = [
     ),
     key(
         "casimirs",
-        FORMULAS,
-        "Functions that commute with all others, by names",
+        Shape::Either(&[Shape::Words(&["find"]), FORMULAS]),
+        "Functions that commute with all others, by names, or \"find\": the program looks for them",
     )
     .otherwise("none")
     .not_beside(&[Beside::Note(NUMBERS_ALONE)]),

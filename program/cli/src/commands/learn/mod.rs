@@ -2,7 +2,9 @@
 
 use leafwise::core::Walk;
 use leafwise::generating_function::NAME as DYNAMICS;
-use leafwise::learn::{LearnAdvice, LearnError, LearnOptions, Learned, StatePairs, learn};
+use leafwise::learn::{
+    FunctionFamily, LearnAdvice, LearnError, LearnOptions, Learned, StatePairs, learn,
+};
 use leafwise::scene::compose::{compose, refuse_noise};
 use leafwise::scene::pairs::{read_pairs, read_weights};
 use leafwise::scene::{
@@ -13,7 +15,7 @@ mod basis;
 mod json;
 mod text;
 
-use self::basis::axes;
+pub(super) use self::basis::{axes, degree};
 use self::json::json;
 use self::text::lines;
 use super::find::write_scene;
@@ -78,12 +80,14 @@ pub fn execute(
         Some(file) => Some(read_weights(file).map_err(unread)?),
         None => table.weights,
     };
-    let axes = axes(arguments, &run, &names)?;
+    let family = FunctionFamily::Polynomial;
+    let axes = axes(&arguments.basis, family, &run, &names)?;
     let options = LearnOptions {
         axes,
-        degree: arguments.degree.map(usize::from),
+        degree: degree(arguments.degree.as_deref(), &names)?,
         ridge: arguments.ridge,
         has_noise: arguments.noisy,
+        finds_hamiltonian: true,
     };
     let pairs = StatePairs::new(names.len(), &table.before, &table.after, weights.as_deref());
     let pairs = pairs.map_err(refused)?;
@@ -92,7 +96,7 @@ pub fn execute(
         learn(&run.system, &realization, (epsilon, h), &pairs, &options)
     });
     let mut learned = learned.map_err(refused)?;
-    let text = learned_scene(&document, &run, &learned)?;
+    let text = learned_scene(&document, &run, &learned, epsilon * h)?;
     let written = parts.document(
         SceneText {
             name: document.name.clone(),
@@ -137,7 +141,7 @@ pub fn execute(
 }
 
 /// The scene over a realization with a chart: its own where it names one, else the one that fits the tensor.
-fn with_chart(
+pub(super) fn with_chart(
     parts: &mut Parts,
     document: &SceneDocument,
     base: &std::path::Path,
@@ -178,11 +182,12 @@ fn with_chart(
     Ok((document, run))
 }
 
-/// The scene of the learned map: H, and Ŝ by S_1 = H and what is beside it.
-fn learned_scene(
+/// The scene of the learned map of this time step: H, and Ŝ by S_1 = H and what is beside it.
+pub(super) fn learned_scene(
     document: &SceneDocument,
     run: &ComposedRun,
     learned: &Learned,
+    time_step: f64,
 ) -> Result<String, Failure> {
     let text = match with_hamiltonian(&document.text, &learned.hamiltonian).map_err(unwritten)? {
         Some(text) => text,
@@ -204,7 +209,7 @@ fn learned_scene(
             .with("order", 2_i64);
     }
     table
-        .write_into(&text, run.plan.epsilon * run.plan.h, run.plan.steps)
+        .write_into(&text, time_step, run.plan.steps)
         .map_err(unwritten)
 }
 
@@ -247,14 +252,14 @@ fn unread(reason: String) -> Failure {
     Failure::usage(reason, "`leafwise explain learn` shows files of pairs")
 }
 
-fn unwritten(error: leafwise::scene::RewriteError) -> Failure {
+pub(super) fn unwritten(error: leafwise::scene::RewriteError) -> Failure {
     Failure::usage(
         error.to_string(),
         "name a scene with [system], [method] and [run]",
     )
 }
 
-fn refused(error: LearnError) -> Failure {
+pub(super) fn refused(error: LearnError) -> Failure {
     match error {
         LearnError::Build(error) => error.into(),
         error => Failure::usage(

@@ -1,0 +1,101 @@
+//! The cost of a table's step, beside the steps that it stands for.
+
+use leafwise::learn::{ManySteps, Tabulated};
+
+use crate::table::{duration, short};
+
+/// Seconds for each state over the time of the table.
+pub(super) struct Cost {
+    /// Of the table.
+    pub table: f64,
+    /// Of the scene's own steps, N of them.
+    pub own: Steps,
+    /// Of the fewest steps of the scene's method whose error is no larger than the table's.
+    pub fewest: Steps,
+}
+
+/// Steps over the time of the table.
+#[derive(Clone, Copy)]
+pub(super) struct Steps {
+    pub count: u64,
+    /// Root mean square of a coordinate less the N steps.
+    pub error: f64,
+    pub seconds: f64,
+}
+
+impl Cost {
+    /// Measured over the states that no pair has.
+    pub fn of(table: &Tabulated, steps: &ManySteps<'_>) -> Self {
+        let states: Vec<Vec<f64>> = table.unseen.iter().map(|(x, _)| x.clone()).collect();
+        let of = |steps: ManySteps<'_>, error: f64| Steps {
+            count: steps.count,
+            error,
+            seconds: steps.seconds(&states),
+        };
+        let own = of(*steps, 0.0);
+        let mut fewest = own;
+        let mut count = steps.count;
+        while count.is_multiple_of(2) {
+            count /= 2;
+            let larger = steps.in_steps(count);
+            let Some(error) = error(&larger, table) else {
+                break;
+            };
+            if error > table.error {
+                break;
+            }
+            fewest = of(larger, error);
+        }
+        let one = ManySteps {
+            map: table.learned.method(),
+            step: (1.0, steps.duration()),
+            count: 1,
+            beside: &[],
+            ..*steps
+        };
+        let parameters = table.learned.parameters();
+        Self {
+            table: ManySteps { parameters, ..one }.seconds(&states),
+            own,
+            fewest,
+        }
+    }
+
+    /// Says so where steps of the method are as good and no dearer.
+    pub fn does_not_pay(&self) -> Option<String> {
+        if self.fewest.seconds > self.table {
+            return None;
+        }
+        let Steps {
+            count,
+            error,
+            seconds,
+        } = self.fewest;
+        Some(format!(
+            "the table does not pay: {} of the scene's method over the same time err by {}, no more than the table, and take {} a state, the table {}; \
+             raise method.time-step, or keep the table for what its error leaves",
+            if count == 1 {
+                "1 step".to_owned()
+            } else {
+                format!("{count} steps")
+            },
+            short(error),
+            duration(seconds),
+            duration(self.table)
+        ))
+    }
+}
+
+/// Root mean square of the error of these steps at the unseen states; `None` where a step fails.
+fn error(steps: &ManySteps<'_>, table: &Tabulated) -> Option<f64> {
+    let states: Vec<Vec<f64>> = table.unseen.iter().map(|(x, _)| x.clone()).collect();
+    let (mut sum, mut count) = (0.0, 0);
+    for (end, (_, exact)) in steps.after(&states).into_iter().zip(&table.unseen) {
+        for (a, b) in end?.iter().zip(exact) {
+            sum += (a - b) * (a - b);
+            count += 1;
+        }
+    }
+    let error = libm::sqrt(sum / f64::from(count.max(1)));
+    error.is_finite().then_some(error)
+}

@@ -1,0 +1,166 @@
+//! Many steps of a scene put together into one, on the command line.
+
+use super::support::Place;
+
+/// A driven pendulum of small swings, whose period in time is π/2.
+const DRIVEN: &str = "[system]\nvariables = [\"q\", \"p\"]\nparameters = { a = 0.02 }\nbracket = { \"q,p\" = 1 }\nconvention = \"{x,H}\"\n\
+                      hamiltonian = \"p^2/2 - a*cos(q)*cos(4*t)\"\n\n[method]\nrealization = \"auto\"\n\
+                      dynamics = { name = \"hamilton-jacobi\", order = 4 }\ntime-step = 0.04908738521234052\n\n\
+                      [run]\ninitial = [0.3, 0.2]\nsteps = 320\nsection = { at = \"sin(2*t) = 0\", axes = [\"q\", \"p\"] }\n";
+
+fn last(here: &Place, folder: &str) -> Vec<f64> {
+    let samples = here.read(&format!("{folder}/samples.csv"));
+    let names: Vec<&str> = samples.lines().next().expect("names").split(',').collect();
+    let row: Vec<&str> = samples.lines().last().expect("rows").split(',').collect();
+    let of = |name: &str| {
+        let at = names.iter().position(|own| *own == name).expect(name);
+        row[at].parse().expect("a number")
+    };
+    vec![of("q"), of("p")]
+}
+
+/// Ten periods by the table are those by 320 steps, to ten times its error and its growth along a slow orbit; the scene has no time.
+#[test]
+fn a_period_is_one_step() {
+    let here = Place::with(DRIVEN);
+    let arguments = [
+        "tabulate",
+        "scene.toml",
+        "--steps",
+        "32",
+        "--box",
+        "q=0:6.283185307179586",
+        "--box",
+        "p=-1:1",
+        "--basis",
+        "q=fourier",
+        "--degree",
+        "q=5,p=7",
+        "--set",
+        "system.parameters.a=0.03",
+        "--out",
+        "table.toml",
+        "--json",
+    ];
+    let said = here.leafwise(&arguments);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let report = said.json();
+    assert_eq!(report["functions"], 87);
+    assert_eq!(report["steps"], 32);
+    let error = report["largest_error"].as_f64().expect("a number");
+    assert!(error < 1e-6, "{report}");
+    assert_eq!(report["method"]["steps"], 32);
+    // Both runs with the parameter of the table.
+    let set = "system.parameters.a=0.03";
+    let said = here.leafwise(&[
+        "run",
+        "scene.toml",
+        "--set",
+        set,
+        "--out",
+        "steps",
+        "--quiet",
+    ]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let said = here.leafwise(&["run", "table.toml", "--out", "table", "--quiet"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let (table, steps) = (last(&here, "table"), last(&here, "steps"));
+    for (a, b) in table.iter().zip(&steps) {
+        assert!(
+            (a - b).abs() < 300.0 * error,
+            "{table:?} {steps:?} {error:e}"
+        );
+    }
+    let said = here.leafwise(&["check", "table.toml"]);
+    assert_eq!(said.code, Some(0), "{}{}", said.out, said.err);
+    // A file that exists stays.
+    assert_eq!(here.leafwise(&arguments).code, Some(2));
+}
+
+/// A library's system, the box of its own orbit: of a rigid body one long step of the method is as good, and that is printed.
+#[test]
+fn longer_steps_as_good_as_the_table_are_printed() {
+    let scene = "[system]\nlibrary = \"rigid-body\"\n[method]\nrealization = \"auto\"\ndynamics = { name = \"hamilton-jacobi\", order = 8 }\n\
+                 time-step = 0.05\n[run]\ninitial = [0.3, 0.9, 0.4]\nsteps = 200\n";
+    let here = Place::with(scene);
+    let said = here.leafwise(&[
+        "tabulate",
+        "scene.toml",
+        "--steps",
+        "4",
+        "--degree",
+        "4",
+        "--pairs",
+        "200",
+    ]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    assert!(
+        said.out.contains("Table of 4 steps, a time of 0.2"),
+        "{}",
+        said.out
+    );
+    assert!(said.out.contains("1 longer ones"), "{}", said.out);
+}
+
+/// Half a turn of an oscillator, forces, noise, paces, boxes and degrees that are none.
+#[test]
+fn what_has_no_table_says_why() {
+    let half = std::f64::consts::PI / 8.0;
+    let oscillator = format!(
+        "[system]\nvariables = [\"q\", \"p\"]\nbracket = {{ \"q,p\" = 1 }}\nhamiltonian = \"(q^2 + p^2)/2\"\n\n[method]\nrealization = \"auto\"\n\
+         dynamics = {{ name = \"hamilton-jacobi\", order = 8 }}\ntime-step = {half:?}\n\n[run]\ninitial = [1, 0]\nsteps = 50\n"
+    );
+    let here = Place::with(&oscillator);
+    here.write("states.csv", "q,w\n1,0\n");
+    here.write(
+        "forced.toml",
+        &oscillator
+            .replace("[method]", "[system.forces]\np = \"-p\"\n\n[method]")
+            .replace("{ name = \"hamilton-jacobi\", order = 8 }", "\"one-form\""),
+    );
+    for (scene, arguments, expected) in [
+        (
+            "scene.toml",
+            vec!["--degree", "2"],
+            "8 steps have no generating function in the whole region",
+        ),
+        ("forced.toml", vec![], "a motion with forces"),
+        ("scene.toml", vec!["--box", "w=0:1"], "no such variable"),
+        ("scene.toml", vec!["--box", "q=1"], "no range"),
+        (
+            "scene.toml",
+            vec!["--box", "q=1:0"],
+            "q from 1.0 to 0.0 is no range",
+        ),
+        ("scene.toml", vec!["--degree", "q=3"], "p has no degree"),
+        ("scene.toml", vec!["--degree", "w=3"], "no variable `w`"),
+        (
+            "scene.toml",
+            vec!["--degree", "many"],
+            "`many` is no degree",
+        ),
+        (
+            "scene.toml",
+            vec!["--degree", "99"],
+            "the degree 99 is outside 1 to 24",
+        ),
+        (
+            "scene.toml",
+            vec!["--states", "states.csv"],
+            "no column `p`",
+        ),
+        (
+            "scene.toml",
+            vec!["--states", "none.csv"],
+            "cannot read none.csv",
+        ),
+    ] {
+        let all: Vec<&str> = ["tabulate", scene, "--steps", "8"]
+            .into_iter()
+            .chain(arguments)
+            .collect();
+        let said = here.leafwise(&all);
+        assert_eq!(said.code, Some(2), "{expected}: {}", said.err);
+        assert!(said.err.contains(expected), "{expected}: {}", said.err);
+    }
+}
