@@ -91,7 +91,7 @@ pub struct Act {
 pub struct Event {
     /// The surface, and which crossings count.
     pub section: Section,
-    /// What happens to the state there, if anything does.
+    /// The change of the state there, if there is one.
     pub act: Option<Act>,
     /// The crossing that ends the walk, counted from 1, where one does.
     pub last: Option<u64>,
@@ -163,8 +163,8 @@ impl Side {
         }
     }
 
-    /// Behind an event that has changed the state within the next step, which `crossed` is after: left − right there, and the
-    /// side that the motion leaves to, 1 or −1.
+    /// Behind an event that has changed the state within the next step. Left − right has this value there, and the motion leaves
+    /// to the side of this sign. The side after the whole step would have been `crossed`.
     pub(crate) fn behind(self, crossed: Self, value: f64, sign: f64) -> Self {
         Self {
             sign,

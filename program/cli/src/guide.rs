@@ -2,8 +2,6 @@
 
 use leafwise::scene::SceneDiagnostic;
 
-use crate::synonyms::synonyms;
-
 macro_rules! pages {
     ($($name:literal),* $(,)?) => {
         [$(($name, include_str!(concat!("../../../docs/guide/", $name, ".md")))),*]
@@ -67,27 +65,7 @@ pub struct Explained {
     pub text: String,
 }
 
-/// Parts of the pages that explain a word: the page of that name, else rows of tables that begin with the word and
-/// sections whose headings have it, else those of which it is an everyday word.
-pub fn explained(word: &str) -> Vec<Explained> {
-    let word = folded(word.trim());
-    if let Some((page, text)) = PAGES.into_iter().find(|(name, _)| *name == word) {
-        return vec![Explained {
-            page,
-            text: readable(text),
-        }];
-    }
-    let found: Vec<Explained> = named(&word).collect();
-    if !found.is_empty() {
-        return found;
-    }
-    let spaced = word.replace(['-', '_'], " ");
-    let mut forms = [&word, &spaced].into_iter();
-    let found = forms.find_map(|word| Some(synonyms(word)).filter(|found| !found.is_empty()));
-    found.unwrap_or_default()
-}
-
-/// Parts of all pages with a name: rows of tables, then sections.
+/// Parts of all pages with a name, rows of tables before sections.
 pub fn named(name: &str) -> impl Iterator<Item = Explained> {
     let (rows, sections): (Vec<_>, Vec<_>) = PAGES
         .into_iter()
@@ -114,7 +92,7 @@ pub fn part(page: &str, name: &str) -> Vec<Explained> {
 }
 
 /// A word in small letters without the accents of Latin ones.
-fn folded(word: &str) -> String {
+pub(crate) fn folded(word: &str) -> String {
     let letters = word.chars().flat_map(char::to_lowercase);
     let plain = |letter| match letter {
         'à' | 'á' | 'â' | 'ä' | 'å' => 'a',
@@ -188,7 +166,7 @@ fn sections(text: &str) -> Vec<&str> {
 }
 
 /// A part of a page without pictures and the addresses of links.
-fn readable(text: &str) -> String {
+pub(crate) fn readable(text: &str) -> String {
     let mut is_code = false;
     let lines = text.lines().filter(|line| !line.starts_with("<img"));
     let lines = lines.map(|line| {
@@ -301,36 +279,7 @@ mod tests {
     }
 
     #[test]
-    fn every_kind_of_advice_is_explained() {
-        let page = PAGES.iter().find(|(name, _)| *name == "read-the-report");
-        let (_, text) = page.expect("a page");
-        let kinds = text.lines().filter_map(|line| {
-            let kind = line.strip_prefix("| `")?.split('`').next()?;
-            line.matches('|').nth(3).map(|_| kind)
-        });
-        let mut count = 0;
-        for kind in kinds {
-            let found = explained(kind);
-            assert!(found.iter().any(|part| part.text.contains(kind)), "{kind}");
-            count += 1;
-        }
-        assert!(count > 20, "{count} rows");
-    }
-
-    #[test]
-    fn words_lead_to_pages_rows_and_sections() {
-        assert_eq!(explained("formulas").len(), 1);
-        let row = explained("backward-time");
-        assert!(
-            row[0].text.contains("the other `convention`"),
-            "{}",
-            row[0].text
-        );
-        let sections = explained("torque");
-        for page in ["forces", "keys"] {
-            assert!(sections.iter().any(|part| part.page == page), "{page}");
-        }
-        assert!(explained("no such word").is_empty());
+    fn links_and_cells_are_read_as_text() {
         assert_eq!(
             plain("see [the guide](a/b.md#c) and [x]"),
             "see the guide and [x]"

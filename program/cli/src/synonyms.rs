@@ -1,6 +1,6 @@
 //! Everyday words, and where the guide explains what is meant.
 
-use crate::guide::{Explained, part};
+use crate::guide::{Explained, PAGES, folded, named, part, readable};
 
 /// Words for what a part of the guide explains under another name.
 struct Synonym {
@@ -9,7 +9,7 @@ struct Synonym {
     page: &'static str,
     /// A part of the page: words of its heading, or a name in the first column of a table.
     at: &'static str,
-    /// What stands there, for the test.
+    /// Text that stands there, for the test.
     #[cfg_attr(not(test), expect(dead_code, reason = "of the test"))]
     says: &'static str,
 }
@@ -33,7 +33,7 @@ const SYNONYMS: [Synonym; 24] = [
     leads(
         &["sign", "signs", "backward", "backwards", "reversed"],
         "define-a-system",
-        "variables and bracket",
+        "the sign",
         "{H, x}",
     ),
     leads(
@@ -218,15 +218,38 @@ const SYNONYMS: [Synonym; 24] = [
 ];
 
 /// The parts of the guide that explain what an everyday word stands for.
-pub fn synonyms(word: &str) -> Vec<Explained> {
+fn synonyms(word: &str) -> Vec<Explained> {
     let meant = SYNONYMS.iter().filter(|own| own.words.contains(&word));
     meant.flat_map(|own| part(own.page, own.at)).collect()
 }
 
+/// Parts of the pages that explain a word.
+///
+/// 1. The page of that name.
+/// 2. Rows of tables that begin with the word, and sections whose headings have it.
+/// 3. Parts of which it is an everyday word.
+pub fn explained(word: &str) -> Vec<Explained> {
+    let word = folded(word.trim());
+    if let Some((page, text)) = PAGES.into_iter().find(|(name, _)| *name == word) {
+        return vec![Explained {
+            page,
+            text: readable(text),
+        }];
+    }
+    let found: Vec<Explained> = named(&word).collect();
+    if !found.is_empty() {
+        return found;
+    }
+    let spaced = word.replace(['-', '_'], " ");
+    let mut forms = [&word, &spaced].into_iter();
+    let found = forms.find_map(|word| Some(synonyms(word)).filter(|found| !found.is_empty()));
+    found.unwrap_or_default()
+}
+
 #[cfg(test)]
 mod tests {
-    use super::SYNONYMS;
-    use crate::guide::{explained, named, part};
+    use super::{SYNONYMS, explained};
+    use crate::guide::{PAGES, named, part};
 
     /// Each leads to a part that contains the answer, and is found by each of its words.
     #[test]
@@ -280,5 +303,38 @@ mod tests {
         ] {
             assert!(!explained(word).is_empty(), "{word}");
         }
+    }
+
+    #[test]
+    fn every_kind_of_advice_is_explained() {
+        let page = PAGES.iter().find(|(name, _)| *name == "read-the-report");
+        let (_, text) = page.expect("a page");
+        let kinds = text.lines().filter_map(|line| {
+            let kind = line.strip_prefix("| `")?.split('`').next()?;
+            line.matches('|').nth(3).map(|_| kind)
+        });
+        let mut count = 0;
+        for kind in kinds {
+            let found = explained(kind);
+            assert!(found.iter().any(|part| part.text.contains(kind)), "{kind}");
+            count += 1;
+        }
+        assert!(count > 20, "{count} rows");
+    }
+
+    #[test]
+    fn words_lead_to_pages_rows_and_sections() {
+        assert_eq!(explained("formulas").len(), 1);
+        let row = explained("backward-time");
+        assert!(
+            row[0].text.contains("the other `convention`"),
+            "{}",
+            row[0].text
+        );
+        let sections = explained("torque");
+        for page in ["forces", "keys"] {
+            assert!(sections.iter().any(|part| part.page == page), "{page}");
+        }
+        assert!(explained("no such word").is_empty());
     }
 }

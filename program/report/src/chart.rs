@@ -23,7 +23,7 @@ pub enum ChartScale {
 /// An axis of a chart.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ChartAxis {
-    /// What it shows, and in which unit.
+    /// The quantity that it shows, and its unit.
     pub title: String,
     /// How values stand along it.
     pub scale: ChartScale,
@@ -45,7 +45,7 @@ pub struct Chart {
 /// The frame's width, and its height where nothing asks for another, in logical pixels.
 const FRAME: (f64, f64) = (400.0, 260.0);
 
-/// What stands around the frame: left, top, right and bottom.
+/// Room around the frame: left, top, right and bottom.
 const AROUND: [f64; 4] = [62.0, 34.0, 18.0, 44.0];
 
 /// The height over the width of a frame of equal units, at least and at most; beyond that one axis is longer than its values.

@@ -272,7 +272,7 @@ fn rise(values: &[f64]) -> bool {
     first < last && axis.are_nodes(values)
 }
 
-/// What to do with coordinates that are not those of the axes.
+/// Advice on coordinates that are not those of the axes.
 fn coordinates(axes: &[GridAxis<'_>], (side, first): (&[f64], &[f64]), is_turned: bool) -> String {
     let shown = |values: &[f64]| match values {
         [one, .., last] => format!("{} … {}", short(*one), short(*last)),

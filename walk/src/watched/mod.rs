@@ -28,7 +28,7 @@ pub struct Watched<'a> {
     start: StepStart,
     invariants: FunctionValues,
     stop: Option<FunctionValues>,
-    /// What the condition's difference was after the last steps, for each lane.
+    /// Values of the condition's difference after the last steps, for each lane.
     stop_past: Vec<Past>,
     events: Vec<EventLanes<'a>>,
     paced: Vec<PacedSteps>,

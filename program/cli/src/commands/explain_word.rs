@@ -6,7 +6,8 @@ use super::describe::system_text;
 use crate::arguments::ExplainArguments;
 use crate::console::Console;
 use crate::failure::{Failure, exit};
-use crate::guide::{PAGES, explained, title};
+use crate::guide::{PAGES, title};
+use crate::synonyms::explained;
 use crate::table::words;
 
 /// Prints the parts of the guide that explain a word, or the names of its pages; returns the exit code.

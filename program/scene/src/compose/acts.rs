@@ -21,7 +21,7 @@ const STATES: u32 = 12;
 /// The defect, over the size of what is compared, below which the tensor is kept.
 const KEPT: f64 = 1e-9;
 
-/// What events do to the Poisson tensor.
+/// Effect of events on the Poisson tensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ActTensor {
     /// The motion through them is a Poisson map, at all states that were looked at.
@@ -89,11 +89,14 @@ pub(super) fn act(
     }))
 }
 
-/// What an act does to the tensor of a system's `own` first coordinates, by steps of the sign of `step`, at states of the surface about
-/// the initial one.
+/// Effect of an act on the tensor of a system's `own` first coordinates. Steps have the sign of `step`, and states are those of
+/// the surface about the initial one.
 ///
-/// The motion through a surface σ = 0, on which g acts, has the derivative Dφ S Dφ with the saltation matrix
-/// S = Dg + (X⁺ − Dg X⁻) ⊗ dσ / σ̇. It is a Poisson map where S π Sᵀ = π∘g.
+/// Let g act on a surface σ = 0. The motion through it has the derivative Dφ S Dφ.
+///
+///     S = Dg + (X⁺ − Dg X⁻) ⊗ dσ / σ̇ (saltation matrix).
+///
+/// A Poisson map has S π Sᵀ = π∘g.
 pub(super) fn tensor_of(
     system: &PoissonSystem,
     (section, act): (&Section, &Act),

@@ -22,7 +22,7 @@ pub struct Events {
     pub stop: Option<Stop>,
     /// The surface whose crossings are recorded.
     pub section: Option<Section>,
-    /// What happens to the state there, where something does, and what that does to the tensor.
+    /// The change of the state there, where there is one.
     pub act: Option<Act>,
     /// Whether the motion through it is a Poisson map.
     pub act_tensor: Option<ActTensor>,

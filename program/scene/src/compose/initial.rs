@@ -56,12 +56,12 @@ pub fn state_beside(
     Ok(state.values)
 }
 
-/// What a key gives: the value of one site, or of many.
+/// Values that a key gives: that of one site, or of many.
 type Field = (Located<String>, FieldSpec);
 
 /// The parameters of sites, family by family: those that formulas of others name come before them.
 fn parameters_of_sites(document: &SceneDocument) -> Result<Vec<Vec<&Field>>, Refusal> {
-    let mut families: Vec<Family<'_>> = Vec::new();
+    let mut families: Vec<SiteFamily<'_>> = Vec::new();
     for field in &document.system.sites {
         let (key, given) = field;
         let pattern = VariablePattern::parse_one(&key.value)
@@ -76,7 +76,7 @@ fn parameters_of_sites(document: &SceneDocument) -> Result<Vec<Vec<&Field>>, Ref
                 own.fields.push(field);
                 own.names.extend(names);
             }
-            None => families.push(Family {
+            None => families.push(SiteFamily {
                 name: pattern.name().to_owned(),
                 fields: vec![field],
                 names,
@@ -86,7 +86,7 @@ fn parameters_of_sites(document: &SceneDocument) -> Result<Vec<Vec<&Field>>, Ref
     let mut ordered = Vec::with_capacity(families.len());
     while !families.is_empty() {
         let is_free =
-            |own: &Family<'_>| !families.iter().any(|other| own.names.contains(&other.name));
+            |own: &SiteFamily<'_>| !families.iter().any(|other| own.names.contains(&other.name));
         match families.iter().position(is_free) {
             Some(at) => ordered.push(families.remove(at).fields),
             None => return Err(circle(document, &families)),
@@ -96,14 +96,14 @@ fn parameters_of_sites(document: &SceneDocument) -> Result<Vec<Vec<&Field>>, Ref
 }
 
 /// Parameters of a family of sites, and the names in their formulas.
-struct Family<'a> {
+struct SiteFamily<'a> {
     name: String,
     fields: Vec<&'a Field>,
     names: Vec<String>,
 }
 
 /// Of families each of which waits for another one, those that wait for themselves.
-fn circle(document: &SceneDocument, families: &[Family<'_>]) -> Refusal {
+fn circle(document: &SceneDocument, families: &[SiteFamily<'_>]) -> Refusal {
     let mut way = vec![0];
     loop {
         let last = &families[way[way.len() - 1]];
@@ -154,7 +154,7 @@ fn circle(document: &SceneDocument, families: &[Family<'_>]) -> Refusal {
 type Twice = (usize, u32, [f64; 2]);
 
 /// A key of initial values, with its number among them.
-struct Key<'a> {
+struct GivenKey<'a> {
     key: &'a Located<String>,
     pattern: &'a VariablePattern,
     number: u32,
@@ -232,7 +232,7 @@ impl State<'_> {
             if *indices < first.0 {
                 first = (*indices, place);
             }
-            let own = Key {
+            let own = GivenKey {
                 key,
                 pattern,
                 number: *number,
@@ -334,7 +334,7 @@ impl State<'_> {
     /// A number for each site.
     fn assign_numbers(
         &mut self,
-        own: &Key<'_>,
+        own: &GivenKey<'_>,
         numbers: &[f64],
         place: &Place,
     ) -> Result<Vec<Twice>, Refusal> {
@@ -381,7 +381,7 @@ impl State<'_> {
 
     fn assign(
         &mut self,
-        own: &Key<'_>,
+        own: &GivenKey<'_>,
         formula: &Located<String>,
         parsed: &Formula,
     ) -> Result<Vec<Twice>, Refusal> {
