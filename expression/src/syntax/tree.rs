@@ -2,7 +2,6 @@
 
 use super::composite::{Composite, Relation};
 use super::error::SyntaxError;
-use super::parser::Parsed;
 use crate::expression::Function;
 use crate::rational::Rational;
 
@@ -168,7 +167,7 @@ impl Kind {
     /// The same with other parts.
     pub(super) fn with_parts(
         &self,
-        one: &mut impl FnMut(&Node) -> Parsed,
+        one: &mut impl FnMut(&Node) -> Result<Box<Node>, Box<SyntaxError>>,
     ) -> Result<Kind, Box<SyntaxError>> {
         let mut list = |parts: &[Node]| -> Result<Vec<Node>, Box<SyntaxError>> {
             parts.iter().map(|part| Ok(*one(part)?)).collect()
