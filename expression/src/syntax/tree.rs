@@ -1,8 +1,6 @@
 //! The tree of a formula before its names are resolved.
 
 use super::composite::{Composite, Relation};
-use super::error::SyntaxError;
-use super::parser::Parsed;
 use crate::expression::Function;
 use crate::rational::Rational;
 
@@ -166,11 +164,11 @@ pub(super) enum Kind {
 
 impl Kind {
     /// The same with other parts.
-    pub(super) fn with_parts(
+    pub(super) fn with_parts<E>(
         &self,
-        one: &mut impl FnMut(&Node) -> Parsed,
-    ) -> Result<Kind, Box<SyntaxError>> {
-        let mut list = |parts: &[Node]| -> Result<Vec<Node>, Box<SyntaxError>> {
+        one: &mut impl FnMut(&Node) -> Result<Box<Node>, E>,
+    ) -> Result<Kind, E> {
+        let mut list = |parts: &[Node]| -> Result<Vec<Node>, E> {
             parts.iter().map(|part| Ok(*one(part)?)).collect()
         };
         Ok(match self {

@@ -196,7 +196,8 @@ fn a_definition_may_be_a_vector_of_a_lattice() {
         "dot(M, M)/2 + M.z + norm(d)",
     );
     let [a, b, c] = [0, 2, 4].map(|at| POINT[at] + POINT[at + 1]);
-    let distance = [0, 2, 4].map(|at| (POINT[at] - POINT[at + 1]).powi(2));
+    let distance = [0, 2, 4].map(|at| POINT[at] - POINT[at + 1]);
+    let distance = distance.map(|d| d * d);
     let expected = (a * a + b * b + c * c) / 2.0 + c + libm::sqrt(distance.iter().sum());
     assert!((value(&defined) - expected).abs() < 1e-14 * expected);
     let run = format!("initial = {POINT:?}\nrecord = {{ observables = [\"M\"] }}");
