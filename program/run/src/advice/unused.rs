@@ -53,6 +53,8 @@ fn formulas(document: &SceneDocument) -> Vec<&str> {
     let system = &document.system;
     let mut formulas = vec![system.hamiltonian.value.as_str()];
     formulas.extend(system.sites.iter().filter_map(|(_, field)| of_field(field)));
+    let matrices = system.matrices.iter();
+    formulas.extend(matrices.filter_map(|matrix| of_field(&matrix.field)));
     formulas.extend(system.define.iter().map(|(_, f)| f.value.as_str()));
     formulas.extend(of_bracket(&system.bracket.value));
     formulas.extend(system.forces.formulas().iter().map(|f| f.value.as_str()));
