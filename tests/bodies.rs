@@ -337,3 +337,106 @@ fn whole_bodies_are_not_taken_in_a_loop() {
     let (few, many) = (drift(15), drift(16));
     assert!(many < 2.0 * few, "{few:e} {many:e}");
 }
+
+/// A number between −1 and 1 for every two sites, without symmetry.
+fn coupling(i: usize, j: usize) -> f64 {
+    let at = libm::sin(12.9898 * i as f64 + 78.233 * j as f64) * 43758.5453;
+    2.0 * (at - libm::floor(at)) - 1.0
+}
+
+/// Rotors with a coupling of every two: H, with the sums by indices or term by term.
+fn glass(sites: usize, method: &str, is_written: bool) -> String {
+    let rows = |i: usize| -> String {
+        let row = (0..sites).map(|j| format!("{:e}", coupling(i, j)));
+        format!("[{}]", row.collect::<Vec<_>>().join(", "))
+    };
+    let matrix: Vec<String> = (0..sites).map(rows).collect();
+    if !is_written {
+        return format!(
+            "[system]\nfamilies = {{ q = {sites}, p = {sites} }}\nbracket = {{ \"q[i],p[i]\" = \"-1\" }}\n\
+             parameters = {{ \"J[i,j]\" = [{}] }}\n\
+             hamiltonian = \"sum(i, p[i]^2/2) - sum(i<j, J[i,j]*cos(q[i] - q[j]))/N + sum(i, j, J[i,j]*sin(q[i] + 2*q[j]))/N\"\n\
+             [method]\n{method}\ntime-step = 0.05\n[run]\nsteps = 10\n\
+             record = {{ observables = [\"energy\", \"sum(i<j, J[j,i]*q[i]*p[j])\", \"sum(i, J[i,i]*p[i])\"] }}\n\
+             initial = {{ \"q[i]\" = \"sin(1.3*i)\", \"p[i]\" = \"0.3*cos(0.7*i)\" }}\n",
+            matrix.join(", ")
+        );
+    }
+    let mut energy = String::from("0");
+    let mut bracket = String::new();
+    for i in 0..sites {
+        let _ = write!(bracket, "\"q{i},p{i}\" = \"-1\", ");
+        let _ = write!(energy, " + p{i}^2/2");
+        for j in 0..sites {
+            let weight = coupling(i, j);
+            let _ = write!(energy, " + ({weight:e})*sin(q{i} + 2*q{j})/{sites}");
+            if i < j {
+                let _ = write!(energy, " - ({weight:e})*cos(q{i} - q{j})/{sites}");
+            }
+        }
+    }
+    let families = ["q", "p"].into_iter();
+    let names: Vec<String> = families
+        .flat_map(|family| (0..sites).map(move |i| format!("\"{family}{i}\"")))
+        .collect();
+    let start = |i: usize| [libm::sin(1.3 * i as f64), 0.3 * libm::cos(0.7 * i as f64)];
+    let initial: Vec<String> = (0..2)
+        .flat_map(|c| (0..sites).map(move |i| format!("{:e}", start(i)[c])))
+        .collect();
+    format!(
+        "[system]\nvariables = [{}]\nbracket = {{ {} }}\nhamiltonian = \"{energy}\"\n\
+         [method]\n{method}\ntime-step = 0.05\n[run]\nsteps = 10\ninitial = [{}]\n",
+        names.join(", "),
+        bracket.trim_end_matches(", "),
+        initial.join(", ")
+    )
+}
+
+/// Couplings J_ij of few rotors are written out, and of many stand in loops: energy, field and ten steps are those of the
+/// system without a matrix, to a few roundings of N terms a site.
+#[test]
+fn couplings_of_every_two_sites_move_as_written_out() {
+    let gauss = "stepper = { name = \"gauss\", stages = 3 }";
+    for (sites, method) in [
+        (8, "stepper = \"splitting\"\ncomposition = \"suzuki-4\""),
+        (8, gauss),
+        (40, "stepper = \"rk4\""),
+        (40, gauss),
+        (40, "stepper = \"splitting\""),
+        (40, "stepper = \"splitting\"\ncomposition = \"suzuki-4\""),
+    ] {
+        let run = composed(&glass(sites, method, false));
+        let whole = composed(&glass(sites, method, true));
+        assert_eq!(run.system.opaque().is_some(), sites == 40);
+        let initial = [&run, &whole].map(|run| energy(run, &run.plan.initial));
+        assert!(
+            (initial[0] - initial[1]).abs() <= 1e-13,
+            "{sites} {method}: {initial:?}"
+        );
+        let (found, expected) = (end(&run), end(&whole));
+        for (at, (found, expected)) in found.iter().zip(&expected).enumerate() {
+            assert!(
+                (found - expected).abs() <= 1e-13,
+                "{sites} {method} {at}: {found} {expected}"
+            );
+        }
+        let functions = run.recorded_functions().expect("code");
+        let mut values = functions.values(1, &[]).expect("code");
+        let x = run.plan.initial.clone();
+        let values = values.at(&x);
+        let (q, p) = x.split_at(sites);
+        let (mut of_pairs, mut of_sites) = (0.0, 0.0);
+        for j in 0..sites {
+            of_sites += coupling(j, j) * p[j];
+            for i in 0..j {
+                of_pairs += coupling(j, i) * q[i] * p[j];
+            }
+        }
+        for (found, expected) in values[1..].iter().zip([of_pairs, of_sites]) {
+            assert!(
+                (found - expected).abs() <= 1e-13,
+                "{sites}: {found} {expected}"
+            );
+        }
+    }
+}

@@ -157,6 +157,35 @@ fn lengths_are_kept_to_round_off() {
     }
 }
 
+/// Over a million steps every |s_i| stays to 1e-14: a flow turns by one rounded angle, and its increment, h|ẋ| = 0.1 in size, is
+/// rounded alone. Some units of that a step, at random, are √10⁶ of them at the end.
+#[test]
+fn lengths_stay_over_a_million_steps() {
+    let sites = 6;
+    let start =
+        "{ \"s.x[i]\" = \"sin(1 + i^2)\", \"s.y[i]\" = \"cos(3*i)\", \"s.z[i]\" = \"sin(2*i)/2\" }";
+    let run = until(
+        &heisenberg(sites),
+        "stepper = \"splitting\"",
+        start,
+        (5e4, 1_000_000),
+    );
+    let length = |x: &[f64], i: usize| {
+        libm::sqrt(
+            [0, 1, 2]
+                .iter()
+                .map(|c| x[c * sites + i] * x[c * sites + i])
+                .sum::<f64>(),
+        )
+    };
+    let (before, after) = (run.walk().state().to_vec(), end(&run));
+    for i in 0..sites {
+        let off = length(&after, i) - length(&before, i);
+        println!("{i}: {off:e}");
+        assert!(off.abs() <= 1e-14, "{i}: {off:e}");
+    }
+}
+
 /// One site is so(3) itself: the same bits.
 #[test]
 fn a_single_site_is_so3_to_the_bit() {

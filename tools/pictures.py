@@ -32,7 +32,7 @@ SUBJECTS = {
     "The sky": ["kepler", "restricted_three_body", "planets", "solar_system", "gravity", "henon_heiles"],
     "Charges and magnetic fields": ["magnetic", "guiding_centre", "guiding_centre_cartesian", "tokamak_losses", "magnetic_field_line"],
     "Driven motion, forces in pieces": ["driven_oscillator", "driven_pendulum", "damped_pendulum", "bouncing_ball"],
-    "Vortices and fluids": ["point_vortices", "vortices", "sphere_vortices", "camassa_holm", "nambu"],
+    "Vortices and fluids": ["point_vortices", "vortices", "vortex_ring", "sphere_vortices", "camassa_holm", "nambu"],
     "Waves and light": ["three_wave", "maxwell_bloch"],
     "Species": ["lotka_volterra", "lotka_volterra_periodic", "may_leonard", "epidemic"],
     "Spins": ["damped_spin", "langevin_spin", "spin_chain", "heisenberg_chain", "hot_spin_chain", "spin_waves_2d", "hot_ferromagnet"],
@@ -78,6 +78,7 @@ VIEWS: dict[str, tuple[str, list[str]]] = {
     "toda": ("a over", ["run.steps=1000"]),
     "solar_system": ("q.x over", ["run.record.every=10"]),
     "volterra_lattice": ("x over", ["run.steps=4000", "run.record.every=200"]),
+    "vortex_ring": ("Phase plane", ['run.record.states=["x[0]","y[0]"]', "run.record.every=1"]),
     "vortices": ("Phase plane", ['run.record.states=["x[0]","y[0]"]', "run.steps=200"]),
 }
 

@@ -400,7 +400,7 @@ fn a_scene_is_verified_with_its_own_method() {
     let document =
         SceneDocument::parse("own.toml", text, &Registry::with_builtin()).expect("a scene");
     let registry = Registry::with_builtin();
-    let problem = Problem::of_scene(&document).and_then(|p| p.with_own(&document, &registry));
+    let problem = Problem::with_method(&document, &registry);
     let problem = problem.expect("a problem");
     // Nothing else is measured but what the reference flow is taken by.
     let gauss = Part::Stepper(registry.stepper("gauss").expect("built in"));
@@ -430,9 +430,7 @@ fn round_off_of_cancelled_terms_is_no_broken_structure() {
         Registry::with_builtin(),
     );
     let document = SceneDocument::parse(file, &text, &registry).expect("a scene");
-    let problem = Problem::of_scene(&document)
-        .and_then(|problem| problem.with_own(&document, &registry))
-        .expect("a problem");
+    let problem = Problem::with_method(&document, &registry).expect("a problem");
     let own = problem.own.as_ref().expect("the scene's method");
     let judged = measured(&problem, own.0.as_ref()).judgements[1];
     assert_ne!(judged, Judgement::NotMet);

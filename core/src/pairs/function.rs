@@ -3,8 +3,10 @@
 use std::collections::BTreeSet;
 
 use leafwise_expression::operators::Quantity;
+use leafwise_expression::syntax::PairSums;
 use leafwise_expression::{Arithmetic, Expression, Graph, Ring, Term};
 
+use super::BodyShape;
 use crate::error::BuildError;
 
 /// f = F(S_1, …, S_m), S_k = Σ_i s_k(x_i) + Σ_{i<j} p_k(x_i, x_j).
@@ -19,10 +21,31 @@ pub struct BodyFunction {
 /// S = Σ_i s(x_i) + Σ_{i<j} p(x_i, x_j).
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodySum {
-    /// s in the coordinates of a site.
+    /// s in the coordinates of a site, and J_ii.
     pub site: Expression,
-    /// p in the coordinates of site i, then those of site j.
+    /// p in the variables of a pair.
     pub pair: Expression,
+}
+
+impl BodyFunction {
+    /// A formula of a chain that is taken apart into sums.
+    pub fn of(formula: &PairSums, shape: &BodyShape) -> Self {
+        let (families, sites, first) = (shape.families, shape.sites, formula.first);
+        let entries = shape.variables() - 2 * families;
+        let coordinates = (0..first).map(|at| at / sites + families * (at % sites).min(1));
+        let variables = coordinates.chain((0..entries).map(|at| 2 * families + at));
+        let variables: Vec<usize> = variables.collect();
+        let sums = 0..formula.sums.len();
+        let of_sums: Vec<usize> = (0..first).map(|_| 0).chain(sums).collect();
+        let sums = formula.sums.iter().map(|sum| BodySum {
+            site: sum.site.with_variables(&variables),
+            pair: sum.pair.with_variables(&variables),
+        });
+        Self {
+            outer: formula.outer.with_variables(&of_sums),
+            sums: sums.collect(),
+        }
+    }
 }
 
 /// Σ_k ∂F/∂S_k s_k and the same of p: functions whose gradients add up to that of f.
@@ -93,15 +116,15 @@ impl<'a> Weighted<'a> {
 }
 
 /// Whether p(x_i, x_j) = p(x_j, x_i), by exact algebra; `false` where there is no normal form.
-pub(super) fn is_symmetric(pair: &Expression, families: usize) -> bool {
-    let mut ring = Ring::new(2 * families);
+pub(super) fn is_symmetric(pair: &Expression, shape: &BodyShape) -> bool {
+    let mut ring = Ring::new(shape.variables());
     let mut value = |is_swapped: bool| {
         pair.evaluate_in(&mut ring, &mut |ring, at| {
             let own = match is_swapped {
-                true => (at + families) % (2 * families),
+                true => shape.swapped(at),
                 false => at,
             };
-            Ok(ring.variable(own))
+            Ok(ring.variable(shape.first_equal(own)))
         })
     };
     match (value(false), value(true)) {
@@ -113,8 +136,11 @@ pub(super) fn is_symmetric(pair: &Expression, families: usize) -> bool {
 /// The coordinates of a site that formulas of pairs depend on.
 pub(super) fn families_of<'a>(
     pairs: impl Iterator<Item = &'a Expression>,
-    families: usize,
+    shape: &BodyShape,
 ) -> BTreeSet<usize> {
     let variables = pairs.flat_map(Expression::variables);
-    variables.map(|variable| variable % families).collect()
+    let coordinates = variables.filter(|variable| *variable < 2 * shape.families);
+    coordinates
+        .map(|variable| variable % shape.families)
+        .collect()
 }

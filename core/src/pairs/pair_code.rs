@@ -4,6 +4,7 @@ use leafwise_expression::{Arithmetic, Graph, Kernel, Side, Term};
 
 use super::BodyShape;
 use super::function::{BodyFunction, BodySum, Weighted, families_of, is_symmetric};
+use super::matrix::{PairEntry, PairMatrix};
 use crate::error::BuildError;
 
 /// Row of numbers that the code of a pair reads or writes.
@@ -12,6 +13,8 @@ pub(super) enum PairRow {
     /// A coordinate of site i, and of site j.
     First(usize),
     Second(usize),
+    /// An entry of a matrix.
+    Entry(usize, PairEntry),
     /// A weight of a sum.
     Weight(usize),
     /// 1 where the pair counts, else 0.
@@ -29,6 +32,8 @@ pub(super) struct PairCode {
     pub(super) outputs: Vec<PairRow>,
     /// Whether i and j may change places.
     pub(super) is_symmetric: bool,
+    /// The matrices whose entries it reads.
+    pub(super) matrices: Vec<PairMatrix>,
 }
 
 impl PairCode {
@@ -39,12 +44,12 @@ impl PairCode {
     /// [`BuildError::Algebra`] where a formula or derivative has no code.
     pub(super) fn of_gradient(
         (function, weighted): (&BodyFunction, &Weighted<'_>),
-        shape: BodyShape,
+        shape: &BodyShape,
         by: &[usize],
         parameters: usize,
     ) -> Result<Option<Self>, BuildError> {
         let pairs = || function.sums.iter().map(|sum| &sum.pair);
-        let named = families_of(pairs(), shape.families);
+        let named = families_of(pairs(), shape);
         let mut inputs = PairInputs::new(shape, function.sums.len());
         let total = weighted.total(
             &mut inputs.graph,
@@ -52,7 +57,7 @@ impl PairCode {
             &inputs.coordinates,
             &inputs.weights,
         )?;
-        let is_symmetric = pairs().all(|pair| is_symmetric(pair, shape.families));
+        let is_symmetric = pairs().all(|pair| is_symmetric(pair, shape));
         let counted = match is_symmetric {
             true => inputs.graph.multiply(&total, &inputs.mask),
             false => total,
@@ -79,11 +84,11 @@ impl PairCode {
     /// [`BuildError::Algebra`] where a formula has no code.
     pub(super) fn of_sums(
         sums: &[&BodySum],
-        shape: BodyShape,
+        shape: &BodyShape,
         parameters: usize,
     ) -> Result<Option<Self>, BuildError> {
         let mut pairs = sums.iter().map(|sum| &sum.pair);
-        let is_symmetric = pairs.all(|pair| is_symmetric(pair, shape.families));
+        let is_symmetric = pairs.all(|pair| is_symmetric(pair, shape));
         let mut inputs = PairInputs::new(shape, 0);
         let mut terms = Vec::new();
         for (k, sum) in sums.iter().enumerate() {
@@ -121,25 +126,32 @@ struct PairInputs {
     coordinates: Vec<Term>,
     weights: Vec<Term>,
     mask: Term,
+    matrices: Vec<PairMatrix>,
 }
 
 impl PairInputs {
-    fn new(shape: BodyShape, weights: usize) -> Self {
+    fn new(shape: &BodyShape, weights: usize) -> Self {
         let mut graph = Graph::compilable();
         let families = 0..shape.families;
         let mut rows: Vec<PairRow> = families.clone().map(PairRow::First).collect();
         rows.extend(families.map(PairRow::Second));
+        for matrix in 0..shape.matrices.len() {
+            let entries = (0..PairEntry::COUNT).map(PairEntry::numbered);
+            rows.extend(entries.map(|entry| PairRow::Entry(matrix, entry)));
+        }
         rows.extend((0..weights).map(PairRow::Weight));
         rows.push(PairRow::Mask);
         let mut terms: Vec<Term> = (0..rows.len()).map(|at| graph.input(at)).collect();
         let mask = terms.pop().unwrap_or_else(|| graph.input(0));
-        let weights = terms.split_off(2 * shape.families);
+        let weights = terms.split_off(shape.variables());
+        let own = (0..terms.len()).map(|at| terms[shape.first_equal(at)].clone());
         Self {
             graph,
             rows,
-            coordinates: terms,
+            coordinates: own.collect(),
             weights,
             mask,
+            matrices: shape.matrices.clone(),
         }
     }
 
@@ -173,6 +185,7 @@ impl PairInputs {
             inputs: used.into_iter().map(|input| self.rows[input]).collect(),
             outputs,
             is_symmetric,
+            matrices: self.matrices,
         }))
     }
 }

@@ -29,7 +29,7 @@ pub(super) struct ShearPart {
 /// [`BuildError::Algebra`] where a formula has no derivative.
 pub(super) fn parts(
     function: &BodyFunction,
-    shape: BodyShape,
+    shape: &BodyShape,
     entries: &[((usize, usize), BTreeSet<usize>)],
 ) -> Result<Option<[ShearPart; 2]>, BuildError> {
     let moving: BTreeSet<usize> = entries.iter().flat_map(|((a, b), _)| [*a, *b]).collect();
@@ -84,32 +84,35 @@ struct Dependences {
     /// By the coordinates of site i, then of site j.
     gradient: Vec<Term>,
     families: usize,
+    /// The first input that is a weight: before them are coordinates, then entries of matrices.
+    weights_from: usize,
     /// The families that each weight depends on.
     of_weights: Vec<BTreeSet<usize>>,
 }
 
 impl Dependences {
-    fn of(function: &BodyFunction, shape: BodyShape) -> Result<Self, BuildError> {
+    fn of(function: &BodyFunction, shape: &BodyShape) -> Result<Self, BuildError> {
         let weighted = Weighted::of(function)?;
         let mut graph = Graph::compilable();
-        let coordinates = 2 * shape.families;
-        let inputs = coordinates + function.sums.len();
+        let variables = shape.variables();
+        let inputs = variables + function.sums.len();
         let inputs: Vec<Term> = (0..inputs).map(|at| graph.input(at)).collect();
-        let (x, weights) = inputs.split_at(coordinates);
+        let (x, weights) = inputs.split_at(variables);
         let site = weighted.total(&mut graph, |sum| &sum.site, x, weights)?;
         let pair = weighted.total(&mut graph, |sum| &sum.pair, x, weights)?;
         let total = graph.add(&site, &pair);
-        let gradient = graph.gradient(&total, coordinates)?;
+        let gradient = graph.gradient(&total, 2 * shape.families)?;
         graph.unless_refused(())?;
         Ok(Self {
             graph,
             gradient,
             families: shape.families,
+            weights_from: variables,
             of_weights: (weighted.of_sums().into_iter())
                 .map(|slope| {
                     let sums = slope.variables().into_iter().map(|k| &function.sums[k]);
                     let formulas = sums.flat_map(|sum| [&sum.site, &sum.pair]);
-                    families_of(formulas, shape.families)
+                    families_of(formulas, shape)
                 })
                 .collect(),
         })
@@ -123,12 +126,11 @@ impl Dependences {
     fn reads(&self, family: usize) -> BTreeSet<usize> {
         let mut read = BTreeSet::new();
         for input in self.graph.inputs_read(&self.of_family(family)) {
-            match input < 2 * self.families {
-                true => {
-                    read.insert(input % self.families);
-                }
-                // A weight is of sums over all sites.
-                false => read.extend(&self.of_weights[input - 2 * self.families]),
+            if input < 2 * self.families {
+                read.insert(input % self.families);
+            } else if let Some(weight) = input.checked_sub(self.weights_from) {
+                // It is of sums over all sites.
+                read.extend(&self.of_weights[weight]);
             }
         }
         read
@@ -145,14 +147,16 @@ impl Dependences {
                     let second = graph.derivative(&slope, at)?;
                     let mut read = graph.inputs_read(&[second]).into_iter();
                     let moves = |input: usize| {
-                        input >= 2 * self.families || moving.contains(&(input % self.families))
+                        let is_coordinate = input < 2 * self.families;
+                        input >= self.weights_from
+                            || is_coordinate && moving.contains(&(input % self.families))
                     };
                     if read.any(moves) {
                         return Ok(false);
                     }
                 }
                 let read = graph.inputs_read(&[slope]);
-                if read.into_iter().any(|input| input >= 2 * self.families) {
+                if read.into_iter().any(|input| input >= self.weights_from) {
                     return Ok(false);
                 }
             }

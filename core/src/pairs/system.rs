@@ -37,7 +37,7 @@ impl BodySystem {
     /// # Errors
     /// [`BuildError::Algebra`] where a formula or derivative has no code.
     pub fn compile(&self) -> Result<OpaqueSystem, BuildError> {
-        let (shape, parameters) = (self.shape, self.parameters.len());
+        let (shape, parameters) = (&self.shape, self.parameters.len());
         let mut moving: Vec<usize> = (self.bracket.iter())
             .flat_map(|((a, b), _)| [*a, *b])
             .collect();
@@ -55,7 +55,9 @@ impl BodySystem {
         let mut tensor_families = Vec::new();
         let tensor = SiteCode::new(2 * shape.families, parameters, |graph, rows| {
             let (x, v) = rows.split_at(shape.families);
-            let (families, terms) = self.applied(graph, x, v, false)?.into_iter().unzip();
+            let (families, terms) = applied(&self.bracket, graph, x, v, false)?
+                .into_iter()
+                .unzip();
             tensor_families = families;
             Ok(terms)
         })?;
@@ -63,7 +65,7 @@ impl BodySystem {
             .map(|(_, casimir)| casimir.clone())
             .collect();
         let code = Arc::new(BodyCode {
-            shape,
+            shape: shape.clone(),
             field: Arc::new(field),
             gradient: Arc::new(gradient),
             tensor,
@@ -104,11 +106,11 @@ impl BodySystem {
         let parameters = self.parameters.len();
         SlopesCode::new(
             &self.hamiltonian,
-            self.shape,
+            &self.shape,
             by,
             parameters,
             |graph, x, gradient| {
-                let mut results = self.applied(graph, x, gradient, true)?;
+                let mut results = applied(&self.bracket, graph, x, gradient, true)?;
                 results.retain(|(family, _)| moves.contains(family));
                 Ok(results)
             },
@@ -121,7 +123,7 @@ impl BodySystem {
         let entries: Vec<_> = entries
             .map(|(at, entry)| (*at, entry.variables()))
             .collect();
-        let Some(parts) = parts(&self.hamiltonian, self.shape, &entries)? else {
+        let Some(parts) = parts(&self.hamiltonian, &self.shape, &entries)? else {
             return Ok(Vec::new());
         };
         let mut shears = Vec::new();
@@ -150,38 +152,38 @@ impl BodySystem {
                 .is_disjoint(&moving.iter().copied().collect())
         })
     }
+}
 
-    /// (Πv)_a for each family with an entry, or −Πv.
-    fn applied(
-        &self,
-        graph: &mut Graph,
-        x: &[Term],
-        v: &[Term],
-        is_negative: bool,
-    ) -> Result<Vec<(usize, Term)>, BuildError> {
-        let mut results: Vec<(usize, Term)> = Vec::new();
-        let mut add = |graph: &mut Graph, family: usize, term: Term| match results
-            .iter_mut()
-            .find(|(own, _)| *own == family)
-        {
-            Some((_, sum)) => *sum = graph.add(sum, &term),
-            None => results.push((family, term)),
+/// (Πv)_a for each family with an entry of these, or −Πv.
+pub(super) fn applied(
+    entries: &[((usize, usize), Expression)],
+    graph: &mut Graph,
+    x: &[Term],
+    v: &[Term],
+    is_negative: bool,
+) -> Result<Vec<(usize, Term)>, BuildError> {
+    let mut results: Vec<(usize, Term)> = Vec::new();
+    let mut add = |graph: &mut Graph, family: usize, term: Term| match results
+        .iter_mut()
+        .find(|(own, _)| *own == family)
+    {
+        Some((_, sum)) => *sum = graph.add(sum, &term),
+        None => results.push((family, term)),
+    };
+    for ((a, b), entry) in entries {
+        let entry = entry.evaluate_in(graph, &mut |_, at| Ok(x[at].clone()))?;
+        let entry = if is_negative {
+            graph.negate(&entry)
+        } else {
+            entry
         };
-        for ((a, b), entry) in &self.bracket {
-            let entry = entry.evaluate_in(graph, &mut |_, at| Ok(x[at].clone()))?;
-            let entry = if is_negative {
-                graph.negate(&entry)
-            } else {
-                entry
-            };
-            let row = graph.multiply(&entry, &v[*b]);
-            add(graph, *a, row);
-            let row = graph.multiply(&entry, &v[*a]);
-            let row = graph.negate(&row);
-            add(graph, *b, row);
-        }
-        Ok(results)
+        let row = graph.multiply(&entry, &v[*b]);
+        add(graph, *a, row);
+        let row = graph.multiply(&entry, &v[*a]);
+        let row = graph.negate(&row);
+        add(graph, *b, row);
     }
+    Ok(results)
 }
 
 /// The code of a system.

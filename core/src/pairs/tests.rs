@@ -3,24 +3,53 @@
 use leafwise_expression::Expression;
 use leafwise_expression::syntax::{Formula, Scope};
 
-use super::{BodyFunction, BodyShape, BodySum, BodySystem};
+use super::{BodyFunction, BodyShape, BodySystem, PairMatrix};
 use crate::system::{OpaqueSystem, Parameter, SystemFunction};
 
 const FAMILIES: [&str; 3] = ["x", "y", "g"];
 
 /// H of vortices of strengths g at (x, y), or of terms that i and j may not exchange.
-const POTENTIALS: [&str; 4] = [
+const POTENTIALS: [&str; 8] = [
     "-sum(i<j, g[i]*g[j]*ln((x[i] - x[j])^2 + (y[i] - y[j])^2))/4 + a*sum(i, x[i]^2*y[i])",
     "sum(i<j, g[i]*x[i]*y[j]^2) - sum(i, y[i]^3)",
     "sum(i, g[i]*sum(j, cos(x[i] - 2*y[j]))/N) + 2",
     "sum(i, cos(x[i]))^2/N + a*sum(i<j, x[i]*x[j])^2 + sqrt(1 + sum(i, y[i]^2))",
+    "sum(i<j, J[i,j]*cos(x[i] - 2*y[j])) + sum(i, J[i,i]*x[i]^2)",
+    "sum(i<j, K[i,j]*cos(x[i] - x[j]) + K[j,i]*y[i]*y[j])",
+    "sum(i, j, J[i,j]*x[i]*y[j] + K[i,j]*y[i]*x[j])/N",
+    "sum(i<j, (J[i,i] - K[j,j])*x[i]*x[j])^2 + sum(i, x[i]*sum(j, J[j,i]*y[j]))",
 ];
+
+/// A matrix without symmetry, and a symmetric one.
+fn matrices(sites: usize) -> [(&'static str, Vec<f64>); 2] {
+    let entry = |i: usize, j: usize| libm::sin(3.1 * i as f64 + 1.7 * (j * j) as f64 + 1.0);
+    let all = || (0..sites).flat_map(|i| (0..sites).map(move |j| (i, j)));
+    let symmetric = all().map(|(i, j)| entry(i.min(j), i.max(j)));
+    [
+        ("J", all().map(|(i, j)| entry(i, j)).collect()),
+        ("K", symmetric.collect()),
+    ]
+}
+
+fn shape(sites: usize) -> BodyShape {
+    let matrices = matrices(sites).into_iter();
+    let matrix = |(_, numbers): (_, Vec<f64>)| PairMatrix::new(numbers.into(), sites);
+    BodyShape {
+        families: FAMILIES.len(),
+        sites,
+        matrices: matrices.map(|own| matrix(own).expect("square")).collect(),
+    }
+}
 
 fn scope(sites: usize) -> Scope {
     let families = FAMILIES.iter().enumerate();
     let scope = Scope::new().with_parameters(&["a"]);
-    families.fold(scope, |scope, (at, name)| {
+    let scope = families.fold(scope, |scope, (at, name)| {
         scope.with_family(name, at * sites, sites)
+    });
+    let matrices = matrices(sites).into_iter();
+    matrices.fold(scope, |scope, (name, numbers)| {
+        scope.with_matrix(name, sites, numbers.into())
     })
 }
 
@@ -28,22 +57,7 @@ fn function(text: &str, sites: usize) -> BodyFunction {
     let (scope, d) = (scope(sites), FAMILIES.len() * sites);
     let sums = (Formula::parse(text).expect("a formula")).pair_sums(&scope, d);
     let sums = sums.expect("sums over pairs");
-    let places: Vec<usize> = (0..d)
-        .map(|at| at / sites + FAMILIES.len() * (at % sites).min(1))
-        .collect();
-    let own = |formula: &Expression| formula.with_variables(&places);
-    let outer: Vec<usize> = (0..d + sums.sums.len())
-        .map(|at| at.saturating_sub(d))
-        .collect();
-    BodyFunction {
-        outer: sums.outer.with_variables(&outer),
-        sums: (sums.sums.iter())
-            .map(|sum| BodySum {
-                site: own(&sum.site),
-                pair: own(&sum.pair),
-            })
-            .collect(),
-    }
+    BodyFunction::of(&sums, &shape(sites))
 }
 
 fn system(text: &str, sites: usize) -> OpaqueSystem {
@@ -53,10 +67,7 @@ fn system(text: &str, sites: usize) -> OpaqueSystem {
         .iter()
         .flat_map(|name| (0..sites).map(move |i| format!("{name}[{i}]")));
     let system = BodySystem {
-        shape: BodyShape {
-            families: FAMILIES.len(),
-            sites,
-        },
+        shape: shape(sites),
         variables: all.collect(),
         parameters: vec![Parameter {
             name: "a".to_owned(),
@@ -202,6 +213,8 @@ fn what_is_no_sum_of_pairs_is_refused() {
         "x[0] + sum(i, x[i])",
         "sum(i, sum(j, x[i]*x[j])^2)",
         "sum(i, sum(j, sum(k, x[i]*x[j]*x[k])))",
+        "sum(i<j, J[i,j+1]*x[i]*x[j])",
+        "sum(i<j, J[i,3]*x[i]*x[j])",
     ] {
         let formula = Formula::parse(text).expect("a formula");
         assert!(formula.pair_sums(&scope(9), 27).is_err(), "{text}");

@@ -26,7 +26,7 @@ const BLOCK: usize = Aligned::LINE;
 #[derive(Clone, Debug)]
 pub(super) struct Tiles {
     code: Arc<PairCode>,
-    shape: BodyShape,
+    sites: usize,
     /// The number of points.
     points: usize,
     parameters: Vec<f64>,
@@ -42,7 +42,7 @@ pub(super) struct Tiles {
 impl Tiles {
     pub(super) fn new(
         code: &Arc<PairCode>,
-        shape: BodyShape,
+        shape: &BodyShape,
         points: usize,
         parameters: &[f64],
     ) -> Self {
@@ -56,7 +56,7 @@ impl Tiles {
         }
         Self {
             code: Arc::clone(code),
-            shape,
+            sites: shape.sites,
             points,
             parameters: parameters.to_vec(),
             rows,
@@ -69,7 +69,7 @@ impl Tiles {
     /// Adds the sums over pairs to `sums`, rows of sites and points, at points x with these weights, a row over the points
     /// each.
     pub(super) fn add(&mut self, x: &[f64], weights: &[f64], sums: &mut [f64]) {
-        let sites = self.shape.sites;
+        let sites = self.sites;
         let tile = |start: usize| start..sites.min(start + TILE);
         for first in (0..sites).step_by(TILE).map(tile) {
             self.begin(first.clone(), x, weights);
@@ -88,7 +88,7 @@ impl Tiles {
 
     /// Where the places of a tile stand in rows of all sites.
     fn row_of(&self, row: usize, own: Range<usize>) -> Range<usize> {
-        let start = row * self.shape.sites * self.points;
+        let start = row * self.sites * self.points;
         start + own.start..start + own.end
     }
 
@@ -113,7 +113,8 @@ impl Tiles {
                     repeat(own, &mut self.room[start..][..places]);
                 }
                 PairRow::FirstSum(_) => self.room[start..][..places].fill(0.0),
-                PairRow::Mask | PairRow::Second(_) | PairRow::SecondSum(_) => {}
+                PairRow::Mask | PairRow::Second(_) | PairRow::SecondSum(_) | PairRow::Entry(..) => {
+                }
             }
         }
     }
@@ -138,23 +139,23 @@ impl Tiles {
             (false, _) => {
                 self.count(first.len() * points, first.len());
                 for shift in 0..count {
-                    self.run(shift, first.len());
+                    self.run(shift, [&first, &second]);
                 }
             }
             (true, true) => {
                 self.count(count * points, count);
                 for shift in 1..count.div_ceil(2) {
-                    self.run(shift, count);
+                    self.run(shift, [&first, &second]);
                 }
                 if count.is_multiple_of(2) {
                     self.count(count / 2 * points, count);
-                    self.run(count / 2, count);
+                    self.run(count / 2, [&first, &second]);
                 }
             }
             (true, false) => {
                 for shift in 1..count {
                     self.count((count - shift) * points, count);
-                    self.run(shift, count);
+                    self.run(shift, [&first, &second]);
                 }
             }
         }
@@ -183,9 +184,36 @@ impl Tiles {
         self.counted = counted;
     }
 
-    /// Runs the code with j so many sites behind i, along the sites i.
-    fn run(&mut self, shift: usize, sites: usize) {
-        let places = self.places(sites);
+    /// Writes the entries of matrices of sites i of the first tile, and j so many sites behind in the second.
+    fn enter(&mut self, shift: usize, [first, second]: [&Range<usize>; 2]) {
+        let places = self.places(first.len());
+        for (row, start) in &self.rows {
+            let PairRow::Entry(matrix, entry) = row else {
+                continue;
+            };
+            let matrix = &self.code.matrices[*matrix];
+            let own = &mut self.room[*start..][..places];
+            let (mut i, mut j) = (first.start, second.start + shift);
+            for to in own.chunks_mut(self.points) {
+                to.fill(entry.of(matrix, [i, j]));
+                i = if i + 1 == first.end {
+                    first.start
+                } else {
+                    i + 1
+                };
+                j = if j + 1 == second.end {
+                    second.start
+                } else {
+                    j + 1
+                };
+            }
+        }
+    }
+
+    /// Runs the code with j so many sites behind i, along the sites i of two tiles.
+    fn run(&mut self, shift: usize, tiles: [&Range<usize>; 2]) {
+        let places = self.places(tiles[0].len());
+        self.enter(shift, tiles);
         if self.shifted[shift].is_none() {
             self.shifted[shift] = Some(self.shifted_by(shift));
         }

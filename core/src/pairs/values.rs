@@ -7,11 +7,31 @@ use leafwise_solver::two_sum;
 
 use super::BodyShape;
 use super::function::{BodyFunction, BodySum, Weighted};
+use super::matrix::{PairEntry, PairMatrix};
 use super::pair_code::PairCode;
 use super::site_code::SiteCode;
 use super::tiles::Tiles;
 use crate::error::BuildError;
 use crate::observer::Observer;
+
+/// The variables of a formula of a site: its coordinates, and J_ii of each matrix.
+fn of_a_site(x: &[Term], diagonals: &[Term]) -> Vec<Term> {
+    let coordinates = x.iter().chain(x).cloned();
+    let entries = diagonals
+        .iter()
+        .flat_map(|own| std::iter::repeat_n(own.clone(), PairEntry::COUNT));
+    coordinates.chain(entries).collect()
+}
+
+/// J_ii of each matrix, in rows of sites and points.
+fn diagonals(shape: &BodyShape, points: usize) -> Vec<f64> {
+    let of_matrix = |matrix: &PairMatrix| -> Vec<f64> {
+        let own = (0..shape.sites).map(|i| matrix.entry(i, i));
+        own.flat_map(|own| std::iter::repeat_n(own, points))
+            .collect()
+    };
+    shape.matrices.iter().flat_map(of_matrix).collect()
+}
 
 /// The code of sums, and of functions of them.
 #[derive(Debug)]
@@ -32,10 +52,13 @@ impl SumsCode {
     pub(super) fn new(
         sums: &[&BodySum],
         outers: &[&Expression],
-        shape: BodyShape,
+        shape: &BodyShape,
         parameters: usize,
     ) -> Result<Self, BuildError> {
-        let site = SiteCode::new(shape.families, parameters, |graph, x| {
+        let rows = shape.families + shape.matrices.len();
+        let site = SiteCode::new(rows, parameters, |graph, rows| {
+            let (x, diagonals) = rows.split_at(shape.families);
+            let x = of_a_site(x, diagonals);
             let of_site = |sum: &&BodySum| {
                 let variable = &mut |_: &mut _, at: usize| Ok(x[at].clone());
                 Ok(sum.site.evaluate_in(graph, variable)?)
@@ -55,7 +78,7 @@ impl SumsCode {
             outer,
             sums: sums.len(),
             outers: outers.len(),
-            shape,
+            shape: shape.clone(),
         })
     }
 
@@ -70,7 +93,7 @@ impl SumsCode {
     /// As [`new`](Self::new).
     pub(super) fn of_functions(
         functions: &[BodyFunction],
-        shape: BodyShape,
+        shape: &BodyShape,
         parameters: usize,
     ) -> Result<Self, BuildError> {
         let sums: Vec<&BodySum> = functions.iter().flat_map(|f| &f.sums).collect();
@@ -94,6 +117,8 @@ pub(super) struct Sums {
     tiles: Option<Tiles>,
     site: Workspace,
     outer: Workspace,
+    /// J_ii of each matrix, in rows of sites and points.
+    diagonals: Vec<f64>,
     /// Shares of the sites in each sum, and the sums: each in a row over the points.
     shares: Vec<f64>,
     totals: Vec<f64>,
@@ -101,13 +126,14 @@ pub(super) struct Sums {
 
 impl Sums {
     pub(super) fn new(code: &Arc<SumsCode>, points: usize, parameters: &[f64]) -> Self {
-        let shape = code.shape;
+        let shape = &code.shape;
         let tiles = |pair| Tiles::new(pair, shape, points, parameters);
         Self {
             points,
             tiles: code.pair.as_ref().map(tiles),
             site: code.site.workspace(parameters),
             outer: code.outer.workspace(parameters),
+            diagonals: diagonals(shape, points),
             shares: vec![0.0; code.sums * shape.sites * points],
             totals: vec![0.0; code.sums * points],
             code: Arc::clone(code),
@@ -119,7 +145,11 @@ impl Sums {
         let (code, points) = (&self.code, self.points);
         let places = code.shape.sites * points;
         let shares = &mut self.shares;
-        let row = |at: usize| &x[at * places..][..places];
+        let (diagonals, families) = (&self.diagonals, code.shape.families);
+        let row = |at: usize| match at < families {
+            true => &x[at * places..][..places],
+            false => &diagonals[(at - families) * places..][..places],
+        };
         code.site
             .evaluate(&mut self.site, places, row, |sum, place, values| {
                 shares[sum * places + place..][..values.len()].copy_from_slice(values);
@@ -167,7 +197,7 @@ impl SlopesCode {
     /// [`BuildError::Algebra`] where a formula or derivative has no code; those of `write`.
     pub(super) fn new(
         function: &BodyFunction,
-        shape: BodyShape,
+        shape: &BodyShape,
         by: &[usize],
         parameters: usize,
         write: impl FnOnce(&mut Graph, &[Term], &[Term]) -> Result<Vec<(usize, Term)>, BuildError>,
@@ -183,11 +213,13 @@ impl SlopesCode {
         };
         let pair = PairCode::of_gradient((function, &weighted), shape, by, parameters)?;
         let mut families = Vec::new();
-        let rows = 2 * shape.families + of_sums.len();
+        let rows = 2 * shape.families + of_sums.len() + shape.matrices.len();
         let site = SiteCode::new(rows, parameters, |graph, rows| {
             let (x, rest) = rows.split_at(shape.families);
-            let (of_pairs, weights) = rest.split_at(shape.families);
-            let total = weighted.total(graph, |sum| &sum.site, x, weights)?;
+            let (of_pairs, rest) = rest.split_at(shape.families);
+            let (weights, diagonals) = rest.split_at(of_sums.len());
+            let variables = of_a_site(x, diagonals);
+            let total = weighted.total(graph, |sum| &sum.site, &variables, weights)?;
             let own = graph.gradient(&total, shape.families)?;
             let mut gradient = vec![graph.zero(); shape.families];
             for family in by {
@@ -207,7 +239,7 @@ impl SlopesCode {
             work: site.work() * shape.sites as u64 + of_pair * pairs as u64,
             site,
             families,
-            shape,
+            shape: shape.clone(),
         })
     }
 
@@ -229,11 +261,13 @@ pub(super) struct Slopes {
     of_pairs: Vec<f64>,
     of_points: Vec<f64>,
     spread: Vec<f64>,
+    /// J_ii of each matrix, in rows of sites and points.
+    diagonals: Vec<f64>,
 }
 
 impl Slopes {
     pub(super) fn new(code: &Arc<SlopesCode>, points: usize, parameters: &[f64]) -> Self {
-        let shape = code.shape;
+        let shape = &code.shape;
         let weights = code.weights.as_ref();
         let count = weights.map_or(0, |weights| weights.outers);
         let places = shape.sites * points;
@@ -246,6 +280,7 @@ impl Slopes {
             of_pairs: vec![0.0; shape.families * places],
             of_points: vec![0.0; count * points],
             spread: vec![0.0; count * places],
+            diagonals: diagonals(shape, points),
             code: Arc::clone(code),
         }
     }
@@ -267,10 +302,11 @@ impl Slopes {
             tiles.add(x, &self.of_points, &mut self.of_pairs);
         }
         let (of_pairs, spread) = (&self.of_pairs, &self.spread);
+        let diagonals = self.diagonals.chunks_exact(places);
         let row = |at: usize| {
             let (x, of_pairs) = (x.chunks_exact(places), of_pairs.chunks_exact(places));
-            let mut rows = x.chain(of_pairs).chain(spread.chunks_exact(places));
-            rows.nth(at).unwrap_or(&[])
+            let rows = x.chain(of_pairs).chain(spread.chunks_exact(places));
+            rows.chain(diagonals.clone()).nth(at).unwrap_or(&[])
         };
         out.fill(0.0);
         code.site
@@ -294,7 +330,7 @@ impl BodyObservables {
     /// [`BuildError::Algebra`] where a formula has no code.
     pub fn new(
         functions: &[BodyFunction],
-        shape: BodyShape,
+        shape: &BodyShape,
         parameters: &[f64],
     ) -> Result<Self, BuildError> {
         let code = SumsCode::of_functions(functions, shape, parameters.len())?;

@@ -25,7 +25,10 @@ pub fn shifted(ring: &mut Ring, hamiltonian: &Polynomial, casimir: &Polynomial) 
             continue;
         };
         let taken = ring.multiply(&factor, casimir);
-        found.push(ring.subtract(hamiltonian, &taken));
+        let rest = ring.subtract(hamiltonian, &taken);
+        if !found.contains(&rest) {
+            found.push(rest);
+        }
     }
     found
 }

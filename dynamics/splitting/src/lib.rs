@@ -41,6 +41,7 @@ pub mod probe;
 mod product;
 mod rates;
 mod rounding;
+mod rounds;
 pub mod schedule;
 mod shears;
 pub mod splitting;

@@ -13,12 +13,14 @@ use crate::flow::crossed_seam;
 use crate::kepler;
 use crate::piece::{Atom, NAME, Piece, WholeMotion};
 use crate::probe::Probe;
+use crate::rounds::rounds;
 use crate::tensor::Tensor;
 
 /// H = Σ H_i (up to Casimirs) with an exact flow of each H_i.
 ///
 /// The summands of H as its author wrote them are added one after the other to the first piece that still has an exact
-/// flow with them. Summands that have no exact flow as a whole are added by their monomials. The kinetic and the
+/// flow with them. Summands that have no exact flow as a whole are added by their monomials. Terms of pairs of sites are
+/// taken in rounds of disjoint pairs. The kinetic and the
 /// potential part of a Hamiltonian come out, and the even and odd sites of a lattice.
 ///
 /// A difference H − λC, C a Casimir and λ such that a monomial of H is gone, may take fewer pieces. Then it is split
@@ -41,10 +43,11 @@ pub fn find_pieces(
     }
     if bodies == Bodies::Whole {
         let bodies = whole_bodies(system, ring, &tensor, &mut summands_of_h)?;
-        let rest = split(system, ring, &probe, &tensor, &summands_of_h)?;
-        return Ok(rest.into_iter().chain(bodies).collect());
+        let rest = split(system, ring, (&probe, &tensor), &summands_of_h, usize::MAX)?;
+        return Ok(rest.into_iter().flatten().chain(bodies).collect());
     }
-    let pieces = split(system, ring, &probe, &tensor, &summands_of_h);
+    let pieces = split(system, ring, (&probe, &tensor), &summands_of_h, usize::MAX);
+    let pieces = pieces.map(Option::unwrap_or_default);
     let parts: Vec<_> = summands_of_h
         .iter()
         .map(|(f, _)| (Rational::one(), f.clone()))
@@ -58,7 +61,12 @@ pub fn find_pieces(
         }
         for shifted in shifted(ring, &hamiltonian, &casimir) {
             let whole = [(shifted.clone(), ring.formula(&shifted))];
-            let Ok(pieces) = split(system, ring, &probe, &tensor, &whole) else {
+            let most = match (&best, &pieces) {
+                (Some((count, ..)), _) => *count,
+                (None, Ok(pieces)) => pieces.len().saturating_sub(1),
+                (None, Err(_)) => usize::MAX,
+            };
+            let Ok(Some(pieces)) = split(system, ring, (&probe, &tensor), &whole, most) else {
                 continue;
             };
             let size = coefficient_sum(system, ring, &shifted);
@@ -146,21 +154,42 @@ fn polynomial(ring: &mut Ring, formula: &Expression) -> Result<Polynomial, Build
     Ok(formula.evaluate_in(ring, &mut |ring: &mut Ring, at| Ok(ring.variable(at)))?)
 }
 
-/// The pieces of a sum.
+/// The pieces of a sum; `None` where they are more than `most`.
 fn split(
     system: &SystemFormulas,
     ring: &mut Ring,
-    probe: &Probe,
-    tensor: &Tensor,
+    (probe, tensor): (&Probe, &Tensor),
     sum: &[(Polynomial, Expression)],
-) -> Result<Vec<Piece>, BuildError> {
-    let mut pieces: Vec<Piece> = Vec::new();
+    most: usize,
+) -> Result<Option<Vec<Piece>>, BuildError> {
+    let dimension = system.dimension();
+    let mut all = Vec::new();
     for (f, formula) in sum {
-        for atom in atoms(system, ring, probe, tensor, f.clone(), formula)? {
-            place(ring, probe, &mut pieces, &atom, system.dimension())?;
+        all.extend(atoms(system, ring, probe, tensor, f.clone(), formula)?);
+    }
+    let rounds = rounds(ring, probe, &all, dimension)?;
+    let mut pieces: Vec<Piece> = Vec::new();
+    // The round that each piece is of.
+    let mut of_pieces: Vec<Option<usize>> = Vec::new();
+    for (atom, round) in all.iter().zip(rounds) {
+        let own = of_pieces
+            .iter()
+            .position(|of| round.is_some() && *of == round);
+        if let Some(own) = own
+            && pieces[own].add(ring, probe, atom)?.is_ok()
+        {
+            continue;
+        }
+        let may_be = |at: &usize| round.is_none() || of_pieces[*at].is_none();
+        let free: Vec<usize> = (0..pieces.len()).filter(may_be).collect();
+        let at = place(ring, probe, &mut pieces, &free, atom, dimension)?;
+        of_pieces.resize(pieces.len(), None);
+        of_pieces[at] = of_pieces[at].or(round);
+        if pieces.len() > most {
+            return Ok(None);
         }
     }
-    Ok(pieces)
+    Ok(Some(pieces))
 }
 
 /// A summand as a whole where it has an exact flow, its monomials otherwise; none that is a Casimir.
@@ -230,24 +259,25 @@ fn refusal(
     Ok(BuildError::DoesNotFit { part: NAME, reason })
 }
 
-/// Adds an atom to the first piece that keeps an exact flow with it, or to a new one.
+/// Adds an atom to the first of these pieces that keeps an exact flow with it, or to a new one; which one it is in.
 fn place(
     ring: &mut Ring,
     probe: &Probe,
     pieces: &mut Vec<Piece>,
+    tried: &[usize],
     atom: &Atom,
     dimension: usize,
-) -> Result<(), BuildError> {
-    for piece in pieces.iter_mut() {
-        if piece.add(ring, probe, atom)?.is_ok() {
-            return Ok(());
+) -> Result<usize, BuildError> {
+    for at in tried {
+        if pieces[*at].add(ring, probe, atom)?.is_ok() {
+            return Ok(*at);
         }
     }
     let mut piece = Piece::empty(dimension);
     let added = piece.add(ring, probe, atom)?;
     debug_assert!(added.is_ok(), "an atom has an exact flow");
     pieces.push(piece);
-    Ok(())
+    Ok(pieces.len() - 1)
 }
 
 /// The summands of a formula, through signs and common denominators.

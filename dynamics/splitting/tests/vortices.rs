@@ -137,6 +137,66 @@ fn rings_of_vortices_turn_at_their_rate() {
     }
 }
 
+/// All pairs are N − 1 rounds of disjoint ones of an even number N, and N of an odd one: as few pieces as there may be, since
+/// no two pairs of a vortex have a flow together. They are found without trying every pair with every piece.
+#[test]
+fn pairs_of_vortices_are_as_few_pieces_as_their_rounds() {
+    for (n, pieces) in [(3, 3), (4, 3), (5, 5), (6, 5), (7, 7), (12, 11), (24, 23)] {
+        let initial = (0..n).flat_map(|i| [0.3 * i as f64, libm::sin(1.7 * i as f64)]);
+        let circulations: Vec<f64> = (0..n).map(|i| 1.0 + 0.1 * i as f64).collect();
+        let problem = vortices(&circulations, initial.collect());
+        let begun = std::time::Instant::now();
+        assert_eq!(map_of(&problem).pieces(), pieces, "{n}");
+        println!("{n}: {:.2} s", begun.elapsed().as_secs_f64());
+    }
+}
+
+/// A mean field of spins with the Casimir of each, or with one of all: H as it is written is two pieces, and no multiple of a
+/// Casimir makes fewer. What would be more is given up as soon as it is.
+#[test]
+fn a_mean_field_beside_casimirs_is_two_pieces() {
+    for (n, is_each) in [(3, true), (3, false), (10, true), (10, false)] {
+        let spin = |i: usize| ["x", "y", "z"].map(|c| format!("{c}{i}"));
+        let sum = |c: &str| {
+            (0..n)
+                .map(|i| format!("{c}{i}"))
+                .collect::<Vec<_>>()
+                .join(" + ")
+        };
+        let square = |i: usize| format!("x{i}^2 + y{i}^2 + z{i}^2");
+        let casimirs: Vec<String> = match is_each {
+            true => (0..n).map(square).collect(),
+            false => vec![(0..n).map(square).collect::<Vec<_>>().join(" + ")],
+        };
+        let problem = Problem {
+            id: "spins",
+            variables: (0..n).flat_map(spin).collect(),
+            parameters: Vec::new(),
+            bracket: (0..n)
+                .flat_map(|i| {
+                    let [x, y, z] = spin(i);
+                    [
+                        (x.clone(), y.clone(), z.clone()),
+                        (y, z.clone(), x.clone()),
+                        {
+                            let [x, y, z] = spin(i);
+                            (z, x, y)
+                        },
+                    ]
+                })
+                .collect(),
+            hamiltonian: format!("-({})^2/{} - 0.3*({})", sum("z"), 2 * n, sum("x")),
+            casimirs,
+            convention: Convention::HamiltonianSecond,
+            initial: (0..3 * n).map(|at| libm::cos(1.3 * at as f64)).collect(),
+            time_step: 0.1,
+        };
+        let begun = std::time::Instant::now();
+        assert_eq!(map_of(&problem).pieces(), 2, "{n} {is_each}");
+        println!("{n} {is_each}: {:.2} s", begun.elapsed().as_secs_f64());
+    }
+}
+
 /// p²/2m ± kq²/2 are one piece, which turns or grows by its closed form.
 #[test]
 fn oscillators_turn_and_saddles_grow_by_their_closed_forms() {

@@ -33,6 +33,7 @@ mod formula;
 mod lexer;
 mod lookups;
 mod margin;
+mod matrices;
 mod offsets;
 mod pairs;
 mod parser;

@@ -24,7 +24,8 @@ pub struct PairSums {
 pub struct PairSum {
     /// The term of a site, in the variables of site 0.
     pub site: Expression,
-    /// The term of a pair, in the variables of site 0 in the place of i, and of site 1 in the place of j.
+    /// The term of a pair, in the variables of site 0 in the place of i, and of site 1 in the place of j. Entries of the
+    /// scope's matrices are the variables from `first` on, of each J_ii, J_ij, J_ji and J_jj; those of a site's term J_ii.
     pub pair: Expression,
 }
 
@@ -64,9 +65,11 @@ impl Formula {
         resolver.sums_from = Some(first);
         let outer = resolver.expression(self.root(), None).map_err(stopped)?;
         let sums = sums.into_iter().map(|(index, body)| {
+            let mut resolver = Resolver::new(text, scope);
+            resolver.entries_from = Some(first);
             let mut terms = SummandTerms {
                 text,
-                resolver: Resolver::new(text, scope),
+                resolver,
                 site: Vec::new(),
                 pair: Vec::new(),
             };

@@ -66,6 +66,16 @@ impl VariablePattern {
         self.reference.index_names(&self.text)
     }
 
+    /// How many sites stand between its brackets.
+    pub fn axes(&self) -> usize {
+        self.reference.sites.len()
+    }
+
+    /// Whether a site is at a distance from its index, as in `x[i+1]`.
+    pub fn is_shifted(&self) -> bool {
+        self.reference.sites.iter().any(|site| site.offset != 0)
+    }
+
     /// The variable or member as it is written.
     pub(super) fn reference(&self) -> (&str, &Reference) {
         (&self.text, &self.reference)
@@ -85,7 +95,7 @@ impl VariablePattern {
         match scope.at_site(index, 0, &mut place)? {
             Place::Variable(index) => Ok(Some(index)),
             Place::Outside { .. } => Ok(None),
-            Place::Parameter(_) | Place::Definition(_) => {
+            Place::Parameter(_) | Place::Definition(_) | Place::Entry { .. } => {
                 let kind = SyntaxErrorKind::NotAVariable {
                     name: self.name().to_owned(),
                 };

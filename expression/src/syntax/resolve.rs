@@ -3,6 +3,7 @@
 use super::composite::{choice, compared};
 use super::error::{SyntaxError, SyntaxErrorKind};
 use super::formula::Formula;
+use super::matrices::entry_of_two;
 use super::scope::{At, Bound, Place, Scope, find};
 use super::tree::{Kind, Node, Reference, Span};
 use super::vocabulary::{DERIVATIVE, IF};
@@ -71,6 +72,8 @@ pub(super) struct Resolver<'a> {
     pub(super) has_numbers: bool,
     /// The variable that the next sum outside of others stands for, where sums are variables.
     pub(super) sums_from: Option<usize>,
+    /// The variable that the first entry of a matrix stands for, where those of two sites are variables.
+    pub(super) entries_from: Option<usize>,
     /// The terms of summands that reach outside.
     pub(super) dropped: Vec<Span>,
 }
@@ -83,6 +86,7 @@ impl<'a> Resolver<'a> {
             terms: 0,
             has_numbers: false,
             sums_from: None,
+            entries_from: None,
             dropped: Vec::new(),
         }
     }
@@ -252,6 +256,19 @@ impl<'a> Resolver<'a> {
             Place::Variable(index) => Ok(Expression::Variable(index)),
             Place::Parameter(index) => Ok(Expression::Parameter(index)),
             Place::Definition(index) => Ok(self.scope.definition(index).formula.clone()),
+            Place::Entry { matrix, at } => match self.entries_from {
+                Some(first) => Ok(Expression::Variable(first + entry_of_two(matrix, at))),
+                None => {
+                    let number = self.scope.matrices[matrix].at(at);
+                    let exact = number.and_then(Rational::from_f64);
+                    let unknown = || {
+                        let name = name.to_owned();
+                        let kind = SyntaxErrorKind::ParameterWithoutValue { name };
+                        SyntaxError::new(reference.span(), kind)
+                    };
+                    Ok(Expression::Constant(exact.ok_or_else(unknown)?))
+                }
+            },
             Place::Outside { level } => Err(Stop::Outside { level }),
         }
     }

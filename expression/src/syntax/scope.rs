@@ -4,6 +4,7 @@ use rustc_hash::FxHashMap;
 
 use super::error::{SyntaxError, SyntaxErrorKind};
 use super::lexer::is_name;
+use super::matrices::Matrix;
 use super::parser::AXES;
 use super::suggestion::{constant, nearest};
 use super::tree::{Anchor, Node, Reference, Site, Span};
@@ -32,6 +33,7 @@ pub(super) enum Entry {
     Parameter(usize),
     Definition(usize),
     Table(usize),
+    Matrix(usize),
 }
 
 /// Lengths of a family along its axes.
@@ -82,6 +84,7 @@ pub struct Scope {
     parameters: usize,
     definitions: Vec<Definition>,
     pub(super) tables: Vec<TableFunction>,
+    pub(super) matrices: Vec<Matrix>,
     /// The lengths of the longest family, one an axis.
     longest: Option<Shape>,
     shown_length: Option<usize>,
@@ -391,7 +394,7 @@ impl Scope {
 }
 
 /// Calls `then` with each name bound to its value of so many, inside `outer`.
-fn bind<R>(
+pub(super) fn bind<R>(
     names: &[&str],
     values: &[(usize, usize)],
     level: usize,
@@ -443,6 +446,8 @@ pub(super) enum Place {
     Parameter(usize),
     /// The definition of this index.
     Definition(usize),
+    /// The entry of a matrix in a row and a column.
+    Entry { matrix: usize, at: [usize; 2] },
     /// Beyond an open boundary; the index of this level leads there.
     Outside { level: usize },
 }
@@ -469,6 +474,9 @@ impl Scope {
             (Entry::Table(_), _) => {
                 let kind = SyntaxErrorKind::TableWithoutPoint { name: name() };
                 return Err(SyntaxError::new(reference.shown, kind));
+            }
+            (Entry::Matrix(matrix), _) => {
+                return self.place_in_matrix(text, (matrix, reference), bound);
             }
             (Entry::Family { .. }, true) => {
                 let kind = SyntaxErrorKind::IndexMissing { name: name() };
@@ -516,7 +524,7 @@ impl Scope {
     }
 
     /// Where a site is along its axis, and the level of its index.
-    fn position(
+    pub(super) fn position(
         &self,
         text: &str,
         axis: usize,
@@ -545,7 +553,7 @@ impl Scope {
 
     /// The place along an axis of this length that a site names. Inside `Ok`, `Err` beyond its ends, with the level of
     /// the index that leads there.
-    fn along(
+    pub(super) fn along(
         &self,
         text: &str,
         (axis, length): (usize, usize),

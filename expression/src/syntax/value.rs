@@ -41,18 +41,15 @@ impl Formula {
         index: Option<At<'_>>,
     ) -> Result<f64, SyntaxError> {
         let mut evaluator = Evaluator {
-            text: self.source(),
-            scope,
-            parameters,
             sites,
-            terms: 0,
+            ..Evaluator::new(self.source(), scope, parameters)
         };
         let mut value = |bound: Option<&Bound<'_>>| evaluator.value(self.root(), bound);
         scope.at_site(index, 0, &mut value).map_err(|error| *error)
     }
 }
 
-struct Evaluator<'a> {
+pub(super) struct Evaluator<'a> {
     text: &'a str,
     scope: &'a Scope,
     parameters: &'a [f64],
@@ -60,9 +57,23 @@ struct Evaluator<'a> {
     terms: usize,
 }
 
-impl Evaluator<'_> {
+impl<'a> Evaluator<'a> {
+    pub(super) fn new(text: &'a str, scope: &'a Scope, parameters: &'a [f64]) -> Self {
+        Self {
+            text,
+            scope,
+            parameters,
+            sites: &|_| None,
+            terms: 0,
+        }
+    }
+
     /// The error is boxed so that a level of recursion takes little of the stack.
-    fn value(&mut self, node: &Node, bound: Option<&Bound<'_>>) -> Result<f64, Box<SyntaxError>> {
+    pub(super) fn value(
+        &mut self,
+        node: &Node,
+        bound: Option<&Bound<'_>>,
+    ) -> Result<f64, Box<SyntaxError>> {
         match &node.kind {
             Kind::Number { rounded, .. } => Ok(*rounded),
             Kind::Pi => Ok(std::f64::consts::PI),
@@ -265,7 +276,7 @@ impl Evaluator<'_> {
                     _ => SyntaxErrorKind::OutsideBoundary { name: written() },
                 }
             }
-            Entry::Variable(_) | Entry::Family { .. } | Entry::Definition(_) => {
+            Entry::Variable(_) | Entry::Family { .. } | Entry::Matrix(_) | Entry::Definition(_) => {
                 SyntaxErrorKind::NotAFunctionOfParameters {
                     name: name.to_owned(),
                 }

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use leafwise_core::NumberArray;
+
 use crate::input::read_text;
 
 /// Rows of numbers, at least one, and the names of their columns where the file tells them.
@@ -20,6 +22,24 @@ pub fn read_column(path: &Path, column: Option<&str>) -> Result<Vec<f64>, String
     let text =
         read_text(path).map_err(|error| format!("cannot read {}: {error}", path.display()))?;
     column_of(&text, column).map_err(|reason| format!("{}: {reason}", path.display()))
+}
+
+/// Rows of numbers, all as long as the first.
+///
+/// # Errors
+/// The first thing wrong, and in which row.
+pub fn read_rows(path: &Path) -> Result<NumberArray, String> {
+    let text =
+        read_text(path).map_err(|error| format!("cannot read {}: {error}", path.display()))?;
+    let rows = Table::read(&text).and_then(|table| {
+        let width = table.rows[0].len();
+        table.check(width, || format!("the first has {width}"))?;
+        Ok(NumberArray {
+            shape: vec![table.rows.len(), width],
+            numbers: table.rows.concat(),
+        })
+    });
+    rows.map_err(|reason| format!("{}: {reason}", path.display()))
 }
 
 /// Numbers of one column of a text.

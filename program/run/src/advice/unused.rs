@@ -32,6 +32,8 @@ fn formulas(document: &SceneDocument) -> Vec<&str> {
     let system = &document.system;
     let mut formulas = vec![system.hamiltonian.value.as_str()];
     formulas.extend(system.sites.iter().filter_map(|(_, field)| of_field(field)));
+    let matrices = system.matrices.iter();
+    formulas.extend(matrices.filter_map(|matrix| of_field(&matrix.field)));
     formulas.extend(system.define.iter().map(|(_, f)| f.value.as_str()));
     let bracket = system.bracket.value.formulas();
     formulas.extend(bracket.iter().map(|formula| formula.value.as_str()));

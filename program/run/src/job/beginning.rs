@@ -270,11 +270,13 @@ pub(crate) fn files(run: &ComposedRun) -> Option<FilesRecord> {
     })
 }
 
-/// SHA-256 of the bytes of all doubles that files give: the initial state, then the coefficients of tables.
+/// SHA-256 of the bytes of all doubles that files give: the initial state, then the coefficients of tables, then matrices.
 fn digest(plan: &RunPlan) -> [u8; 32] {
     let mut digest = Sha256::new();
     let tables = plan.tables.iter().map(|table| table.coefficients());
-    for value in std::iter::once(&plan.initial[..]).chain(tables).flatten() {
+    let matrices = plan.matrices.iter().map(|numbers| &numbers[..]);
+    let all = std::iter::once(&plan.initial[..]).chain(tables);
+    for value in all.chain(matrices).flatten() {
         digest.update(value.to_le_bytes());
     }
     digest.finalize().into()

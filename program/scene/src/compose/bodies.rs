@@ -1,7 +1,7 @@
 //! A scene of many bodies: sums over pairs of sites, evaluated in loops.
 
 use leafwise_core::lattice::{LatticeGeometry, TemplateReach};
-use leafwise_core::pairs::{BodyFunction, BodyShape, BodySum, BodySystem};
+use leafwise_core::pairs::{BodyFunction, BodyShape, BodySystem, PairMatrix};
 use leafwise_core::part::{Family, ParameterDefault, PartInfo, PartKind};
 use leafwise_core::system::Parameter;
 use leafwise_core::{PartParameters, PoissonSystem, Registry};
@@ -15,6 +15,7 @@ use super::events::events;
 use super::geometry::{check_lengths, geometry};
 use super::initial::initial_state;
 use super::lattice::{bracket_reach, has_forms, one_site, reach};
+use super::matrices::matrices;
 use super::names::{check_code, check_names, coordinate_names, parse};
 use super::observables::{RecordedFormula, expression, observables_in};
 use super::system::{ComposedSystem, check_contradictions, check_sites};
@@ -58,7 +59,7 @@ pub(super) fn many_bodies(
     let sums = BodyFormulas {
         document,
         scope: &whole,
-        lattice: &lattice,
+        shape: shape(document, &whole, &lattice)?,
     };
     let Some(hamiltonian) = sums.of(&document.system.hamiltonian)? else {
         return Ok(None);
@@ -70,8 +71,11 @@ pub(super) fn many_bodies(
         };
         casimirs.push((name.value.clone(), casimir));
     }
+    if let Some(beside) = beside_sums(document) {
+        return unless_beside(document, beside);
+    }
     let system = BodySystem {
-        shape: sums.shape(),
+        shape: sums.shape.clone(),
         variables: coordinate_names(document, &lattice),
         parameters: (document.system.parameters.iter())
             .map(|(name, value)| Parameter {
@@ -115,7 +119,10 @@ pub(super) fn many_bodies(
                 false => None,
             };
             match of_sums {
-                Some(function) => Ok(RecordedFormula::Sums(sums.shape(), Box::new(function))),
+                Some(function) => Ok(RecordedFormula::Sums(
+                    sums.shape.clone(),
+                    Box::new(function),
+                )),
                 None => expression(document, &whole, formula, known).map(RecordedFormula::Written),
             }
         })?,
@@ -138,7 +145,7 @@ fn words(named: Option<&PartSpec>, info: &PartInfo) -> PartParameters {
     })
 }
 
-/// Whether a scene is a chain of more than a few sites that nothing moves but its H.
+/// Whether a scene is a chain of more than a few sites.
 fn may_be_bodies(document: &SceneDocument) -> bool {
     let system = &document.system;
     let Some(((_, length), rest)) = system.families.split_first() else {
@@ -150,10 +157,45 @@ fn may_be_bodies(document: &SceneDocument) -> bool {
         && rest.iter().all(|(_, own)| own.value == length.value)
         && length.value >= FEWEST_SITES
         && system.coordinates() > DENSE_LIMIT
-        && system.noise.is_empty()
-        && system.forces.formulas().is_empty()
         && !has_forms(&system.bracket.value, &system.constraints)
         && wants_time(document).is_none()
+}
+
+/// Noise, damping or forces, which no loop takes: a formula of them, and its kind in words.
+fn beside_sums(document: &SceneDocument) -> Option<(&Located<String>, &'static str)> {
+    let system = &document.system;
+    let forces = || system.forces.formulas().into_iter().next();
+    let damping = system.forces.damping.as_ref();
+    let channel = system.noise.first().map(|channel| &channel.hamiltonian);
+    (channel.map(|formula| (formula, "`noise`")))
+        .or_else(|| damping.map(|damping| (&damping.rate, "`damping`")))
+        .or_else(|| forces().map(|formula| (formula, "a force of `forces`")))
+}
+
+/// `None`, for a system whose pairs are written out beside what no loop takes.
+///
+/// # Errors
+/// Too many pairs for that, the formula of what no loop takes underlined.
+fn unless_beside(
+    document: &SceneDocument,
+    (formula, what): (&Located<String>, &str),
+) -> Result<Option<ComposedSystem>, Refusal> {
+    let coordinates = document.system.coordinates();
+    if coordinates <= WRITTEN_LIMIT {
+        return Ok(None);
+    }
+    Err(Box::new(document.diagnostic(
+        &document.place_in_formula(formula, 0..formula.value.len()),
+        format!(
+            "{what} beside a sum over pairs needs every pair of sites written out, at most {WRITTEN_LIMIT} coordinates, and this \
+             system has {coordinates}"
+        ),
+        "beside a sum over pairs",
+        Some(format!(
+            "leave it out, or shorten the chain, {}, or couple sites at fixed distances, as q[i+1]: {what} is taken at any length there",
+            document.system.shortening(WRITTEN_LIMIT)
+        )),
+    )))
 }
 
 /// Whether the scene steps by realization and dynamics of an order at which terms of H multiply.
@@ -242,41 +284,37 @@ fn bracket_of_a_site(document: &SceneDocument) -> Result<Entries, Refusal> {
 struct BodyFormulas<'a> {
     document: &'a SceneDocument,
     scope: &'a Scope,
-    lattice: &'a LatticeGeometry,
+    shape: BodyShape,
+}
+
+/// The numbers of families and sites of a chain, with its matrices.
+fn shape(
+    document: &SceneDocument,
+    scope: &Scope,
+    lattice: &LatticeGeometry,
+) -> Result<BodyShape, Refusal> {
+    let sites = lattice.length();
+    let matrices = matrices(document, scope)?.into_iter();
+    Ok(BodyShape {
+        families: lattice.families.len(),
+        sites,
+        matrices: matrices
+            .filter_map(|(_, numbers)| PairMatrix::new(numbers, sites))
+            .collect(),
+    })
 }
 
 impl BodyFormulas<'_> {
-    fn shape(&self) -> BodyShape {
-        BodyShape {
-            families: self.lattice.families.len(),
-            sites: self.lattice.length(),
-        }
-    }
-
     /// A formula as such a function; `None` where it is none.
     ///
     /// # Errors
     /// A formula that cannot be read, or has no code.
     fn of(&self, formula: &Located<String>) -> Result<Option<BodyFunction>, Refusal> {
-        let BodyShape { families, sites } = self.shape();
-        let d = families * sites;
-        let Ok(sums) = parse(self.document, formula)?.pair_sums(self.scope, d) else {
+        let first = self.shape.dimension();
+        let Ok(sums) = parse(self.document, formula)?.pair_sums(self.scope, first) else {
             return Ok(None);
         };
-        let second = |at: usize| if at % sites == 1 { families } else { 0 };
-        let places: Vec<usize> = (0..d).map(|at| at / sites + second(at)).collect();
-        let outer: Vec<usize> = (0..d + sums.sums.len())
-            .map(|at| at.saturating_sub(d))
-            .collect();
-        let function = BodyFunction {
-            outer: sums.outer.with_variables(&outer),
-            sums: (sums.sums.iter())
-                .map(|sum| BodySum {
-                    site: sum.site.with_variables(&places),
-                    pair: sum.pair.with_variables(&places),
-                })
-                .collect(),
-        };
+        let function = BodyFunction::of(&sums, &self.shape);
         for sum in &function.sums {
             check_code(self.document, formula, &sum.site)?;
             check_code(self.document, formula, &sum.pair)?;

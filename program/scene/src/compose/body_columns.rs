@@ -31,7 +31,7 @@ impl BodyColumns {
         for formula in formulas {
             if let RecordedFormula::Sums(own, function) = formula {
                 functions.push((**function).clone());
-                shape = Some(*own);
+                shape = Some(own);
             }
         }
         let Some(shape) = shape else {

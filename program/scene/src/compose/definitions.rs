@@ -9,6 +9,7 @@ use leafwise_expression::Expression;
 use leafwise_expression::syntax::{DEPTH_LIMIT, Formula, Scope, SyntaxErrorKind};
 
 use super::Refusal;
+use super::matrices::{matrices, order as order_of_matrices};
 use super::names::{declared, function, parse_text, refusal};
 use super::time::{TIME, names_time};
 use crate::document::{Located, SceneDocument};
@@ -61,6 +62,10 @@ pub(super) fn scope(
             )));
         }
         scope = scope.with_definition(&name.value, value);
+    }
+    let order = order_of_matrices(document);
+    for (name, numbers) in matrices(document, &scope)? {
+        scope = scope.with_matrix(&name, order, numbers);
     }
     Ok(scope)
 }

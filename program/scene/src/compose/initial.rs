@@ -7,6 +7,7 @@ use super::definitions::scope;
 use super::geometry::geometry;
 use super::names::{parse, refusal, sites_of};
 use crate::document::{FieldSpec, InitialSpec, Located, Place, SceneDocument};
+use crate::npy::read_npy;
 use crate::table::read_column;
 
 /// The initial state of the scene: one number for each coordinate, then the parameters of sites.
@@ -246,6 +247,7 @@ impl State<'_> {
                     let numbers: Vec<f64> = numbers.iter().map(|n| n.value.value).collect();
                     self.assign_numbers(&own, &numbers, place)?
                 }
+                FieldSpec::Rows(_, place) => return Err(self.rows(key, place)),
                 FieldSpec::File { file, column } => {
                     let numbers = self.read(file, column.as_ref())?;
                     self.assign_numbers(&own, &numbers, &file.place())?
@@ -304,12 +306,29 @@ impl State<'_> {
     ) -> Result<Vec<f64>, Refusal> {
         let path = self.document.directory().join(&file.value);
         let name = column.map(|column| column.value.as_str());
-        read_column(&path, name).map_err(|reason| {
+        let end = path.extension();
+        let is_npy = end.is_some_and(|end| end.eq_ignore_ascii_case("npy"));
+        let numbers = match is_npy && column.is_none() {
+            true => read_npy(&path).map(|array| array.numbers),
+            false => read_column(&path, name),
+        };
+        numbers.map_err(|reason| {
             let help = "a number for each site, each in a row of its own: CSV, with the columns' names in the first \
-                        line or without, or a JSON list";
+                        line or without, or a JSON list; or an array of NumPy's (.npy), the last axis fastest";
             let document = self.document;
             Box::new(document.diagnostic(&file.place(), reason, "this file", Some(help.to_owned())))
         })
+    }
+
+    /// Rows of numbers are those of every two sites of a chain.
+    fn rows(&self, key: &Located<String>, place: &Place) -> Refusal {
+        let message = format!(
+            "`{}` has one number for each site, and these are rows of numbers",
+            key.value
+        );
+        let help = "one list of numbers, the last axis fastest; numbers for every two sites of a chain are parameters \"J[i,j]\"";
+        let document = self.document;
+        Box::new(document.diagnostic(place, message, "rows", Some(help.to_owned())))
     }
 
     /// The number of sites of the family that a key names.
@@ -365,6 +384,13 @@ impl State<'_> {
                     pattern.name()
                 ),
                 "one number for each site".to_owned(),
+            );
+        }
+        if let Some(at) = numbers.iter().position(|number| !number.is_finite()) {
+            return refuse(
+                place,
+                format!("the number of site {at} is {:?}", numbers[at]),
+                "a finite number for each site".to_owned(),
             );
         }
         let mut twice = Vec::new();

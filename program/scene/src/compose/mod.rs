@@ -57,6 +57,7 @@ mod lattice;
 mod lattice_functions;
 mod lattice_noise;
 mod lie_algebra;
+mod matrices;
 mod motion;
 mod names;
 mod noise;

@@ -72,7 +72,8 @@ pub(super) fn check_names(document: &SceneDocument) -> Result<(), Refusal> {
         .iter()
         .chain(system.families.iter().map(|(name, _)| name))
         .chain(system.parameters.iter().map(|(name, _)| name))
-        .chain(system.define.iter().map(|(name, _)| name));
+        .chain(system.define.iter().map(|(name, _)| name))
+        .chain(system.matrices.iter().map(|matrix| &matrix.name));
     for name in declared.clone() {
         Scope::check_name(&name.value).map_err(|error| refusal(document, name, &error))?;
     }
@@ -436,6 +437,7 @@ fn unknown_name_help(document: &SceneDocument, name: &str) -> String {
         .chain(system.families.iter().map(|(name, _)| name))
         .chain(system.parameters.iter().map(|(name, _)| name))
         .chain(system.define.iter().map(|(name, _)| name))
+        .chain(system.matrices.iter().map(|matrix| &matrix.name))
         .map(|name| name.value.as_str())
         .collect();
     match nearest(name, known.iter().copied()) {

@@ -23,6 +23,7 @@ use super::fit::{check_exactness, check_first_order, check_tensor};
 use super::functions::CompiledFunctions;
 use super::indicators::indicators;
 use super::lattice::{SceneLattice, has_room, shortened};
+use super::matrices::numbers_of_matrices;
 use super::noise::NoisySteps;
 use super::observables::Observable;
 use super::part_choice::PartChoice;
@@ -34,7 +35,7 @@ use super::states::{RecordedStates, recorded_states};
 use super::stepping::{LatticeBase, LatticeStepping, MapStepping, Stepping};
 use super::system::{ComposedSystem, compose_system};
 use super::tables::tables;
-use crate::document::{Located, Number, PartSpec, SceneDocument};
+use crate::document::{Located, MatrixNumbers, Number, PartSpec, SceneDocument};
 
 /// Plan of a run: its step, length, initial state, records and parts.
 #[derive(Clone, Debug)]
@@ -69,6 +70,8 @@ pub struct RunPlan {
     pub files: Vec<String>,
     /// The tables that formulas call.
     pub tables: Vec<TableFunction>,
+    /// The numbers of matrices of couplings, row after row.
+    pub matrices: Vec<MatrixNumbers>,
     /// The coordinates that are recorded.
     pub states: RecordedStates,
     /// Realization and dynamics as chosen.
@@ -255,6 +258,7 @@ fn compose_at_its_values(
         coordinates: document.system.coordinates(),
         files: document.files(),
         tables: tables(document)?,
+        matrices: numbers_of_matrices(document)?,
         observables: composed.observables,
         shadow,
         indicators,

@@ -18,7 +18,7 @@ use super::lattice_noise::site_channels;
 use super::names::{check_names, parse};
 use super::observables::{Observable, observables};
 use super::time::check_begin;
-use crate::document::SceneDocument;
+use crate::document::{FieldSpec, SceneDocument};
 
 /// A scene's system and where it starts.
 #[derive(Clone, Debug)]
@@ -134,7 +134,9 @@ pub(super) fn check_sites(document: &SceneDocument) -> Result<(), Refusal> {
         .flat_map(|ensemble| &ensemble.parameters)
         .map(|(name, _)| name.value.as_str())
         .collect();
-    for formula in system.sites.iter().filter_map(|(_, field)| field.formula()) {
+    let fields = system.sites.iter().map(|(_, field)| field);
+    let matrices = system.matrices.iter().map(|matrix| &matrix.field);
+    for formula in fields.chain(matrices).filter_map(FieldSpec::formula) {
         let names = parse(document, formula)?;
         let names = names.references();
         if let Some(name) = varied.iter().find(|name| names.contains(**name)) {

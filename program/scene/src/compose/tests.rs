@@ -3,6 +3,8 @@
 mod advice;
 mod definitions;
 mod forms;
+mod matrices;
+mod pairs;
 mod planes;
 mod sites;
 mod sums;

@@ -31,7 +31,7 @@ impl ComposedRun {
     /// [`assign`](SceneDocument::assign) sets, and in when samples are kept. The method is shared: its kernels take
     /// parameters and steps when they run.
     ///
-    /// Returns `None` where a part of the run holds values: a long lattice, a system of numbers, a recorded shadow
+    /// Returns `None` where a part of the run holds values: a long lattice, a system of numbers, a matrix of couplings, a recorded shadow
     /// energy. Noise gives `None` too, since its strengths are checked when it is composed.
     ///
     /// # Errors
@@ -40,6 +40,7 @@ impl ComposedRun {
         let has_values = self.method.lattice().is_some()
             || self.plan.shadow.is_some()
             || self.method.noise().is_some()
+            || !document.system.matrices.is_empty()
             || self.system.expressions().is_none();
         if has_values {
             return Ok(None);

@@ -1,9 +1,14 @@
 //! Values that a variable, the sites of a family or a parameter of every site begin with.
 
+use std::sync::Arc;
+
+use leafwise_core::NumberArray;
+
 use super::error::SceneProblemCause;
 use super::located::{Located, Number, Place};
 use super::reader::{Item, Problems};
 use super::system_schema::COLUMN;
+use super::tables::values;
 
 /// Numbers of one variable, or of all sites of a family.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,6 +17,8 @@ pub enum FieldSpec {
     Formula(Located<String>),
     /// A number for each site.
     Numbers(Vec<Located<Number>>, Place),
+    /// Rows of numbers, those of a matrix.
+    Rows(Arc<NumberArray>, Place),
     /// A number for each site, each in a row of a file beside the scene.
     File {
         /// The file.
@@ -26,7 +33,7 @@ impl FieldSpec {
     pub fn formula(&self) -> Option<&Located<String>> {
         match self {
             Self::Formula(formula) => Some(formula),
-            Self::Numbers(..) | Self::File { .. } => None,
+            Self::Numbers(..) | Self::Rows(..) | Self::File { .. } => None,
         }
     }
 }
@@ -69,6 +76,10 @@ pub(super) fn read_field(item: &Item<'_>, problems: &mut Problems) -> Option<Fie
         };
         problems.push(cause, item.place());
         return None;
+    }
+    if item.is_list() && item.has_lists() {
+        let rows = values(item, problems)?;
+        return Some(FieldSpec::Rows(Arc::new(rows), item.place()));
     }
     if item.is_list() {
         let numbers = item.list_of("a list of numbers", problems, Item::number)?;

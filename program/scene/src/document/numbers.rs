@@ -156,6 +156,7 @@ fn section(id: &Located<String>, system: PoissonSystem, given: PartParameters) -
         families: Vec::new(),
         axes: Vec::new(),
         sites: Vec::new(),
+        matrices: Vec::new(),
         vectors: Vec::new(),
         variable_vectors: Vec::new(),
         defined_vectors: Vec::new(),

@@ -188,6 +188,13 @@ impl<'a> Item<'a> {
         self.value.is_array()
     }
 
+    /// Whether the value is a list of which the first entry is a list.
+    pub fn has_lists(&self) -> bool {
+        let entries = self.value.as_array();
+        let first = entries.and_then(|entries| entries.first());
+        first.is_some_and(|first| first.get_ref().is_array())
+    }
+
     /// Whether the value is a table.
     pub fn is_table(&self) -> bool {
         self.value.is_table()

@@ -111,8 +111,10 @@ impl SceneDocument {
             InitialSpec::Fields(fields) => fields.as_slice(),
             InitialSpec::Vector(_) => &[],
         };
-        let all = self.system.sites.iter().chain(fields);
-        let files = all.filter_map(|(_, field)| match field {
+        let sites = self.system.sites.iter().chain(fields);
+        let matrices = self.system.matrices.iter().map(|matrix| &matrix.field);
+        let all = sites.map(|(_, field)| field).chain(matrices);
+        let files = all.filter_map(|field| match field {
             FieldSpec::File { file, .. } => Some(file.value.clone()),
             _ => None,
         });

@@ -18,6 +18,7 @@ use super::families::{
 use super::field::{FieldSpec, Parameters, family_of, read_parameters, without_sites};
 use super::forces::{ForcesSpec, read_forces};
 use super::located::{FOUND, Located, Place, Source};
+use super::matrices::take_matrices;
 use super::noise::read_noise;
 use super::numbers::{asks_for_numbers, read_numbers};
 use super::reader::{Item, Problems, Table};
@@ -406,6 +407,10 @@ fn read_inline(
         formulas,
         sites,
     } = parameters?;
+    let (sites, matrices) = match axes.is_empty() && !scalars.is_empty() {
+        true => take_matrices(sites, problems),
+        false => (sites, Vec::new()),
+    };
     let Variables {
         names: variables,
         vectors: variable_vectors,
@@ -420,6 +425,7 @@ fn read_inline(
         vectors,
         parameters,
         sites,
+        matrices,
         define: define?,
         tables: tables?,
         bracket: bracket?,
@@ -478,7 +484,8 @@ fn check_names(system: &SystemSection, problems: &mut Problems) {
                 .iter()
                 .skip(system.moving().len())
                 .map(|(name, _)| ("parameter", name)),
-        );
+        )
+        .chain((system.matrices.iter()).map(|matrix| ("parameter", &matrix.name)));
     let components = vectors().flat_map(|vector| {
         let is_new = |at: usize| {
             let mut earlier = vector.components[..at].iter();

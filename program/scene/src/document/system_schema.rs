@@ -9,6 +9,14 @@ pub(super) const FIELDS: Shape = Shape::Names(&Shape::Either(&[
     table(&COLUMN, &[&["file"]]),
 ]));
 
+/// The same with rows of numbers for matrices.
+const PARAMETERS: Shape = Shape::Names(&Shape::Either(&[
+    Shape::Formula,
+    NUMBERS,
+    Shape::List(&NUMBERS),
+    table(&COLUMN, &[&["file"]]),
+]));
+
 /// Lengths of axes.
 const LENGTHS: Shape = Shape::Either(&[Shape::Whole(1), Shape::List(&Shape::Whole(1))]);
 
@@ -19,7 +27,7 @@ pub(super) static COLUMN: [Key; 2] = [
     key(
         "file",
         Shape::Text,
-        "A file beside the scene, CSV or JSON, with a row for each site",
+        "A file beside the scene, CSV or JSON, with a row for each site, or an array of NumPy's (.npy)",
     ),
     key(
         "column",
@@ -100,9 +108,9 @@ pub(super) static SYSTEM: [Key; 17] = [
     .not_beside(&[Beside::Note(NUMBERS_ALONE)]),
     key(
         "parameters",
-        FIELDS,
+        PARAMETERS,
         "Named numbers that formulas may use, or formulas of them, \"m1/(m1 + m2)\"; \"J[i]\" = a formula of i, a list or { file = \
-         \"j.csv\" } for one at every site",
+         \"j.csv\" } for one at every site, \"J[i,j]\" for one at every two sites of a chain",
     )
     .otherwise("none")
     .not_beside(&PARAMETERS_BESIDE),

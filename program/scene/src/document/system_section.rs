@@ -10,6 +10,7 @@ use super::bracket::BracketSpec;
 use super::field::{FieldSpec, family_of};
 use super::forces::ForcesSpec;
 use super::located::{Located, Number};
+use super::matrices::MatrixSpec;
 use super::noise::NoiseSpec;
 use super::tables::TableSpec;
 
@@ -54,6 +55,8 @@ pub struct SystemSection {
     pub parameters: Vec<(Located<String>, Located<Number>)>,
     /// Parameters of every site by their keys, `J[i]` or `J[3]`: families at rest, which nothing outside shows.
     pub sites: Vec<(Located<String>, FieldSpec)>,
+    /// Parameters of every two sites of a chain.
+    pub matrices: Vec<MatrixSpec>,
     /// Names for formulas, in the order of the text.
     pub define: Vec<(Located<String>, Located<String>)>,
     /// Tables that formulas call as functions.

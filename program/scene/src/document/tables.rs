@@ -231,7 +231,7 @@ fn read_table(item: &Item<'_>, problems: &mut Problems) -> Option<TableSpec> {
 }
 
 /// A list of numbers, of lists of numbers, or of lists of such lists.
-fn values(item: &Item<'_>, problems: &mut Problems) -> Option<NumberArray> {
+pub(super) fn values(item: &Item<'_>, problems: &mut Problems) -> Option<NumberArray> {
     let expected = "numbers: a list for one axis, a list of rows for two";
     let entries = item.list(expected, problems)?;
     if !entries.iter().any(Item::is_list) {

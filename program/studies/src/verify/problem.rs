@@ -44,26 +44,16 @@ impl Problem {
     /// [`ProblemError::Refused`] with the scene's first error.
     pub fn of_scene(document: &SceneDocument) -> Result<Self, ProblemError> {
         let composed = compose_system(document).map_err(ProblemError::Refused)?;
-        let step = &document.method.step;
-        Ok(Self {
-            name: document
-                .fragment
-                .as_ref()
-                .map_or_else(|| document.name.clone(), |(id, _)| id.clone()),
-            system: composed.system,
-            initial: composed.near,
-            time_step: step.epsilon() * step.h(),
-            own: None,
-        })
+        Ok(Self::of(document, composed.system, composed.near))
     }
 
     /// The same with the scene's own method, composition and all. On a lattice it stays without: the sweeps are no map
-    /// of the coordinates that are measured here.
+    /// of the coordinates that are measured here. Sums over pairs that are taken in loops stay so: what needs them written out
+    /// does not fit.
     ///
     /// # Errors
-    /// [`ProblemError::Refused`] where the method does not fit.
-    pub fn with_own(
-        mut self,
+    /// [`ProblemError::Refused`] where the scene or its method does not fit.
+    pub fn with_method(
         document: &SceneDocument,
         registry: &Registry,
     ) -> Result<Self, ProblemError> {
@@ -74,12 +64,31 @@ impl Problem {
         )
         .map_err(ProblemError::Refused)?;
         let run = compose(document, registry).map_err(ProblemError::Refused)?;
-        self.own = match run.method {
+        let mut problem = match run.system.opaque() {
+            Some(_) => Self::of(document, run.system, run.near),
+            None => Self::of_scene(document)?,
+        };
+        problem.own = match run.method {
             Stepping::Written(method) => Some(Own(Arc::new(*method))),
             Stepping::Map(stepping) => Some(Own(stepping.map)),
             Stepping::Lattice(_) => None,
         };
-        Ok(self)
+        Ok(problem)
+    }
+
+    /// A system from this state, at the step of a scene.
+    fn of(document: &SceneDocument, system: PoissonSystem, initial: Vec<f64>) -> Self {
+        let step = &document.method.step;
+        Self {
+            name: document
+                .fragment
+                .as_ref()
+                .map_or_else(|| document.name.clone(), |(id, _)| id.clone()),
+            system,
+            initial,
+            time_step: step.epsilon() * step.h(),
+            own: None,
+        }
     }
 
     /// A system of the library at its default state and step.

@@ -81,8 +81,7 @@ fn problems(arguments: &VerifyArguments, parts: &mut Parts) -> Result<Vec<Proble
             scene: scene.clone(),
             overrides: arguments.overrides.clone(),
         })?;
-        let problem = Problem::of_scene(&document)
-            .and_then(|problem| problem.with_own(&document, &parts.registry))
+        let problem = Problem::with_method(&document, &parts.registry)
             .map_err(|error| Failure::usage(error.to_string(), "correct the scene"))?;
         return Ok(vec![problem]);
     }
