@@ -13,6 +13,7 @@
 //! - `tiles`: the loop over pairs.
 //! - `site_code`: the code of one site, and the loop over sites.
 //! - `values`: values and gradients of functions.
+//! - `tangent`: products with the Jacobian of a field.
 //! - `shears`: H = T + V in which each part moves what it does not depend on.
 //! - [`system`]: Poisson systems of such functions.
 
@@ -22,6 +23,7 @@ mod pair_code;
 mod shears;
 mod site_code;
 pub mod system;
+mod tangent;
 #[cfg(test)]
 mod tests;
 mod tiles;

@@ -8,6 +8,7 @@ use super::BodyShape;
 use super::function::BodyFunction;
 use super::shears::parts;
 use super::site_code::SiteCode;
+use super::tangent::{TangentCode, Tangents};
 use super::values::{Slopes, SlopesCode, Sums, SumsCode};
 use crate::error::{BuildError, StepError};
 use crate::evaluator::Evaluator;
@@ -61,13 +62,16 @@ impl BodySystem {
             tensor_families = families;
             Ok(terms)
         })?;
+        let gradient = Arc::new(gradient);
+        // A field may have no derivative.
+        let tangent = TangentCode::new(self, &gradient).ok().map(Arc::new);
         let casimirs: Vec<BodyFunction> = (self.casimirs.iter())
             .map(|(_, casimir)| casimir.clone())
             .collect();
         let code = Arc::new(BodyCode {
             shape: shape.clone(),
             field: Arc::new(field),
-            gradient: Arc::new(gradient),
+            gradient,
             tensor,
             tensor_families,
             energy: Arc::new(SumsCode::of_functions(
@@ -88,6 +92,12 @@ impl BodySystem {
                 operations: 0,
             })
         });
+        if let Some(tangent) = tangent {
+            numbers = numbers.with_field_tangent(move |parameters| {
+                let made = |is_pulled| Tangents::new(&tangent, parameters, is_pulled);
+                [Box::new(made(false)), Box::new(made(true))]
+            });
+        }
         if self.rests(&moving) {
             numbers = numbers.with_resting_tensor();
             numbers = numbers.with_shears(self.shears()?);
@@ -130,7 +140,12 @@ impl BodySystem {
         for part in parts {
             let code = Arc::new(self.field_of(&part.moves, &part.by)?);
             let work = code.work();
-            let shear = Shear::new(part.is_affine, move |parameters, points| {
+            let sites = self.shape.sites;
+            let moves = part.moves.iter();
+            let moves: Vec<usize> = moves
+                .flat_map(|family| family * sites..(family + 1) * sites)
+                .collect();
+            let shear = Shear::new(part.is_affine, moves, move |parameters, points| {
                 Box::new(FieldOfBodies {
                     slopes: Slopes::new(&code, points, parameters),
                     work: work * points as u64,

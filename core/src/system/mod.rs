@@ -43,7 +43,8 @@ pub use formulas::{SystemFormulas, TensorSource};
 pub use jet::MotionSeries;
 pub use leaf_directions::LeafDirections;
 pub use numbers::{
-    Derivatives, MakeField, OpaqueSystem, Shear, SystemEvaluator, SystemFunction, SystemNumbers,
+    Derivatives, MakeField, MakeFieldTangent, OpaqueSystem, Shear, SystemEvaluator, SystemFunction,
+    SystemNumbers,
 };
 pub use observables::{SystemInvariants, SystemObservables};
 pub use smoothness::TableUse;

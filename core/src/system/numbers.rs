@@ -42,25 +42,41 @@ pub struct SystemNumbers {
     field: Option<Arc<MakeField>>,
     has_resting_tensor: bool,
     shears: Vec<Shear>,
+    tangent: Option<Arc<MakeFieldTangent>>,
 }
+
+/// Maker of one thread's products with the Jacobian of X_H = −Π∇H, of parameters.
+///
+/// The first makes DX(y) v of y with v behind it, the second DX(y)ᵀ w of y with w. They cost a few evaluations each,
+/// without the Jacobian itself.
+pub type MakeFieldTangent = dyn Fn(&[f64]) -> [Box<dyn Evaluator>; 2] + Send + Sync;
 
 /// A part H_k of H that moves coordinates which its field X does not depend on: its flow is x + t X(x).
 #[derive(Clone)]
 pub struct Shear {
     make: Arc<MakeField>,
     is_affine: bool,
+    moves: Arc<[usize]>,
 }
 
 impl Shear {
-    /// Evaluators of X, as [`MakeField`] says of X_H; whether X is affine in what moves.
+    /// Evaluators of X, as [`MakeField`] says of X_H; whether X is affine in what moves; the coordinates that it moves. Their
+    /// rows of X are those of X_H.
     pub fn new(
         is_affine: bool,
+        moves: impl Into<Arc<[usize]>>,
         make: impl Fn(&[f64], usize) -> Box<dyn Evaluator> + Send + Sync + 'static,
     ) -> Self {
         Self {
             make: Arc::new(make),
             is_affine,
+            moves: moves.into(),
         }
+    }
+
+    /// The coordinates that it moves.
+    pub fn moves(&self) -> &[usize] {
+        &self.moves
     }
 
     /// One thread's evaluator of X at so many points side by side.
@@ -95,7 +111,23 @@ impl SystemNumbers {
             field: None,
             has_resting_tensor: false,
             shears: Vec::new(),
+            tangent: None,
         }
+    }
+
+    /// The same with products with the Jacobian of X_H.
+    #[must_use]
+    pub fn with_field_tangent(
+        mut self,
+        make: impl Fn(&[f64]) -> [Box<dyn Evaluator>; 2] + Send + Sync + 'static,
+    ) -> Self {
+        self.tangent = Some(Arc::new(make));
+        self
+    }
+
+    /// Makes products with the Jacobian of X_H, where these are offered.
+    pub fn field_tangent(&self) -> Option<Arc<MakeFieldTangent>> {
+        self.tangent.clone()
     }
 
     /// The same with evaluators of X_H at points side by side, as [`MakeField`] says.
