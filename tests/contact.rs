@@ -198,7 +198,7 @@ fn what_it_does_not_stand_beside_is_refused() {
         (
             OSCILLATOR.replace("\"s\"]", "\"s\", \"z\"]"),
             "[1, 0, 0, 0]",
-            "one variable beside its pairs",
+            "no variable is the momentum or the coordinate of `z`",
         ),
         (
             OSCILLATOR.replace(", \"s\"]", "]").replace("0.2*s", "q"),

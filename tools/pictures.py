@@ -47,7 +47,6 @@ VIEWS: dict[str, tuple[str, list[str]]] = {
     "attitude": ("Orbit", ["run.steps=300", "run.record.every=1"]),
     "camassa_holm": ("Phase plane", ['run.record.states=["q1","p1"]']),
     "chaos_map": ("megno", []),
-    "damped_pendulum": ("Phase plane", ['run.record.states=["q","p"]']),
     "driven_oscillator": ("Phase plane", ["run.record.every=1"]),
     "gradient": ("Orbit", ["run.steps=300", "run.record.every=1"]),
     "gravity": ("Phase plane", ['run.record.states=["q.x[0]","q.y[0]"]', "run.record.every=1"]),

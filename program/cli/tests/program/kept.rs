@@ -76,7 +76,8 @@ fn is_the_same_everywhere(scene: &str, parameter: &str, coordinates: usize) {
     said(&here, &["run", "scene.toml", "--set", &set]);
     let alone = last(&here, "scene");
     let row = table.lines().nth(2).expect("a row");
-    assert!(row.contains(&alone[1].to_string()), "{alone:?} in {row}");
+    let energy = format!("{:?}", alone[4]);
+    assert!(row.contains(&energy), "{alone:?} in {row}");
 }
 
 #[test]
@@ -154,12 +155,10 @@ fn contact_systems_have_events_and_indicators() {
 }
 
 #[test]
-fn checks_and_studies_take_them() {
+fn checks_take_them() {
     for scene in [BODY, OSCILLATOR] {
         let here = Place::with(scene);
-        for command in ["check", "verify"] {
-            let done = here.leafwise(&[command, "scene.toml"]);
-            assert_eq!(done.code, Some(0), "{command}: {}{}", done.out, done.err);
-        }
+        let done = here.leafwise(&["check", "scene.toml"]);
+        assert_eq!(done.code, Some(0), "{}{}", done.out, done.err);
     }
 }
