@@ -154,6 +154,33 @@ fn contact_systems_have_events_and_indicators() {
     assert!((exponent + 0.1).abs() < 0.02, "{exponent} {}", chaos.err);
 }
 
+/// The scene's own method is measured on the homogeneous system, as all others.
+#[test]
+fn contact_systems_are_verified() {
+    let here = Place::with(OSCILLATOR);
+    let done = here.leafwise(&["verify", "scene.toml"]);
+    assert_eq!(done.code, Some(0), "{}{}", done.out, done.err);
+}
+
+/// q' = ∂H/∂p, p' = −∂H/∂q − p ∂H/∂s, s' = p ∂H/∂p − H, of either convention.
+#[test]
+fn contact_motions_are_printed() {
+    let motion = |scene: &str| {
+        let here = Place::with(scene);
+        said(&here, &["check", "scene.toml", "--json"]).json()["motion"].clone()
+    };
+    let own = motion(OSCILLATOR);
+    assert_eq!(own["q"], "p");
+    assert_eq!(own["p"], "-gamma*p - q");
+    assert_eq!(own["s"], "p^2/2 - q^2/2 - gamma*s");
+    let first = "bracket     = \"contact\"\nconvention  = \"{x,H}\"";
+    let first = OSCILLATOR.replace("bracket     = \"contact\"", first);
+    assert_eq!(motion(&first), own);
+    let here = Place::with(OSCILLATOR);
+    let heading = "q' = dH/dp, p' = -dH/dq - p dH/ds, s' = p dH/dp - H";
+    said(&here, &["check", "scene.toml"]).says(&[heading]);
+}
+
 #[test]
 fn checks_take_them() {
     for scene in [BODY, OSCILLATOR] {
