@@ -31,8 +31,12 @@ const NEAR: f64 = 1e-10;
 /// Singular values of the bordered system that count, over the largest.
 const PART: f64 = 1e-11;
 
-/// Singular values of M − 1 that are taken for zeros, over its size.
-const KERNEL: f64 = 1e-7;
+/// Singular values of M − 1 that are taken for zeros, over its size: the first of these with which the multipliers have the sum
+/// that the trace of M has. Where neighbours part by much, as next to a mass, small ones are no zeros.
+const KERNEL: [f64; 4] = [1e-7, 1e-9, 1e-11, 1e-13];
+
+/// How far that sum may be from the trace, relative.
+const TRACE: f64 = 1e-5;
 
 /// The part of a period by which its derivative is found.
 const CHANGE: f64 = 1e-5;
@@ -134,6 +138,16 @@ pub enum OrbitError {
         iterations: usize,
         /// max |x_k − x_0| over a turn.
         moved: f64,
+    },
+    /// The multipliers of an orbit cannot be told from round-off.
+    #[error(
+        "an orbit closes to {closure:.1e}, but its multipliers drown in round-off: a turn makes changes {growth:.1e} times as large"
+    )]
+    Multipliers {
+        /// max |Φᴺ(x) − x|.
+        closure: f64,
+        /// The largest singular value of DΦᴺ − 1.
+        growth: f64,
     },
     /// The energy or a Casimir is another one.
     #[error(
@@ -301,7 +315,8 @@ pub fn close(
         };
         return Err(OrbitError::NotHeld { name, off });
     }
-    let (trivial, multipliers) = multipliers(&turn.monodromy);
+    let (trivial, multipliers) = multipliers(&turn.monodromy)
+        .map_err(|growth| OrbitError::Multipliers { closure, growth })?;
     let opposite = multipliers.iter().zip(multipliers.iter().rev());
     let products = opposite.map(|(a, b)| (a.modulus() * b.modulus() - 1.0).abs());
     Ok(PeriodicOrbit {
@@ -439,18 +454,29 @@ fn length(v: &[f64]) -> f64 {
     libm::sqrt(v.iter().map(|x| x * x).sum())
 }
 
-/// How many multipliers are 1 by the time and the integrals, and the others.
-fn multipliers(monodromy: &Columns) -> (usize, Vec<Complex>) {
+/// How many multipliers are 1 by the time and the integrals, and the others; else the size of M − 1.
+fn multipliers(monodromy: &Columns) -> Result<(usize, Vec<Complex>), f64> {
     let d = monodromy.len();
     let mut less = monodromy.clone();
     (0..d).for_each(|i| less[i][i] -= 1.0);
     let parts = SingularValues::of(&less);
     let size = parts.values[0].max(1.0);
-    let rank = parts
-        .values
-        .iter()
-        .filter(|value| **value > KERNEL * size)
-        .count();
+    let trace: f64 = (0..d).map(|i| monodromy[i][i]).sum();
+    let found = KERNEL.iter().find_map(|part| {
+        let rank = parts.values.iter().filter(|value| **value > part * size);
+        let rank = rank.count();
+        let others = eigenvalues(&reduced(monodromy, &parts, rank))?;
+        let trivial = d - others.len();
+        let sum = trivial as f64 + others.iter().map(|of| of.re).sum::<f64>();
+        let scale = 1.0 + others.iter().map(|of| of.modulus()).sum::<f64>();
+        ((sum - trace).abs() <= TRACE * scale).then_some((trivial, others))
+    });
+    found.ok_or(size)
+}
+
+/// M in the image of M − 1, given its singular values of which so many are no zeros, but for its own vectors in that image.
+fn reduced(monodromy: &Columns, parts: &SingularValues, rank: usize) -> Columns {
+    let d = monodromy.len();
     // The image of M − 1 is what all integrals leave; in it lie those of the kernel that are no motion across leaves.
     let image = &parts.left[..rank];
     let project = |v: &Vec<f64>| -> Vec<f64> {
@@ -477,7 +503,7 @@ fn multipliers(monodromy: &Columns) -> (usize, Vec<Complex>) {
             v
         })
         .collect();
-    let reduced: Columns = basis
+    basis
         .iter()
         .map(|v| {
             let mut moved = vec![0.0; d];
@@ -492,9 +518,7 @@ fn multipliers(monodromy: &Columns) -> (usize, Vec<Complex>) {
                 .map(|w| w.iter().zip(&moved).map(|(a, b)| a * b).sum())
                 .collect()
         })
-        .collect();
-    let found = eigenvalues(&reduced).unwrap_or_default();
-    (d - found.len(), found)
+        .collect()
 }
 
 /// An orthonormal basis of what is at right angles to orthonormal vectors.
