@@ -129,7 +129,7 @@ fn arenstorfs_orbit_closes() {
         system,
         method,
         &initial,
-        (17.065_216_560_157_962, 6000),
+        (17.065_216_560_157_96, 6000),
         Hold::Energy,
     );
     let columns = monodromy(system, method, &found);

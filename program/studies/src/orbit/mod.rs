@@ -31,8 +31,8 @@ const NEAR: f64 = 1e-10;
 /// Singular values of the bordered system that count, over the largest.
 const PART: f64 = 1e-11;
 
-/// Singular values of M − 1 that are taken for zeros, over its size: the first of these with which the multipliers have the sum
-/// that the trace of M has. Where neighbours part by much, as next to a mass, small ones are no zeros.
+/// Singular values of M − 1 that are taken for zeros, over its size. The first bound serves with which the multipliers add up to
+/// the trace of M. Where neighbours part by much, as next to a mass, small values are no zeros.
 const KERNEL: [f64; 4] = [1e-7, 1e-9, 1e-11, 1e-13];
 
 /// How far that sum may be from the trace, relative.
