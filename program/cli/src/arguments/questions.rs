@@ -317,7 +317,7 @@ pub struct OrbitArguments {
     #[command(flatten)]
     pub scene: SceneArguments,
     /// The period, about [default: the time that the scene's run takes]
-    #[arg(long, value_name = "T")]
+    #[arg(long, value_name = "T", allow_hyphen_values = true)]
     pub period: Option<f64>,
     /// Steps of a turn [default: as many as take no longer than the scene's]
     #[arg(long, value_name = "COUNT")]

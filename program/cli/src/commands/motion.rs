@@ -20,10 +20,11 @@ pub(super) fn lines(run: &ComposedRun) -> Vec<String> {
         return Vec::new();
     };
     let convention = run.system.expressions().map(|system| system.convention());
-    let definition = match convention {
-        Some(Convention::HamiltonianSecond) => ", x' = {x, H}",
-        Some(Convention::HamiltonianFirst) => ", x' = {H, x}",
-        None => "",
+    let definition = match (&run.contact, convention) {
+        (Some(_), _) => ", q' = dH/dp, p' = -dH/dq - p dH/ds, s' = p dH/dp - H",
+        (None, Some(Convention::HamiltonianSecond)) => ", x' = {x, H}",
+        (None, Some(Convention::HamiltonianFirst)) => ", x' = {H, x}",
+        (None, None) => "",
     };
     let forced = match run.system.has_forces() {
         true => " with forces",

@@ -159,6 +159,13 @@ fn refused(error: OrbitError) -> Failure {
         OrbitError::Step(_) => {
             "take more steps, or a method with exact tangents such as hamilton-jacobi".to_owned()
         }
+        OrbitError::Shrinks { .. } | OrbitError::Equilibrium { .. } => {
+            "begin away from equilibria, where the motion comes back, with a --period near its own"
+                .to_owned()
+        }
+        OrbitError::Multipliers { .. } => {
+            "begin at another point of the orbit, away from where neighbours part most".to_owned()
+        }
         _ => "begin nearer to the orbit, give its --period, or take more --steps; a section shows where orbits close".to_owned(),
     };
     Failure::usage(error.to_string(), help)

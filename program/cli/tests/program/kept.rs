@@ -84,7 +84,7 @@ fn is_the_same_everywhere(scene: &str, parameter: &str, coordinates: usize) {
 fn exact_energy_is_the_same_everywhere() {
     is_the_same_everywhere(BODY, "I2", 3);
     let here = Place::with(BODY);
-    let run = said(&here, &["run", "scene.toml"]);
+    let run = said(&here, &["run", "scene.toml", "--explain"]);
     run.says(&["not a Poisson map"]);
     let end = last(&here, "scene");
     let energy = 0.5 + 9.0 / 1.5 + 9.0 / 2.5;
@@ -112,7 +112,7 @@ fn exact_energy_refuses_tangents() {
 fn contact_systems_are_the_same_everywhere() {
     is_the_same_everywhere(OSCILLATOR, "gamma", 3);
     let here = Place::with(OSCILLATOR);
-    let run = said(&here, &["run", "scene.toml"]);
+    let run = said(&here, &["run", "scene.toml", "--explain"]);
     run.says(&["a contact map, to round-off"]);
     let header = here.read("runs/scene/samples.csv");
     assert!(
@@ -152,6 +152,34 @@ fn contact_systems_have_events_and_indicators() {
     // The slowest of e^{−t/10} and e^{−t/5}.
     let exponent = *last(&here, "scene").last().expect("a column");
     assert!((exponent + 0.1).abs() < 0.02, "{exponent} {}", chaos.err);
+}
+
+/// The scene's own method is measured on the homogeneous system, as all others.
+#[test]
+fn contact_systems_are_verified() {
+    let here = Place::with(OSCILLATOR);
+    let done = here.leafwise(&["verify", "scene.toml"]);
+    assert_eq!(done.code, Some(0), "{}{}", done.out, done.err);
+}
+
+/// q' = ∂H/∂p, p' = −∂H/∂q − p ∂H/∂s, s' = p ∂H/∂p − H, of either convention.
+#[test]
+fn contact_motions_are_printed() {
+    let motion = |scene: &str| {
+        let here = Place::with(scene);
+        said(&here, &["check", "scene.toml", "--json"]).json()["motion"].clone()
+    };
+    let own = motion(OSCILLATOR);
+    assert_eq!(own["q"], "p");
+    assert_eq!(own["p"], "-q - gamma*p");
+    assert_eq!(own["s"], "-q^2/2 + p^2/2 - gamma*s");
+    let other = "bracket     = \"contact\"\nconvention  = \"{x,H}\"";
+    let other = OSCILLATOR.replace("bracket     = \"contact\"", other);
+    assert_eq!(motion(&other), own);
+    let here = Place::with(OSCILLATOR);
+    let heading = "q' = dH/dp, p' = -dH/dq - p dH/ds, s' = p dH/dp - H";
+    let text = said(&here, &["check", "scene.toml"]).out;
+    assert!(text.contains(heading), "{text}");
 }
 
 #[test]

@@ -73,6 +73,11 @@ fn what_does_not_close_is_told() {
         "{}",
         said.err
     );
+    assert!(said.err.contains("shrinks to zero"), "{}", said.err);
+    let rests = Place::with(&PENDULUM.replace("[2, 0]", "[0, 0]"));
+    let said = rests.leafwise(&["orbit", "scene.toml"]);
+    assert_eq!(said.code, Some(2));
+    assert!(said.err.contains("an equilibrium"), "{}", said.err);
     let timed = Place::with(&PENDULUM.replace("cos(q)", "cos(q) + 0.1*q*cos(t)"));
     let said = timed.leafwise(&["orbit", "scene.toml"]);
     assert!(said.err.contains("names the time"), "{}", said.err);

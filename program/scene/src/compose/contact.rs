@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use leafwise_core::StepMap;
 use leafwise_core::contact::{ContactMap, Homogeneous};
-use leafwise_expression::Expression;
+use leafwise_expression::{Arithmetic, Expression};
 
 use super::Refusal;
 use super::stepping::{MapStepping, Stepping};
@@ -22,6 +22,10 @@ pub(super) const SCALE: &str = "(r)";
 pub struct Contact {
     /// p and r.
     of: Homogeneous,
+    /// q of each p.
+    positions: Vec<usize>,
+    /// s.
+    action: usize,
     /// H.
     energy: Expression,
 }
@@ -69,14 +73,14 @@ impl Contact {
             Convention::HamiltonSecond => 1,
         };
         let pairs = bracket.iter().filter(|((a, _), _)| *a < own);
-        let momenta =
-            pairs.map(
+        let (positions, momenta): (Vec<usize>, Vec<usize>) = pairs
+            .map(
                 |((a, b), entry)| match entry.evaluate(&[], &[]) == f64::from(sign) {
-                    true => *b,
-                    false => *a,
+                    true => (*a, *b),
+                    false => (*b, *a),
                 },
-            );
-        let momenta: Vec<usize> = momenta.collect();
+            )
+            .unzip();
         // The momentum of s is −r.
         bracket.insert((last, scale), Expression::from(-sign));
         let energy = hamiltonian.clone();
@@ -88,6 +92,8 @@ impl Contact {
         *hamiltonian = Expression::Product(vec![*r(), energy.at_formulas(&of_ratio)]);
         Ok(Some(Self {
             of: Homogeneous { momenta, scale },
+            positions,
+            action: last,
             energy,
         }))
     }
@@ -97,19 +103,40 @@ impl Contact {
         &self.energy
     }
 
-    /// A step of the homogeneous system from r = 1, brought back there.
-    pub(super) fn enter(&self, method: Stepping) -> Stepping {
+    /// The field of contact motions at r = 1 by {H, x} of H in the place of K: there q' = ∂H/∂p, p' = −∂H/∂q and r' = ∂H/∂s.
+    pub(super) fn field<A: Arithmetic>(
+        &self,
+        arithmetic: &mut A,
+        x: &[A::Element],
+        (energy, mut field): (&A::Element, Vec<A::Element>),
+    ) -> Vec<A::Element> {
+        let by_action = field[self.of.scale].clone();
+        let mut action = arithmetic.negate(energy);
+        for (position, momentum) in self.positions.iter().zip(&self.of.momenta) {
+            let work = arithmetic.multiply(&x[*momentum], &field[*position]);
+            action = arithmetic.add(&action, &work);
+            let friction = arithmetic.multiply(&x[*momentum], &by_action);
+            field[*momentum] = arithmetic.subtract(&field[*momentum], &friction);
+        }
+        field[self.action] = action;
+        field[self.of.scale] = arithmetic.zero();
+        field
+    }
+
+    /// The map of the homogeneous system, and its steps from r = 1, brought back there.
+    pub(super) fn enter(&self, method: Stepping) -> (Arc<dyn StepMap>, Stepping) {
         let map: Arc<dyn StepMap> = match method {
             Stepping::Written(method) => Arc::new(*method),
             Stepping::Map(stepping) => stepping.map,
             Stepping::Lattice(stepping) => stepping.stepped,
         };
-        Stepping::Map(MapStepping {
-            map: Arc::new(ContactMap::new(map, self.of.clone())),
+        let entered = Stepping::Map(MapStepping {
+            map: Arc::new(ContactMap::new(Arc::clone(&map), self.of.clone())),
             method: None,
             is_composed: false,
             noise: None,
-        })
+        });
+        (map, entered)
     }
 }
 

@@ -2,9 +2,10 @@
 
 use leafwise_core::lattice::LatticeGeometry;
 use leafwise_core::{Evaluator, PoissonSystem, SystemFormulas, system::Parameter};
-use leafwise_expression::{Arithmetic, Expression, Graph, Polynomial, Ring};
+use leafwise_expression::{Arithmetic, Expression, Graph, Kernel, Polynomial, Ring, Term};
 
 use super::channels::Channel;
+use super::contact::Contact;
 use super::run::ComposedRun;
 use super::stepping::Stepping;
 
@@ -49,9 +50,8 @@ impl Motion {
 
     /// ẋ of a composed run; `None` where it has no value at the initial state.
     pub fn of(run: &ComposedRun) -> Option<Self> {
-        // That of K is not that of p.
-        if run.contact.is_some() {
-            return None;
+        if let Some(contact) = &run.contact {
+            return Self::of_contact(run, contact);
         }
         let in_time = run.in_time().ok()?;
         let code = field_at(run, &in_time)?;
@@ -60,6 +60,21 @@ impl Motion {
             return Some(Self::Values(names.zip(code).collect()));
         };
         Some(Self::written(run, system, &code))
+    }
+
+    /// ẋ of a contact motion, by the field of H in the place of K.
+    fn of_contact(run: &ComposedRun, contact: &Contact) -> Option<Self> {
+        let formulas = run.system.expressions()?;
+        let alone = formulas.with_hamiltonian(contact.energy().clone()).ok()?;
+        let mut graph = Graph::new();
+        let x: Vec<_> = (0..alone.dimension()).map(|i| graph.input(i)).collect();
+        let field = field_in_code(&alone, Some(contact), &mut graph, &x)?;
+        let kernel = Kernel::compile(&graph, &field, alone.parameters().len(), x.len());
+        let mut workspace = kernel.workspace(1);
+        kernel.prepare(&mut workspace, &alone.parameter_values(), &[1.0], &[1.0]);
+        let mut code = vec![0.0; x.len()];
+        kernel.evaluate(&mut workspace, &run.near, &mut code);
+        Some(Self::written(run, &alone, &code))
     }
 
     /// The formulas of the field of a system that stands for a run's, given its values near the initial state.
@@ -71,7 +86,8 @@ impl Motion {
         let Some((geometry, site)) = lattice else {
             let coordinates: Vec<usize> = (0..run.plan.coordinates).collect();
             let names = system.variables();
-            return Self::Formulas(formulas(system, &run.near, code, &coordinates, names));
+            let of = (system, run.contact.as_ref());
+            return Self::Formulas(formulas(of, &run.near, code, &coordinates, names));
         };
         let offsets = geometry.offsets();
         let moving = run.plan.families.len();
@@ -81,7 +97,13 @@ impl Motion {
             .map(|(offset, _)| offset + site)
             .collect();
         let names = names_about(geometry, site);
-        Self::Site(formulas(system, &run.near, code, &coordinates, &names))
+        Self::Site(formulas(
+            (system, None),
+            &run.near,
+            code,
+            &coordinates,
+            &names,
+        ))
     }
 }
 
@@ -114,7 +136,7 @@ fn field_at(run: &ComposedRun, system: &PoissonSystem) -> Option<Vec<f64>> {
 /// ẋ of some coordinates as text: the expanded formula or the code written out, the shorter one that has the value of
 /// the code. In place of a text with parentheses in parentheses stands the sum of a few terms.
 fn formulas(
-    system: &SystemFormulas,
+    (system, contact): (&SystemFormulas, Option<&Contact>),
     x: &[f64],
     code: &[f64],
     coordinates: &[usize],
@@ -123,8 +145,8 @@ fn formulas(
     let parameters: Vec<String> = system.parameters().iter().map(name_of).collect();
     let values = system.parameter_values();
     let scale = code.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
-    let (expanded, terms) = expanded(system, coordinates).unzip();
-    let candidates = [expanded, as_code(system, coordinates)];
+    let (expanded, terms) = expanded(system, contact, coordinates).unzip();
+    let candidates = [expanded, as_code(system, contact, coordinates)];
     let text = |at: usize, coordinate: usize| {
         let written = |formulas: &Vec<Option<Expression>>| {
             let formula = formulas[at].as_ref()?;
@@ -169,22 +191,28 @@ fn name_of(parameter: &Parameter) -> String {
 type Formulas = Vec<Option<Expression>>;
 
 /// −Π (dH + η) in the exact ring, and the same as sums of its terms where they are few.
-fn expanded(system: &SystemFormulas, coordinates: &[usize]) -> Option<(Formulas, Formulas)> {
+fn expanded(
+    system: &SystemFormulas,
+    contact: Option<&Contact>,
+    coordinates: &[usize],
+) -> Option<(Formulas, Formulas)> {
     let d = system.dimension();
     let mut ring = Ring::limited(d, MOST_PRODUCTS);
     let x: Vec<_> = (0..d).map(|i| ring.variable(i)).collect();
     let energy = system.hamiltonian();
     let energy = energy.evaluate_in(&mut ring, &mut |_, at| Ok(x[at].clone()));
-    let gradient = ring.gradient(&energy.ok()?).ok()?;
+    let energy = energy.ok()?;
+    let gradient = ring.gradient(&energy).ok()?;
     let one_form = system.with_forces_added(&mut ring, &x, gradient).ok()?;
     let field = system.apply_tensor(&mut ring, &x, &one_form).ok()?;
+    let mut field: Vec<Polynomial> = field.iter().map(|f| ring.negate(f)).collect();
+    if let Some(contact) = contact {
+        field = contact.field(&mut ring, &x, (&energy, field));
+    }
     if ring.refusal().is_some() {
         return None;
     }
-    let mut components = Vec::with_capacity(coordinates.len());
-    for at in coordinates {
-        components.push(ring.negate(&field[*at]));
-    }
+    let components: Vec<Polynomial> = coordinates.iter().map(|at| field[*at].clone()).collect();
     let formula = |component: &Polynomial| {
         (component.terms().len() <= MOST_PARTS).then(|| ring.formula(component))
     };
@@ -205,10 +233,30 @@ fn expanded(system: &SystemFormulas, coordinates: &[usize]) -> Option<(Formulas,
 }
 
 /// The same as code, its shared parts written out.
-fn as_code(system: &SystemFormulas, coordinates: &[usize]) -> Option<Formulas> {
+fn as_code(
+    system: &SystemFormulas,
+    contact: Option<&Contact>,
+    coordinates: &[usize],
+) -> Option<Formulas> {
     let mut graph = Graph::new();
     let x: Vec<_> = (0..system.dimension()).map(|i| graph.input(i)).collect();
-    let field = system.vector_field(&mut graph, &x).ok()?;
+    let field = field_in_code(system, contact, &mut graph, &x)?;
     let formula = |&at: &usize| graph.formula(&field[at], MOST_PARTS);
     Some(coordinates.iter().map(formula).collect())
+}
+
+/// ẋ as code.
+fn field_in_code(
+    system: &SystemFormulas,
+    contact: Option<&Contact>,
+    graph: &mut Graph,
+    x: &[Term],
+) -> Option<Vec<Term>> {
+    let field = system.vector_field(graph, x).ok()?;
+    let Some(contact) = contact else {
+        return Some(field);
+    };
+    let energy = system.hamiltonian();
+    let energy = energy.evaluate_in(graph, &mut |_, at| Ok(x[at].clone()));
+    Some(contact.field(graph, x, (&energy.ok()?, field)))
 }

@@ -93,6 +93,8 @@ pub struct ComposedRun {
     pub extension: Option<Extension>,
     /// The scale of a contact form as the last coordinate of `system`, where the bracket is one.
     pub contact: Option<Contact>,
+    /// The map on `system` whose steps are brought back to scale 1, where the bracket is a contact bracket.
+    pub homogeneous: Option<Arc<dyn StepMap>>,
     /// The method.
     pub method: Stepping,
     /// From where, how far, what to keep.
@@ -222,8 +224,10 @@ fn compose_at_its_values(
     if let Some(exact) = &exact {
         method = exact.enter(document, &composed.system, method)?;
     }
+    let mut homogeneous = None;
     if let Some(contact) = &composed.contact {
-        method = contact.enter(method);
+        let (map, entered) = contact.enter(method);
+        (homogeneous, method) = (Some(map), entered);
     }
     let system = &composed.system;
     let shadow = with_shadows(document, system, &method, &mut composed.observables)?;
@@ -278,6 +282,7 @@ fn compose_at_its_values(
         near: composed.near,
         extension: composed.extension,
         contact: composed.contact,
+        homogeneous,
         method,
         plan,
         functions: CompiledFunctions::default(),

@@ -1,8 +1,10 @@
 //! Periodic orbits: Φᴺ(x) = x with N steps of T/N, by Newton's method with invariants held, and what neighbours do after a turn.
 //!
-//! The unknowns are x and T. Equations are those of the closing, one that holds the phase, and one for each invariant that is
-//! held. The least step is taken that makes the sum of their squares least. Singular values of symmetries do not count: of a
-//! family of orbits one that is near is found.
+//! The unknowns are x and T, or x alone where the period is held. Equations are those of the closing, one that holds the phase, and
+//! one for each invariant that is held. The least step is taken that makes the sum of their squares least. Singular values of
+//! symmetries do not count: of a family of orbits one that is near is found.
+//!
+//! A point that rests closes after any time, and every point after none: they are no orbits, and are refused.
 //!
 //! Tangents are carried by the exact monodromy M = DΦᴺ. Its kernels M v = v and wᵀM = wᵀ are those of the time and
 //! of the integrals. Between them are left the multipliers of the reduced motion.
@@ -29,8 +31,12 @@ const NEAR: f64 = 1e-10;
 /// Singular values of the bordered system that count, over the largest.
 const PART: f64 = 1e-11;
 
-/// Singular values of M − 1 that are taken for zeros, over its size.
-const KERNEL: f64 = 1e-7;
+/// Singular values of M − 1 that are taken for zeros, over its size. The first bound serves with which the multipliers add up to
+/// the trace of M. Where neighbours part by much, as next to a mass, small values are no zeros.
+const KERNEL: [f64; 4] = [1e-7, 1e-9, 1e-11, 1e-13];
+
+/// How far that sum may be from the trace, relative.
+const TRACE: f64 = 1e-5;
 
 /// The part of a period by which its derivative is found.
 const CHANGE: f64 = 1e-5;
@@ -40,6 +46,12 @@ const STABLE: f64 = 1e-6;
 
 /// The closure, over the size of the state, that is an orbit's.
 const CLOSED: f64 = 1e-9;
+
+/// The closure of an orbit is smaller than this part of how far it moves.
+const MOVED: f64 = 1e-3;
+
+/// A period that falls below this part of the first one falls to 0.
+const SHRUNK: f64 = 1e-3;
 
 /// The quantity beside Casimirs that is held while an orbit is closed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -105,6 +117,48 @@ pub enum OrbitError {
         /// max |Φᴺ(x) − x|.
         closure: f64,
     },
+    /// The period falls to 0, after which every point is where it was.
+    #[error(
+        "no orbit closes near here: the period shrinks to zero, from {first} to {period:.1e} after {iterations} corrections"
+    )]
+    Shrinks {
+        /// Corrections made.
+        iterations: usize,
+        /// The period at first.
+        first: f64,
+        /// The period at the end.
+        period: f64,
+    },
+    /// The state rests.
+    #[error(
+        "no orbit closes near here: after {iterations} corrections the state is an equilibrium or next to one, that moves by {moved:.1e} in a period"
+    )]
+    Equilibrium {
+        /// Corrections made.
+        iterations: usize,
+        /// max |x_k − x_0| over a turn.
+        moved: f64,
+    },
+    /// The multipliers of an orbit cannot be told from round-off.
+    #[error(
+        "an orbit closes to {closure:.1e}, but its multipliers drown in round-off: a turn makes changes {growth:.1e} times as large"
+    )]
+    Multipliers {
+        /// max |Φᴺ(x) − x|.
+        closure: f64,
+        /// The largest singular value of DΦᴺ − 1.
+        growth: f64,
+    },
+    /// The energy or a Casimir is another one.
+    #[error(
+        "no orbit closes near here with the {name} held: of the one that closes it is {off:.1e} away"
+    )]
+    NotHeld {
+        /// The invariant.
+        name: String,
+        /// How far its value is from the one that was to be held, relative.
+        off: f64,
+    },
 }
 
 /// The end of a turn.
@@ -124,15 +178,19 @@ struct Turns<'a> {
 }
 
 impl Turns<'_> {
-    fn turn(&self, x: &[f64], period: f64) -> Result<AfterTurn, GradientError> {
-        let d = x.len();
-        let trajectory = Trajectory {
+    fn trajectory(&self, period: f64) -> Trajectory<'_> {
+        Trajectory {
             map: self.map,
             parameters: &self.parameters,
             epsilon: self.epsilon,
             h: period / (self.steps as f64 * self.epsilon),
             goes_on: &|| true,
-        };
+        }
+    }
+
+    fn turn(&self, x: &[f64], period: f64) -> Result<AfterTurn, GradientError> {
+        let d = x.len();
+        let trajectory = self.trajectory(period);
         let mut tangents = vec![0.0; d * d];
         (0..d).for_each(|i| tangents[i * d + i] = 1.0);
         let plan = Plan {
@@ -148,6 +206,18 @@ impl Turns<'_> {
                 .map(<[f64]>::to_vec)
                 .collect(),
         })
+    }
+
+    /// max |x_k − x_0| over a turn.
+    fn moved(&self, x: &[f64], period: f64) -> Result<f64, GradientError> {
+        let every = Plan {
+            steps: self.steps,
+            every: 1,
+        };
+        let turn = self.trajectory(period).push(x, (&[], &[]), every)?;
+        let states = turn.samples.chunks_exact(x.len());
+        let gaps = states.flat_map(|state| state.iter().zip(x).map(|(a, b)| (a - b).abs()));
+        Ok(gaps.fold(0.0, f64::max))
     }
 
     /// ∂Φᴺ/∂T.
@@ -172,7 +242,7 @@ pub fn close(
     (period, steps): (f64, u64),
     hold: Hold,
 ) -> Result<PeriodicOrbit, OrbitError> {
-    refuse(run, steps)?;
+    refuse(run, (period, steps))?;
     let turns = Turns {
         map: run.method.map(),
         parameters: run.system.parameter_values(),
@@ -180,16 +250,17 @@ pub fn close(
         steps,
     };
     let mut invariants = Invariants::of(run)?;
-    let (mut x, mut period) = (run.plan.initial.clone(), period);
+    let (mut x, first) = (run.plan.initial.clone(), period);
+    let mut period = first;
     let held = invariants.values(&x);
     let size = x.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
     let mut turn = turns.turn(&x, period)?;
     let mut iterations = 0;
-    while iterations < STEPS {
+    while iterations < STEPS && invariants.with_gap((&x, &held, hold), &turn.gap) > 0.0 {
         let along = turns.by_period(&x, period)?;
         let system = bordered(&turn, &along, &mut invariants, (&x, &held, hold));
         let change = SingularValues::of(&system.0).solve(&system.1, PART);
-        let before = length(&turn.gap);
+        let before = length(&system.1);
         let mut part = 1.0;
         let mut better = None;
         // Near round-off a shorter correction is no better.
@@ -198,8 +269,9 @@ pub fn close(
             let moved = x.iter().zip(&change).map(|(x, dx)| x + part * dx);
             let moved: Vec<f64> = moved.collect();
             let longer = period + part * change[x.len()];
-            if let Ok(next) = turns.turn(&moved, longer)
-                && length(&next.gap) < before
+            if longer > 0.0
+                && let Ok(next) = turns.turn(&moved, longer)
+                && invariants.with_gap((&moved, &held, hold), &next.gap) < before
             {
                 better = Some((moved, longer, next));
                 break;
@@ -209,6 +281,13 @@ pub fn close(
         let Some(next) = better else { break };
         iterations += 1;
         (x, period, turn) = next;
+        if period < SHRUNK * first {
+            return Err(OrbitError::Shrinks {
+                iterations,
+                first,
+                period,
+            });
+        }
     }
     let closure = turn
         .gap
@@ -220,7 +299,24 @@ pub fn close(
             closure,
         });
     }
-    let (trivial, multipliers) = multipliers(&turn.monodromy);
+    let moved = turns.moved(&x, period)?;
+    if closure >= MOVED * moved {
+        return Err(OrbitError::Equilibrium { iterations, moved });
+    }
+    let now = invariants.values(&x);
+    for (at, (now, held)) in now.iter().zip(&held).enumerate() {
+        let off = (now - held).abs() / held.abs().max(1.0);
+        if at == 0 && hold == Hold::Period || off <= CLOSED {
+            continue;
+        }
+        let name = match at {
+            0 => "energy".to_owned(),
+            _ => format!("Casimir {}", run.system.casimir_names()[at - 1]),
+        };
+        return Err(OrbitError::NotHeld { name, off });
+    }
+    let (trivial, multipliers) = multipliers(&turn.monodromy)
+        .map_err(|growth| OrbitError::Multipliers { closure, growth })?;
     let opposite = multipliers.iter().zip(multipliers.iter().rev());
     let products = opposite.map(|(a, b)| (a.modulus() * b.modulus() - 1.0).abs());
     Ok(PeriodicOrbit {
@@ -235,7 +331,7 @@ pub fn close(
     })
 }
 
-fn refuse(run: &ComposedRun, steps: u64) -> Result<(), OrbitError> {
+fn refuse(run: &ComposedRun, (period, steps): (f64, u64)) -> Result<(), OrbitError> {
     let (message, help) = if run.method.lattice().is_some() {
         (
             "orbits of long lattices are not closed",
@@ -251,10 +347,10 @@ fn refuse(run: &ComposedRun, steps: u64) -> Result<(), OrbitError> {
             "orbits of systems whose H names the time, with a pace, parameters of sites or a contact bracket are not closed",
             "close the orbit of a system without them",
         )
-    } else if steps == 0 {
+    } else if steps == 0 || !(period > 0.0 && period.is_finite()) {
         (
-            "an orbit takes steps, and here are none",
-            "give a period and a number of steps",
+            "an orbit takes steps over a positive time, and here are none",
+            "give a positive period and a number of steps",
         )
     } else {
         return Ok(());
@@ -280,6 +376,21 @@ impl Invariants {
         let mut values = vec![0.0; self.observer.observables()];
         self.observer.evaluate(x, &mut values);
         values
+    }
+
+    /// The gradient of each that is held, of length 1, and how far it is to its value along it; 0 where it has none.
+    fn rows(&mut self, (x, held, hold): (&[f64], &[f64], Hold)) -> Vec<(Vec<f64>, f64)> {
+        let (now, gradients) = (self.values(x), self.gradients(x));
+        let off = held.iter().zip(now).map(|(held, now)| held - now);
+        let rows = gradients.into_iter().zip(off);
+        let rows = rows.skip(usize::from(hold == Hold::Period));
+        rows.map(|(gradient, off)| unit(gradient, off)).collect()
+    }
+
+    /// The length of the right-hand side of all equations.
+    fn with_gap(&mut self, at: (&[f64], &[f64], Hold), gap: &[f64]) -> f64 {
+        let off: Vec<f64> = self.rows(at).iter().map(|(_, off)| *off).collect();
+        length(&[gap, &off].concat())
     }
 
     /// By differences: they direct Newton's method, and its end depends on values alone.
@@ -309,30 +420,21 @@ fn bordered(
     (x, held, hold): (&[f64], &[f64], Hold),
 ) -> (Columns, Vec<f64>) {
     let d = x.len();
+    // A column of zeros takes the period out of the unknowns: the least step does not change it.
+    let free = match hold {
+        Hold::Energy => 1.0,
+        Hold::Period => 0.0,
+    };
     let mut rows: Vec<(Vec<f64>, f64)> = (0..d)
         .map(|i| {
             let own = (0..d).map(|j| turn.monodromy[j][i] - f64::from(u8::from(i == j)));
-            (own.chain([along[i]]).collect(), -turn.gap[i])
+            (own.chain([free * along[i]]).collect(), -turn.gap[i])
         })
         .collect();
-    let unit = |mut row: Vec<f64>, right: f64| {
-        let size = length(&row);
-        let inverse = if size > 0.0 { 1.0 / size } else { 0.0 };
-        row.iter_mut().for_each(|entry| *entry *= inverse);
-        (row, right * inverse)
-    };
-    rows.push(unit(along.iter().copied().chain([0.0]).collect(), 0.0));
-    let (now, gradients) = (invariants.values(x), invariants.gradients(x));
-    for (at, gradient) in gradients.into_iter().enumerate() {
-        if at == 0 && hold == Hold::Period {
-            let mut row = vec![0.0; d + 1];
-            row[d] = 1.0;
-            rows.push((row, 0.0));
-        } else {
-            let row = gradient.into_iter().chain([0.0]).collect();
-            rows.push(unit(row, held[at] - now[at]));
-        }
-    }
+    rows.push(unit(along.to_vec(), 0.0));
+    rows.extend(invariants.rows((x, held, hold)));
+    let borders = rows.iter_mut().skip(d);
+    borders.for_each(|(row, _)| row.push(0.0));
     let columns = (0..=d).map(|j| rows.iter().map(|(row, _)| row[j]).collect());
     (
         columns.collect(),
@@ -340,22 +442,41 @@ fn bordered(
     )
 }
 
+/// An equation over the length of its row.
+fn unit(mut row: Vec<f64>, right: f64) -> (Vec<f64>, f64) {
+    let size = length(&row);
+    let inverse = if size > 0.0 { 1.0 / size } else { 0.0 };
+    row.iter_mut().for_each(|entry| *entry *= inverse);
+    (row, right * inverse)
+}
+
 fn length(v: &[f64]) -> f64 {
     libm::sqrt(v.iter().map(|x| x * x).sum())
 }
 
-/// How many multipliers are 1 by the time and the integrals, and the others.
-fn multipliers(monodromy: &Columns) -> (usize, Vec<Complex>) {
+/// How many multipliers are 1 by the time and the integrals, and the others; else the size of M − 1.
+fn multipliers(monodromy: &Columns) -> Result<(usize, Vec<Complex>), f64> {
     let d = monodromy.len();
     let mut less = monodromy.clone();
     (0..d).for_each(|i| less[i][i] -= 1.0);
     let parts = SingularValues::of(&less);
     let size = parts.values[0].max(1.0);
-    let rank = parts
-        .values
-        .iter()
-        .filter(|value| **value > KERNEL * size)
-        .count();
+    let trace: f64 = (0..d).map(|i| monodromy[i][i]).sum();
+    let found = KERNEL.iter().find_map(|part| {
+        let rank = parts.values.iter().filter(|value| **value > part * size);
+        let rank = rank.count();
+        let others = eigenvalues(&reduced(monodromy, &parts, rank))?;
+        let trivial = d - others.len();
+        let sum = trivial as f64 + others.iter().map(|of| of.re).sum::<f64>();
+        let scale = 1.0 + others.iter().map(|of| of.modulus()).sum::<f64>();
+        ((sum - trace).abs() <= TRACE * scale).then_some((trivial, others))
+    });
+    found.ok_or(size)
+}
+
+/// M in the image of M − 1, given its singular values of which so many are no zeros, but for its own vectors in that image.
+fn reduced(monodromy: &Columns, parts: &SingularValues, rank: usize) -> Columns {
+    let d = monodromy.len();
     // The image of M − 1 is what all integrals leave; in it lie those of the kernel that are no motion across leaves.
     let image = &parts.left[..rank];
     let project = |v: &Vec<f64>| -> Vec<f64> {
@@ -382,7 +503,7 @@ fn multipliers(monodromy: &Columns) -> (usize, Vec<Complex>) {
             v
         })
         .collect();
-    let reduced: Columns = basis
+    basis
         .iter()
         .map(|v| {
             let mut moved = vec![0.0; d];
@@ -397,9 +518,7 @@ fn multipliers(monodromy: &Columns) -> (usize, Vec<Complex>) {
                 .map(|w| w.iter().zip(&moved).map(|(a, b)| a * b).sum())
                 .collect()
         })
-        .collect();
-    let found = eigenvalues(&reduced).unwrap_or_default();
-    (d - found.len(), found)
+        .collect()
 }
 
 /// An orthonormal basis of what is at right angles to orthonormal vectors.

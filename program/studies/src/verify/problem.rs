@@ -68,10 +68,12 @@ impl Problem {
             Some(_) => Self::of(document, run.system, run.near),
             None => Self::of_scene(document)?,
         };
-        problem.own = match run.method {
-            Stepping::Written(method) => Some(Own(Arc::new(*method))),
-            Stepping::Map(stepping) => Some(Own(stepping.map)),
-            Stepping::Lattice(_) => None,
+        // The flow and the tensor are those of the homogeneous system of a contact bracket, and so is the map.
+        problem.own = match (run.homogeneous, run.method) {
+            (Some(map), _) => Some(Own(map)),
+            (None, Stepping::Written(method)) => Some(Own(Arc::new(*method))),
+            (None, Stepping::Map(stepping)) => Some(Own(stepping.map)),
+            (None, Stepping::Lattice(_)) => None,
         };
         Ok(problem)
     }
