@@ -13,10 +13,12 @@
 //! - `tiles`: the loop over pairs.
 //! - `site_code`: the code of one site, and the loop over sites.
 //! - `values`: values and gradients of functions.
+//! - `bracket`: the tensor of one site, applied to a covector.
 //! - `tangent`: products with the Jacobian of a field.
 //! - `shears`: H = T + V in which each part moves what it does not depend on.
 //! - [`system`]: Poisson systems of such functions.
 
+mod bracket;
 pub mod function;
 pub mod matrix;
 mod pair_code;

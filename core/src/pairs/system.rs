@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
-use leafwise_expression::{Arithmetic, Expression, Graph, Term, Workspace};
+use leafwise_expression::{Expression, Workspace};
 
 use super::BodyShape;
+use super::bracket::{BodyMotion, applied};
 use super::function::BodyFunction;
 use super::shears::parts;
 use super::site_code::SiteCode;
@@ -64,7 +65,13 @@ impl BodySystem {
         })?;
         let gradient = Arc::new(gradient);
         // A field may have no derivative.
-        let tangent = TangentCode::new(self, &gradient).ok().map(Arc::new);
+        let motion = BodyMotion {
+            shape,
+            parameters,
+            bracket: &self.bracket,
+            hamiltonian: &self.hamiltonian,
+        };
+        let tangent = TangentCode::new(&motion, &gradient).ok().map(Arc::new);
         let casimirs: Vec<BodyFunction> = (self.casimirs.iter())
             .map(|(_, casimir)| casimir.clone())
             .collect();
@@ -167,38 +174,6 @@ impl BodySystem {
                 .is_disjoint(&moving.iter().copied().collect())
         })
     }
-}
-
-/// (Πv)_a for each family with an entry of these, or −Πv.
-pub(super) fn applied(
-    entries: &[((usize, usize), Expression)],
-    graph: &mut Graph,
-    x: &[Term],
-    v: &[Term],
-    is_negative: bool,
-) -> Result<Vec<(usize, Term)>, BuildError> {
-    let mut results: Vec<(usize, Term)> = Vec::new();
-    let mut add = |graph: &mut Graph, family: usize, term: Term| match results
-        .iter_mut()
-        .find(|(own, _)| *own == family)
-    {
-        Some((_, sum)) => *sum = graph.add(sum, &term),
-        None => results.push((family, term)),
-    };
-    for ((a, b), entry) in entries {
-        let entry = entry.evaluate_in(graph, &mut |_, at| Ok(x[at].clone()))?;
-        let entry = if is_negative {
-            graph.negate(&entry)
-        } else {
-            entry
-        };
-        let row = graph.multiply(&entry, &v[*b]);
-        add(graph, *a, row);
-        let row = graph.multiply(&entry, &v[*a]);
-        let row = graph.negate(&row);
-        add(graph, *b, row);
-    }
-    Ok(results)
 }
 
 /// The code of a system.

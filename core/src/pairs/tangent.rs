@@ -9,9 +9,9 @@ use leafwise_expression::operators::Quantity;
 use leafwise_expression::{Expression, Workspace};
 
 use super::BodyShape;
+use super::bracket::{BodyMotion, applied};
 use super::function::{BodyFunction, BodySum};
 use super::site_code::SiteCode;
-use super::system::{BodySystem, applied};
 use super::values::{Slopes, SlopesCode};
 use crate::error::{BuildError, StepError};
 use crate::evaluator::Evaluator;
@@ -85,8 +85,11 @@ pub(super) struct TangentCode {
 impl TangentCode {
     /// # Errors
     /// [`BuildError::Algebra`] where a formula or derivative has no code.
-    pub(super) fn new(system: &BodySystem, gradient: &Arc<SlopesCode>) -> Result<Self, BuildError> {
-        let (shape, parameters) = (&system.shape, system.parameters.len());
+    pub(super) fn new(
+        system: &BodyMotion<'_>,
+        gradient: &Arc<SlopesCode>,
+    ) -> Result<Self, BuildError> {
+        let (shape, parameters) = (system.shape, system.parameters);
         let families = shape.families;
         let doubled = BodyShape {
             families: 2 * families,
@@ -100,7 +103,7 @@ impl TangentCode {
         let mut tensor_families = Vec::new();
         let tensor = SiteCode::new(2 * families, parameters, |graph, rows| {
             let (x, v) = rows.split_at(families);
-            let results = applied(&system.bracket, graph, x, v, false)?;
+            let results = applied(system.bracket, graph, x, v, false)?;
             let (families, terms) = results.into_iter().unzip();
             tensor_families = families;
             Ok(terms)
@@ -121,14 +124,14 @@ impl TangentCode {
     }
 
     /// (D_vΠ)g.
-    fn pushed(system: &BodySystem) -> Result<(SiteCode, Vec<usize>), BuildError> {
+    fn pushed(system: &BodyMotion<'_>) -> Result<(SiteCode, Vec<usize>), BuildError> {
         let families = system.shape.families;
         let mut of_results = Vec::new();
-        let code = SiteCode::new(3 * families, system.parameters.len(), |graph, rows| {
+        let code = SiteCode::new(3 * families, system.parameters, |graph, rows| {
             let (x, rest) = rows.split_at(families);
             let (v, g) = rest.split_at(families);
             let mut changed = Vec::new();
-            for (at, entry) in &system.bracket {
+            for (at, entry) in system.bracket {
                 let mut parts = Vec::new();
                 for family in entry.variables() {
                     let slope = entry.derivative(Quantity::Variable(family))?;
@@ -149,14 +152,14 @@ impl TangentCode {
     }
 
     /// Σ_ij w_i ∂Π_ij g_j by every family.
-    fn pulled(system: &BodySystem) -> Result<(SiteCode, Vec<usize>), BuildError> {
+    fn pulled(system: &BodyMotion<'_>) -> Result<(SiteCode, Vec<usize>), BuildError> {
         let families = system.shape.families;
         let mut of_results = Vec::new();
-        let code = SiteCode::new(3 * families, system.parameters.len(), |graph, rows| {
+        let code = SiteCode::new(3 * families, system.parameters, |graph, rows| {
             let mut terms = Vec::new();
             for family in 0..families {
                 let mut parts = Vec::new();
-                for ((a, b), entry) in &system.bracket {
+                for ((a, b), entry) in system.bracket {
                     if !entry.variables().contains(&family) {
                         continue;
                     }

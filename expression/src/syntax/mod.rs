@@ -26,6 +26,7 @@
 mod calls;
 mod composite;
 mod conditions;
+mod couplings;
 mod density;
 mod display;
 mod error;

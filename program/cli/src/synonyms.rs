@@ -213,7 +213,7 @@ const SYNONYMS: [Synonym; 24] = [
         &["leapfrog", "verlet", "symplectic", "integrator"],
         "choose",
         "three questions",
-        "splitting",
+        "go on with question 2",
     ),
 ];
 

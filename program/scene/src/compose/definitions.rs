@@ -9,10 +9,11 @@ use leafwise_expression::Expression;
 use leafwise_expression::syntax::{DEPTH_LIMIT, Formula, Scope, SyntaxErrorKind};
 
 use super::Refusal;
+use super::geometry::geometry;
 use super::matrices::{matrices, order as order_of_matrices};
 use super::names::{declared, function, parse_text, refusal};
 use super::time::{TIME, names_time};
-use crate::document::{Located, SceneDocument};
+use crate::document::{Located, MatrixNumbers, SceneDocument};
 
 /// Names that the formulas of a scene may use, with its families as long as those of `lattice`, and its definitions. `N` as a
 /// number stays the true length.
@@ -90,6 +91,19 @@ fn parsed(document: &SceneDocument) -> Result<Vec<Formula>, Refusal> {
         }
     }
     first.map_or(Ok(all), Err)
+}
+
+/// The numbers of all matrices, in the order of the text.
+///
+/// # Errors
+/// As `matrices`.
+pub(super) fn numbers_of_matrices(document: &SceneDocument) -> Result<Vec<MatrixNumbers>, Refusal> {
+    if document.system.matrices.is_empty() {
+        return Ok(Vec::new());
+    }
+    let scope = scope(document, &geometry(document), None)?;
+    let all = matrices(document, &scope)?.into_iter();
+    Ok(all.map(|(_, numbers)| numbers).collect())
 }
 
 /// The definitions, each after those that it uses; of those that may come next the first in the file.

@@ -4,8 +4,6 @@ use leafwise_core::NumberArray;
 use leafwise_expression::syntax::Scope;
 
 use super::Refusal;
-use super::definitions::scope;
-use super::geometry::geometry;
 use super::names::{parse, refusal};
 use crate::document::{FieldSpec, Located, MatrixNumbers, MatrixSpec, Place, SceneDocument};
 use crate::npy::read_npy;
@@ -31,19 +29,6 @@ pub(super) fn matrices(
         Ok((matrix.name.value.clone(), numbers))
     });
     all.collect()
-}
-
-/// The numbers of all matrices, in the order of the text.
-///
-/// # Errors
-/// As [`matrices`].
-pub(super) fn numbers_of_matrices(document: &SceneDocument) -> Result<Vec<MatrixNumbers>, Refusal> {
-    if document.system.matrices.is_empty() {
-        return Ok(Vec::new());
-    }
-    let scope = scope(document, &geometry(document), None)?;
-    let all = matrices(document, &scope)?.into_iter();
-    Ok(all.map(|(_, numbers)| numbers).collect())
 }
 
 /// The number of rows: that of the sites of the longest family.

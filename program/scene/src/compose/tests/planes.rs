@@ -153,14 +153,14 @@ fn a_key_with_a_number_along_an_axis_is_a_row() {
         let [up, across] = lengths;
         let text = plane(&format!("{lengths:?}"), "\"open\"", "sum(i, j, x[i,j]^2)");
         for initial in [
-            "\"x[i,j]\" = 7, \"x[1,j]\" = \"j + 1\", \"x[i,1]\" = \"10*i\", \"x[1,1]\" = -1",
-            "\"x[1,1]\" = -1, \"x[1,j]\" = \"j + 1\", \"x[i,1]\" = \"10*i\", \"x[i,j]\" = 7",
+            "\"x[i,j]\" = 7, \"x[1,j]\" = \"j + 1\", \"x[i,1]\" = \"2*i\", \"x[1,0]\" = -1",
+            "\"x[1,0]\" = -1, \"x[1,j]\" = \"j + 1\", \"x[i,1]\" = \"2*i\", \"x[i,j]\" = 7",
         ] {
             let initial = format!("initial = {{ {initial} }}");
             let composed = compose_system(&document(&text, &initial)).expect("a plane");
             let expected = (0..up * across).map(|site| match (site / across, site % across) {
-                (1, 1) => -1.0,
-                (i, 1) => 10.0 * f64::from(i),
+                (1, 0) => -1.0,
+                (i, 1) => 2.0 * f64::from(i),
                 (1, j) => f64::from(j) + 1.0,
                 _ => 7.0,
             });
