@@ -1,8 +1,6 @@
 //! Contact maps, by steps of a homogeneous Hamiltonian seen where the scale is 1.
 //!
-//! ```text
-//! q' = ∂H/∂p,   p' = −∂H/∂q − p ∂H/∂s,   s' = p·∂H/∂p − H.
-//! ```
+//! The motion is q' = ∂H/∂p, p' = −∂H/∂q − p ∂H/∂s, s' = p·∂H/∂p − H.
 //!
 //! These are the motion of K(q, P, s, r) = r H(q, P/r, s) over the one-form P·dq − r ds, seen at p = P/r. K is homogeneous in
 //! P and r. A Poisson map that is homogeneous too descends to (q, p, s) as a contact map. From r = 1 it multiplies the contact

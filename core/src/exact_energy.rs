@@ -1,10 +1,6 @@
 //! Steps that keep the energy of the first state, by multiples of Casimirs.
 //!
-//! H − Σ λ_c C_c has the motion of H for all λ; its steps differ. Each step takes λ with
-//!
-//! ```text
-//! H(x_{k+1}(λ)) = H(x_0).
-//! ```
+//! H − Σ λ_c C_c has the motion of H for all λ; its steps differ. Each step takes λ with H(x_{k+1}(λ)) = H(x_0).
 //!
 //! Each is a Poisson map, so that the orbit keeps H and every Casimir to round-off. λ depends on the state: as a whole this
 //! is no Poisson map. Cf. E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, section IV.4: a projection keeps the
