@@ -34,6 +34,8 @@ typedef enum LeafwiseCode {
     LEAFWISE_UNSUPPORTED = 5,
     // A mistake of this library.
     LEAFWISE_MISTAKE = 6,
+    // Samples that find no memory.
+    LEAFWISE_NO_MEMORY = 7,
 } LeafwiseCode;
 
 // Kinds of names.

@@ -206,13 +206,14 @@ pub unsafe extern "C" fn leafwise_scene_run(
     call(|| {
         // SAFETY: as the caller's.
         let scene = unsafe { from(handle::scene(scene)?, initial, n, stride) }?;
-        let made = samples::samples(&scene, rows, every)?;
         let target = StridedRows {
             data: samples,
             rows,
             row_stride,
             stride: column_stride,
         };
+        target.check("samples", samples.is_null(), scene.run.plan.coordinates)?;
+        let made = samples::samples(&scene, rows, every)?;
         // SAFETY: as the caller's.
         unsafe { target.write("samples", &made, scene.run.plan.coordinates) }
     })

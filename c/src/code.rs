@@ -19,4 +19,6 @@ pub enum LeafwiseCode {
     LEAFWISE_UNSUPPORTED = 5,
     /// A mistake of this library.
     LEAFWISE_MISTAKE = 6,
+    /// Samples that find no memory.
+    LEAFWISE_NO_MEMORY = 7,
 }

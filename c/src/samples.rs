@@ -1,8 +1,10 @@
 //! Samples of a run, and gradients of functions of them.
 
 use leafwise::core::gradient::{Gradient, Plan, Trajectory};
+use leafwise::run::with_room;
 
 use crate::call_error::CallError;
+use crate::code::LeafwiseCode;
 use crate::scene::Scene;
 
 /// The plan of so many samples, the first of them the initial state.
@@ -18,6 +20,16 @@ fn plan(rows: usize, every: u64) -> Result<Plan, CallError> {
     }
 }
 
+/// Refuses samples, those that are stepped and those that are handed out, that find no memory.
+fn has_room(scene: &Scene, rows: usize) -> Result<(), CallError> {
+    let width = 2 * scene.run.plan.initial.len();
+    let room = with_room(rows as u64, width).map(drop);
+    room.map_err(|no_room| CallError {
+        code: LeafwiseCode::LEAFWISE_NO_MEMORY,
+        message: no_room.to_string(),
+    })
+}
+
 /// Calls with the trajectories of a scene.
 fn along<T>(
     scene: &Scene,
@@ -25,7 +37,7 @@ fn along<T>(
 ) -> Result<T, CallError> {
     let run = &scene.run;
     run.has_equal_steps().map_err(|uneven| CallError {
-        code: crate::LeafwiseCode::LEAFWISE_UNSUPPORTED,
+        code: LeafwiseCode::LEAFWISE_UNSUPPORTED,
         message: uneven.to_string(),
     })?;
     call(Trajectory {
@@ -40,6 +52,7 @@ fn along<T>(
 /// The samples of a scene, the scene's own coordinates row by row.
 pub(crate) fn samples(scene: &Scene, rows: usize, every: u64) -> Result<Vec<f64>, CallError> {
     let plan = plan(rows, every)?;
+    has_room(scene, rows)?;
     along(scene, |trajectory| {
         let reached = trajectory.run(&scene.run.plan.initial, plan)?;
         Ok(scene.run.own_rows(&reached.samples))
@@ -55,6 +68,7 @@ pub(crate) fn pull(
 ) -> Result<Gradient, CallError> {
     let rows = cotangents.len() / scene.run.plan.coordinates;
     let plan = plan(rows, every)?;
+    has_room(scene, rows)?;
     let cotangents = scene.run.whole_rows(cotangents);
     along(scene, |trajectory| {
         let initial = &scene.run.plan.initial;

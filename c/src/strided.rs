@@ -94,11 +94,12 @@ impl Strided<*mut f64> {
 
 impl<T: Copy> StridedRows<T> {
     /// Refuses rows that lead out of memory.
-    fn check(self, what: &str, is_null: bool, width: usize) -> Result<(), CallError> {
+    pub(crate) fn check(self, what: &str, is_null: bool, width: usize) -> Result<(), CallError> {
         check(what, is_null, self.rows, self.rows, self.row_stride)?;
         check(what, is_null, width, width, self.stride)?;
         let reach = self.rows.checked_mul(self.row_stride.unsigned_abs());
-        let reach = reach.and_then(|rows| rows.checked_add(width * self.stride.unsigned_abs()));
+        let own = width.checked_mul(self.stride.unsigned_abs());
+        let reach = reach.and_then(|rows| rows.checked_add(own?));
         match reach {
             Some(reach) if reach <= MOST => Ok(()),
             _ => Err(CallError::usage(format!("{what} leads out of memory"))),
@@ -117,7 +118,7 @@ impl StridedRows<*const f64> {
     /// `data` is NULL, or element j of row i may be read for every i < rows and j < width.
     pub(crate) unsafe fn read(self, what: &str, width: usize) -> Result<Vec<f64>, CallError> {
         self.check(what, self.data.is_null(), width)?;
-        let mut values = Vec::with_capacity(self.rows * width);
+        let mut values = Vec::new();
         for row in 0..self.rows {
             let row = Strided {
                 data: self.data.wrapping_offset(self.offset(row)),

@@ -78,6 +78,9 @@ int main(void) {
     if (x[1] != 1 || x[0] != 0) failures++;
     EXPECT(leafwise_scene_run(scene, NULL, 0, 1, 0, rows, 3, 2, 1), LEAFWISE_USAGE, "at least 1");
     EXPECT(leafwise_scene_run(scene, NULL, 0, 1, 1, NULL, 3, 2, 1), LEAFWISE_USAGE, "NULL");
+    EXPECT(leafwise_scene_run(scene, NULL, 0, 1, 1, rows, SIZE_MAX / 4, 2, 1), LEAFWISE_USAGE, "out of memory");
+    /* All rows in one place: they reach nowhere, and find no room to be made in. */
+    EXPECT(leafwise_scene_run(scene, NULL, 0, 1, 1, rows, SIZE_MAX / 64, 0, 1), LEAFWISE_NO_MEMORY, "");
     EXPECT(leafwise_scene_run(scene, NULL, 0, 1, 1, rows, 3, 1, 3), LEAFWISE_DONE, "");
     if (rows[0] != 1 || rows[3] != 0 || rows[1] >= 1 || rows[4] >= 0) failures++;
     EXPECT(leafwise_scene_vjp(scene, NULL, 0, 1, 1, rows, 3, 2, 1, x, 3, 1, NULL, 0, 1), LEAFWISE_USAGE, "by_initial");
