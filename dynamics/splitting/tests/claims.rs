@@ -2,6 +2,7 @@
 
 mod arrangements;
 mod bodies;
+mod centres;
 mod common;
 mod kepler;
 mod motions;

@@ -50,6 +50,7 @@ mod shape;
 mod suggest;
 mod sweep;
 mod system;
+mod system_checks;
 mod system_schema;
 mod system_section;
 mod tables;
