@@ -85,6 +85,11 @@ impl<'a> Console<'a> {
         }
     }
 
+    /// Prints a warning.
+    pub fn warn(&mut self, text: &str) {
+        self.prose(&format!("{} {text}", self.warning_word()));
+    }
+
     /// `warning:` in the color of warnings.
     pub fn warning_word(&self) -> &'static str {
         if self.color {

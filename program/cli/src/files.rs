@@ -17,6 +17,24 @@ pub fn write(file: &Path, text: &str) -> Result<(), Failure> {
     fs::write(file, text).map_err(failed(file))
 }
 
+/// Refuses a file that exists, before work is done for it; `help` says how to name another.
+///
+/// # Errors
+/// [`Failure::Usage`].
+pub fn refuse_existing(file: &Path, help: &str) -> Result<(), Failure> {
+    match file.exists() {
+        true => Err(exists(file, help)),
+        false => Ok(()),
+    }
+}
+
+fn exists(file: &Path, help: &str) -> Failure {
+    Failure::usage(
+        format!("{} exists and is left as it is", file.display()),
+        help,
+    )
+}
+
 /// Writes a file that does not exist; `help` says how to name another.
 ///
 /// # Errors
@@ -24,10 +42,7 @@ pub fn write(file: &Path, text: &str) -> Result<(), Failure> {
 pub fn write_new(file: &Path, text: &str, help: &str) -> Result<(), Failure> {
     let written = fs::File::create_new(file).and_then(|mut open| open.write_all(text.as_bytes()));
     written.map_err(|source| match source.kind() {
-        io::ErrorKind::AlreadyExists => Failure::usage(
-            format!("{} exists and is left as it is", file.display()),
-            help,
-        ),
+        io::ErrorKind::AlreadyExists => exists(file, help),
         _ => failed(file)(source),
     })
 }

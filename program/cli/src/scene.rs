@@ -4,8 +4,8 @@ use std::path::Path;
 use std::string::FromUtf8Error;
 
 use leafwise::expression::words::counted;
-use leafwise::scene::SceneDiagnostic;
 use leafwise::scene::input::{LARGEST_SCENE, read_bounded};
+use leafwise::scene::{SceneDiagnostic, SceneDocument};
 
 use crate::arguments::SceneArguments;
 use crate::failure::Failure;
@@ -18,6 +18,17 @@ pub struct SceneText {
     pub text: String,
     /// Keys and values.
     pub overrides: Vec<(String, String)>,
+}
+
+impl SceneText {
+    /// Another text under the name of a scene.
+    pub fn again(document: &SceneDocument, text: String) -> Self {
+        Self {
+            name: document.name.clone(),
+            text,
+            overrides: Vec::new(),
+        }
+    }
 }
 
 /// Reads the file that the command line names.

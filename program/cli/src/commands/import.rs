@@ -78,11 +78,8 @@ pub fn execute(arguments: &ImportArguments, console: &mut Console<'_>) -> Result
     let tables = written.files.iter();
     let tables = tables.map(|(name, text)| (directory.join(name), text));
     let all: Vec<(PathBuf, &String)> = tables.chain([(scene.clone(), &written.scene)]).collect();
-    if let Some((known, _)) = all.iter().find(|(file, _)| file.exists()) {
-        return Err(Failure::usage(
-            format!("{} exists and is left as it is", known.display()),
-            help,
-        ));
+    for (file, _) in &all {
+        files::refuse_existing(file, help)?;
     }
     for (file, text) in all {
         files::write_new(&file, text, help)?;
@@ -106,16 +103,14 @@ pub fn execute(arguments: &ImportArguments, console: &mut Console<'_>) -> Result
         }
     }
     if !equilibrium.has_edge() {
-        let word = console.warning_word();
-        console.prose(&format!(
-            "{word} the edge, s = 1, is not closed inside the grid: particles leave the tables before they are lost\n  = change: \
+        console.warn(&format!(
+            "the edge, s = 1, is not closed inside the grid: particles leave the tables before they are lost\n  = change: \
              write the equilibrium on a larger grid"
         ));
     }
     if let Some(smeared) = smeared {
-        let word = console.warning_word();
-        console.prose(&format!(
-            "{word} F = R B_phi changes within a few cells of the grid: its table is off by {:.0} % of its variation at s = {:.3}\n  = change: \
+        console.warn(&format!(
+            "F = R B_phi changes within a few cells of the grid: its table is off by {:.0} % of its variation at s = {:.3}\n  = change: \
              write the equilibrium on a finer grid",
             100.0 * smeared.part,
             smeared.surface

@@ -12,6 +12,7 @@ use serde::Serialize;
 use crate::arguments::{AxisName, PlotArguments};
 use crate::console::Console;
 use crate::failure::{Failure, exit};
+use crate::files::refuse_existing;
 
 /// The object of `plot --json`.
 #[derive(Serialize)]
@@ -48,12 +49,8 @@ pub fn execute(arguments: &PlotArguments, console: &mut Console<'_>) -> Result<u
             ));
         }
     };
-    if out.exists() && !arguments.force {
-        let message = format!("{} exists and is left as it is", out.display());
-        return Err(Failure::usage(
-            message,
-            "name another file, --out FILE, or give --force",
-        ));
+    if !arguments.force {
+        refuse_existing(out, "name another file, --out FILE, or give --force")?;
     }
     for (name, scale) in [
         ("--x-scale", arguments.x_scale),

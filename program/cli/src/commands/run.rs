@@ -242,8 +242,9 @@ fn summary(
     ));
     if let (Some(section), Some(count)) = (&composed.plan.events.section, report.crossings) {
         lines.push(format!(
-            "  section  {} crossings of {}, {}, in section.csv",
+            "  section  {} {} of {}, {}, in section.csv",
             grouped(count),
+            if count == 1 { "crossing" } else { "crossings" },
             section.text,
             section.direction_in_words()
         ));

@@ -106,9 +106,8 @@ pub(super) fn check(document: &SceneDocument, bench: &Bench<'_>) -> Result<(), F
 /// that were named and do not fit.
 fn warn(comparison: &Comparison, options: &CompareOptions, console: &mut Console<'_>) {
     if let Some(horizon) = &comparison.horizon {
-        let word = console.warning_word();
-        console.prose(&format!(
-            "{word} the state {} is known to {:.1e} of {:.1e} only: {horizon}",
+        console.warn(&format!(
+            "the state {} is known to {:.1e} of {:.1e} only: {horizon}",
             comparison.reference.judged().words(),
             comparison.reference.error,
             comparison.reference.norm()
@@ -122,8 +121,7 @@ fn warn(comparison: &Comparison, options: &CompareOptions, console: &mut Console
         .collect();
     for (name, reason) in &comparison.refused {
         if named.contains(name) {
-            let word = console.warning_word();
-            console.prose(&format!("{word} {name} is left out: {reason}"));
+            console.warn(&format!("{name} is left out: {reason}"));
         }
     }
 }

@@ -23,6 +23,7 @@ use crate::arguments::{LearnArguments, PluginArguments};
 use crate::bar::while_building;
 use crate::console::Console;
 use crate::failure::{Failure, exit};
+use crate::files::refuse_existing;
 use crate::plugins::Parts;
 use crate::pulse::Shown;
 use crate::scene::SceneText;
@@ -42,11 +43,8 @@ pub fn execute(
     plugins: &PluginArguments,
     console: &mut Console<'_>,
 ) -> Result<u8, Failure> {
-    if let Some(file) = arguments.out.as_ref().filter(|file| file.exists()) {
-        return Err(Failure::usage(
-            format!("{} exists and is left as it is", file.display()),
-            "name another file: --out NAME.toml",
-        ));
+    if let Some(file) = &arguments.out {
+        refuse_existing(file, "name another file: --out NAME.toml")?;
     }
     let mut parts = Parts::new(plugins)?;
     let document = parts.scene(&arguments.scene)?;
@@ -97,14 +95,7 @@ pub fn execute(
     });
     let mut learned = learned.map_err(refused)?;
     let text = learned_scene(&document, &run, &learned, epsilon * h)?;
-    let written = parts.document(
-        SceneText {
-            name: document.name.clone(),
-            text: text.clone(),
-            overrides: Vec::new(),
-        },
-        &base,
-    )?;
+    let written = parts.document(SceneText::again(&document, text.clone()), &base)?;
     let composed = while_building(shown, || compose(&written, &parts.registry))?;
     let mut warnings: Vec<String> = learned.advice.iter().map(ToString::to_string).collect();
     warnings.extend(far(&mut learned, &composed));
@@ -127,8 +118,7 @@ pub fn execute(
             console.result(&line);
         }
         for warning in &warnings {
-            let word = console.warning_word();
-            console.prose(&format!("{word} {warning}"));
+            console.warn(warning);
         }
     }
     if let Some(file) = &arguments.out {
@@ -170,14 +160,7 @@ pub(super) fn with_chart(
         run.plan.steps,
     );
     let text = text.map_err(unwritten)?;
-    let document = parts.document(
-        SceneText {
-            name: document.name.clone(),
-            text,
-            overrides: Vec::new(),
-        },
-        base,
-    )?;
+    let document = parts.document(SceneText::again(document, text), base)?;
     let run = while_building(shown, || compose(&document, &parts.registry))?;
     Ok((document, run))
 }

@@ -19,6 +19,7 @@ use crate::arguments::{PluginArguments, TabulateArguments};
 use crate::bar::while_building;
 use crate::console::Console;
 use crate::failure::{Failure, exit};
+use crate::files::refuse_existing;
 use crate::plugins::Parts;
 use crate::pulse::Shown;
 use crate::scene::SceneText;
@@ -38,11 +39,8 @@ pub fn execute(
     plugins: &PluginArguments,
     console: &mut Console<'_>,
 ) -> Result<u8, Failure> {
-    if let Some(file) = arguments.out.as_ref().filter(|file| file.exists()) {
-        return Err(Failure::usage(
-            format!("{} exists and is left as it is", file.display()),
-            "name another file: --out NAME.toml",
-        ));
+    if let Some(file) = &arguments.out {
+        refuse_existing(file, "name another file: --out NAME.toml")?;
     }
     let mut parts = Parts::new(plugins)?;
     let document = parts.scene(&arguments.scene)?;
@@ -106,14 +104,7 @@ pub fn execute(
         &table.learned,
         steps.duration(),
     )?;
-    let written = parts.document(
-        SceneText {
-            name: document.name.clone(),
-            text: text.clone(),
-            overrides: Vec::new(),
-        },
-        &base,
-    )?;
+    let written = parts.document(SceneText::again(&document, text.clone()), &base)?;
     while_building(shown, || compose(&written, &parts.registry))?;
     let cost = while_building(shown, || Cost::of(&table, &steps));
     let warnings = warnings(&table, &cost, &steps);
@@ -125,8 +116,7 @@ pub fn execute(
             console.result(&line);
         }
         for warning in &warnings {
-            let word = console.warning_word();
-            console.prose(&format!("{word} {warning}"));
+            console.warn(warning);
         }
     }
     if let Some(file) = &arguments.out {
@@ -192,14 +182,7 @@ fn of_states_alone(
     };
     let steps = (run.plan.steps / steps).max(1);
     let text = with_plain_run(&text, Some(&parameters), steps).map_err(unwritten)?;
-    let document = parts.document(
-        SceneText {
-            name: document.name.clone(),
-            text,
-            overrides: Vec::new(),
-        },
-        base,
-    )?;
+    let document = parts.document(SceneText::again(document, text), base)?;
     with_chart(parts, &document, base, shown)
 }
 

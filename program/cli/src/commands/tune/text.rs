@@ -33,15 +33,14 @@ pub(super) fn print(found: &Found<'_>, console: &mut Console<'_>) {
         )
     });
     if found.tuner.cost() == Cost::Evaluations {
-        let word = console.warning_word();
-        console.prose(&format!(
-            "{word} costs are compared {}; an evaluation is a step kernel for one method, all stages \
+        console.warn(&format!(
+            "costs are compared {}; an evaluation is a step kernel for one method, all stages \
              for another: `leafwise compare` compares times",
             found.tuner.cost()
         ));
     }
     if let Some(line) = found.clock.ended(found.tuner, tuning) {
-        console.prose(&format!("{} {line}", console.warning_word()));
+        console.warn(&line);
     }
     console.result("");
     match found.recommended() {
