@@ -103,10 +103,10 @@ pub fn execute(arguments: &ImportArguments, console: &mut Console<'_>) -> Result
         }
     }
     if !equilibrium.has_edge() {
-        console.warn(&format!(
+        console.warn(
             "the edge, s = 1, is not closed inside the grid: particles leave the tables before they are lost\n  = change: \
-             write the equilibrium on a larger grid"
-        ));
+             write the equilibrium on a larger grid",
+        );
     }
     if let Some(smeared) = smeared {
         console.warn(&format!(
