@@ -11,7 +11,7 @@ loops     places in program/ and python/ that make an integrator or a stepper: e
 traits    public traits in core, solver and walk
 refusals  their default methods that only refuse: None, false, Err
 methods   their methods
-rules     modules with a rule of convergence of their own: they correct in a loop by factors of a matrix, and do not ask the solver's Iteration
+rules     modules that solve by factors of a matrix or with a rule of convergence of their own; those that ask the solver's Iteration count too
 names     names of parts in strings outside of the parts, but those that are keys of scenes too: a one-form, log-canonical
 twins     names of types that three types or more share
 long      sentences of documentation of more than 30 words
@@ -163,14 +163,8 @@ class House:
         return [f"{name}::{own}" for name, text in self.trait_texts() for own in refusal.findall(text)]
 
     def rules(self) -> list[str]:
-        loop = re.compile(r"\bfor _ in 0\.\.[A-Z]|\bloop \{")
-        found = []
-        for path, lines in self.files.items():
-            text = "\n".join(lines)
-            is_own = "DenseFactors::new" in text and loop.search(text) and "Iteration::new" not in text
-            if is_own or re.search(r"\bis_converged\b", text):
-                found.append(str(path))
-        return sorted(found)
+        rule = re.compile(r"\bis_converged\b|DenseFactors::new")
+        return sorted({str(path) for path, _, line in self.code() if rule.search(line)})
 
     def names(self) -> list[str]:
         names = {

@@ -254,6 +254,12 @@ pub unsafe extern "C" fn leafwise_scene_vjp(
         };
         // SAFETY: as the caller's.
         let cotangents = unsafe { source.read("cotangents", scene.run.plan.coordinates) }?;
+        let shape = scene.shape();
+        out(by_initial, d, by_initial_stride).check("by_initial", shape.coordinates)?;
+        let target = out(by_parameters, m, by_parameters_stride);
+        if !by_parameters.is_null() {
+            target.check("by_parameters", shape.parameters)?;
+        }
         let gradient = samples::pull(&scene, every, &cotangents, !by_parameters.is_null())?;
         let own = scene.run.own(&gradient.initial);
         // SAFETY: as the caller's.
@@ -261,7 +267,6 @@ pub unsafe extern "C" fn leafwise_scene_vjp(
         if by_parameters.is_null() {
             return Ok(());
         }
-        let target = out(by_parameters, m, by_parameters_stride);
         // SAFETY: as the caller's.
         unsafe { target.write("by_parameters", &gradient.parameters) }
     })

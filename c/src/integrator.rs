@@ -1,7 +1,8 @@
 //! One trajectory, step by step.
 
-use leafwise::core::Walk;
-use leafwise::walk::FunctionValues;
+use leafwise::core::{Observer, Walk};
+
+use leafwise_cli::failure::Failure;
 
 use crate::call_error::CallError;
 use crate::code::LeafwiseCode;
@@ -14,7 +15,8 @@ pub(crate) struct Integrator {
     /// The coordinate that is the time, where a pace makes steps of another.
     clock: Option<usize>,
     /// Energy and Casimirs.
-    invariants: FunctionValues,
+    invariants: Observer,
+    values: Vec<f64>,
 }
 
 impl Integrator {
@@ -26,14 +28,13 @@ impl Integrator {
             message: acts.to_string(),
         })?;
         let paced = run.extension.as_ref().filter(|_| run.pace().is_some());
-        let invariants = run.invariant_functions();
-        let invariants =
-            invariants.and_then(|functions| functions.values(1, &run.system.parameter_values()));
+        let invariants = run.invariants().map_err(Failure::from)?;
         Ok(Self {
             walk: run.walk(),
             coordinates: run.plan.coordinates,
             clock: paced.map(|extension| extension.coordinates),
-            invariants: invariants.map_err(leafwise_cli::failure::Failure::from)?,
+            values: vec![0.0; 1 + run.system.casimir_names().len()],
+            invariants,
         })
     }
 
@@ -63,6 +64,7 @@ impl Integrator {
 
     /// Energy and Casimirs at the present state.
     pub(crate) fn invariants(&mut self) -> &[f64] {
-        self.invariants.at(self.walk.state())
+        (self.invariants).evaluate(self.walk.state(), &mut self.values);
+        &self.values
     }
 }

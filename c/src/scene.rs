@@ -162,6 +162,16 @@ impl Scene {
                 initial[at]
             )));
         }
+        if self.run.method.lattice().is_some() {
+            // Its states have no time or energy beside them, and its code is the same for all.
+            let mut run = self.run.clone();
+            run.plan.initial = self.run.whole(initial);
+            return Ok(Self {
+                document: self.document.clone(),
+                registry: self.registry.clone(),
+                run,
+            });
+        }
         self.with("run.initial", &format!("{initial:?}"))
     }
 }

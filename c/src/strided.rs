@@ -71,6 +71,17 @@ impl Strided<*const f64> {
 }
 
 impl Strided<*mut f64> {
+    /// Refuses a place for other than so many numbers.
+    pub(crate) fn check(self, what: &str, expected: usize) -> Result<(), CallError> {
+        check(
+            what,
+            self.data.is_null(),
+            self.length,
+            expected,
+            self.stride,
+        )
+    }
+
     /// Writes numbers, of which there must be as many as the array has.
     ///
     /// # Safety

@@ -105,12 +105,13 @@ fn the_example_prints_the_bits_of_the_program() {
     let document = SceneDocument::parse("body", &scene, &registry).expect("a scene");
     let composed = compose(&document, &registry).expect("a method");
     let mut walk = composed.walk();
-    let functions = composed.invariant_functions().expect("code");
     let parameters = composed.system.parameter_values();
-    let mut invariants = functions.values(1, &parameters).expect("code");
+    let mut invariants = composed.invariants().expect("code");
+    let mut values = [0.0; 2];
     for row in &rows[..5] {
         walk.advance(200).expect("a regular motion");
-        let wanted = [walk.state(), invariants.at(walk.state())].concat();
+        invariants.evaluate(walk.state(), &mut values);
+        let wanted = [walk.state(), &values].concat();
         assert_eq!(bits(row), bits(&wanted));
     }
     let trajectory = Trajectory {

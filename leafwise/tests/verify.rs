@@ -433,7 +433,10 @@ fn round_off_of_cancelled_terms_is_no_broken_structure() {
     let problem = Problem::with_method(&document, &registry).expect("a problem");
     let own = problem.own.as_ref().expect("the scene's method");
     let judged = measured(&problem, own.0.as_ref()).judgements[1];
-    assert_ne!(judged, Judgement::NotMet);
+    assert!(
+        matches!(judged, Judgement::Met | Judgement::Undecided),
+        "{judged:?}"
+    );
     let part = registry.stepper("rk4").expect("built in");
     let rk4 = part
         .build(&problem.system, &PartParameters::new())

@@ -176,10 +176,11 @@ impl Side {
         }
     }
 
-    /// The same where the next step ends with the event.
+    /// The same where the next step ends with the event, which is its crossing.
     pub(crate) fn with_step(self) -> Self {
         Self {
             past: self.past.then(self.past.value()),
+            is_changed: true,
             ..self
         }
     }
@@ -300,8 +301,10 @@ pub(crate) fn crossings(
     };
     let inside = changes.last().map_or(side.sign, |(_, sign)| *sign);
     let mut other = side.after(value, value, sign(value, inside));
-    // One change from the side before the step to that after it is between its ends.
-    let is_whole = changes.is_empty() || changes.len() == 1 && value != 0.0;
+    // One change from the side before the step to that after it is between its ends. Where the step begins next to the surface,
+    // only points within it tell a change from the beginning.
+    let begins_off = is_off(side.past.value(), largest(&ends));
+    let is_whole = changes.is_empty() || changes.len() == 1 && value != 0.0 && begins_off;
     if is_whole && other.is_changed {
         changes = vec![(ends, other.sign)];
     }

@@ -36,7 +36,7 @@ mod watched;
 pub use course::Course;
 pub use domain::outside;
 pub use events::{Act, Direction, Event, Section, Side, Stop};
-pub use fault::{Ended, Fault, Why};
+pub use fault::{Ended, Fault, StopPlace, Why};
 pub use functions::{FunctionValues, StateFunctions};
 pub use indicators::{Deviation, Indicator, Indicators};
 pub use look::{At, Look, Steps};

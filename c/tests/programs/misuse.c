@@ -25,13 +25,13 @@ static const char *escape =
     "[method]\nstepper = 'rk4'\ntime-step = 0.1\n[run]\ninitial = [2, 3]\nsteps = 100\n";
 
 static LeafwiseHandle shared;
-static volatile int is_stepping = 0;
+static volatile int is_over = 0;
 
+/* Steps until it was told that the integrator is another's, and once more. */
 static void *steps(void *unused) {
     (void)unused;
-    is_stepping = 1;
-    LeafwiseCode code = leafwise_integrator_advance(shared, 400000);
-    is_stepping = 2;
+    LeafwiseCode code = LEAFWISE_DONE;
+    while (!is_over && (code == LEAFWISE_DONE || code == LEAFWISE_BUSY)) code = leafwise_integrator_advance(shared, 1000);
     return code == LEAFWISE_DONE || code == LEAFWISE_BUSY ? NULL : &shared;
 }
 
@@ -84,6 +84,9 @@ int main(void) {
     EXPECT(leafwise_scene_run(scene, NULL, 0, 1, 1, rows, 3, 1, 3), LEAFWISE_DONE, "");
     if (rows[0] != 1 || rows[3] != 0 || rows[1] >= 1 || rows[4] >= 0) failures++;
     EXPECT(leafwise_scene_vjp(scene, NULL, 0, 1, 1, rows, 3, 2, 1, x, 3, 1, NULL, 0, 1), LEAFWISE_USAGE, "by_initial");
+    x[0] = x[1] = 7;
+    EXPECT(leafwise_scene_vjp(scene, NULL, 0, 1, 1, rows, 3, 2, 1, x, 2, 1, x + 2, 2, 1), LEAFWISE_USAGE, "by_parameters");
+    if (x[0] != 7 || x[1] != 7) failures++;
     EXPECT(leafwise_scene_vjp(scene, NULL, 0, 1, 1, rows, 0, 2, 1, x, 2, 1, NULL, 0, 1), LEAFWISE_USAGE, "at least 1");
 
     /* A motion that ends in a finite time: the integrator stays where it came. */
@@ -103,13 +106,19 @@ int main(void) {
     void *ended;
     EXPECT(leafwise_integrator_new(scene, NULL, 0, 1, &shared), LEAFWISE_DONE, "");
     pthread_create(&thread, NULL, steps, NULL);
-    while (is_stepping != 2) {
-        LeafwiseCode code = leafwise_integrator_state(shared, x, 2, 1);
+    /* However slow the machine is: until the other thread was met within its steps. */
+    LeafwiseCode code;
+    do {
+        code = leafwise_integrator_state(shared, x, 2, 1);
         if (code != LEAFWISE_DONE && code != LEAFWISE_BUSY) failures++;
-    }
+    } while (code == LEAFWISE_DONE);
+    if (!strstr(leafwise_last_error(), "another thread")) failures++;
+    is_over = 1;
     pthread_join(thread, &ended);
     if (ended) failures++;
     EXPECT(leafwise_integrator_state(shared, x, 2, 1), LEAFWISE_DONE, "");
+    EXPECT(leafwise_integrator_steps(shared, &made), LEAFWISE_DONE, "");
+    if (made == 0 || made % 1000) failures++;
     EXPECT(leafwise_free(shared), LEAFWISE_DONE, "");
     EXPECT(leafwise_free(integrator), LEAFWISE_DONE, "");
     EXPECT(leafwise_free(scene), LEAFWISE_DONE, "");

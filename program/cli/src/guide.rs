@@ -84,11 +84,32 @@ pub fn part(page: &str, name: &str) -> Vec<Explained> {
     let row = Some(rows(text, &name)).filter(|found| !found.is_empty());
     let has_name = |section: &&str| {
         let heading = folded(section.lines().next().unwrap_or_default());
-        heading.starts_with('#') && heading.contains(&name)
+        heading.starts_with('#') && has_words(&heading, &name)
     };
     let sections = sections(text).into_iter().filter(has_name).map(readable);
     let texts = row.into_iter().chain(sections);
     texts.map(|text| Explained { page, text }).collect()
+}
+
+/// Whether a heading has words one after the other, the last in the singular or the plural.
+fn has_words(heading: &str, words: &str) -> bool {
+    let spaced = |text: &str| {
+        let letters = text.chars();
+        let plain = |letter: char| {
+            if letter.is_alphanumeric() {
+                letter
+            } else {
+                ' '
+            }
+        };
+        let text: String = letters.map(plain).collect();
+        format!(
+            " {} ",
+            text.split_whitespace().collect::<Vec<_>>().join(" ")
+        )
+    };
+    let (heading, words) = (spaced(heading), spaced(words));
+    heading.contains(&words) || heading.contains(&format!("{}s ", words.trim_end()))
 }
 
 /// A word in small letters without the accents of Latin ones.

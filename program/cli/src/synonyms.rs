@@ -29,7 +29,19 @@ const fn leads(
 }
 
 /// A word may stand in several rows: all parts are printed.
-const SYNONYMS: [Synonym; 24] = [
+const SYNONYMS: [Synonym; 26] = [
+    leads(
+        &["plot", "figure", "figures", "pdf"],
+        "read-the-report",
+        "figures for a paper",
+        "leafwise plot",
+    ),
+    leads(
+        &["orbit", "orbits", "periodic", "floquet"],
+        "orbits",
+        "periodic orbits",
+        "Newton",
+    ),
     leads(
         &["sign", "signs", "backward", "backwards", "reversed"],
         "define-a-system",
@@ -225,9 +237,9 @@ fn synonyms(word: &str) -> Vec<Explained> {
 
 /// Parts of the pages that explain a word.
 ///
-/// 1. The page of that name.
-/// 2. Rows of tables that begin with the word, and sections whose headings have it.
-/// 3. Parts of which it is an everyday word.
+/// 1. The page of that name, alone.
+/// 2. Parts of which it is an everyday word.
+/// 3. Rows of tables that begin with the word, and sections whose headings have it.
 pub fn explained(word: &str) -> Vec<Explained> {
     let word = folded(word.trim());
     if let Some((page, text)) = PAGES.into_iter().find(|(name, _)| *name == word) {
@@ -236,20 +248,21 @@ pub fn explained(word: &str) -> Vec<Explained> {
             text: readable(text),
         }];
     }
-    let found: Vec<Explained> = named(&word).collect();
-    if !found.is_empty() {
-        return found;
-    }
     let spaced = word.replace(['-', '_'], " ");
-    let mut forms = [&word, &spaced].into_iter();
-    let found = forms.find_map(|word| Some(synonyms(word)).filter(|found| !found.is_empty()));
-    found.unwrap_or_default()
+    let mut found: Vec<Explained> = Vec::new();
+    let meant = synonyms(&word).into_iter().chain(synonyms(&spaced));
+    for part in meant.chain(named(&word)) {
+        if found.iter().all(|known| known.text != part.text) {
+            found.push(part);
+        }
+    }
+    found
 }
 
 #[cfg(test)]
 mod tests {
     use super::{SYNONYMS, explained};
-    use crate::guide::{PAGES, named, part};
+    use crate::guide::{PAGES, part};
 
     /// Each leads to a part that contains the answer, and is found by each of its words.
     #[test]
@@ -263,9 +276,7 @@ mod tests {
                 let is_led = found
                     .iter()
                     .any(|found| parts.iter().any(|part| part.text == found.text));
-                // A word that stands in the guide itself stands for itself.
-                let leads = is_led || named(word).next().is_some();
-                assert!(leads, "{word}");
+                assert!(is_led, "{word}");
             }
         }
     }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use leafwise_core::SolverStatistics;
 use leafwise_core::walk::Checkpoint as IntegratorState;
-use leafwise_walk::{Deviation, PacedSteps, Past, Side, StepStart};
+use leafwise_walk::{Deviation, PacedSteps, Past, Side, StepStart, StopPlace};
 use serde::{Deserialize, Serialize};
 
 use super::appended::Vouched;
@@ -62,6 +62,8 @@ pub(super) struct Checkpoint {
     pub side: Side,
     /// Values of the difference of the condition that ends the run.
     pub stop: Past,
+    /// Where the condition has ended the run between two steps.
+    pub stopped: Option<StopPlace>,
     /// The state before the last step.
     pub start: StepStart,
     /// Vectors of indicators of chaos.
@@ -183,6 +185,11 @@ mod tests {
             crossings: 3,
             side: Side::begin(-1.0),
             stop: Past::begin(-0.5).then(f64::INFINITY),
+            stopped: Some(StopPlace {
+                steps: 7,
+                time: 0.65,
+                state: vec![0.1, 0.2],
+            }),
             start: StepStart {
                 state: vec![0.1, 0.2],
                 compensation: vec![0.0, -1e-18],

@@ -66,6 +66,16 @@ impl Failure {
                 state: state.to_vec(),
                 hint: "end the run before, by a condition that holds near rest, as stop = \"p^2/2 + q < 1e-6\"".to_owned(),
             },
+            Fault::TooMany(..) => Self {
+                message: fault.to_string(),
+                step: steps + 1,
+                time,
+                state: state.to_vec(),
+                hint: format!(
+                    "reduce {}, or move the surface away from where the event leads",
+                    step_key(run)
+                ),
+            },
             fault => Self {
                 message: fault.to_string(),
                 step: steps + 1,

@@ -106,6 +106,9 @@ fn nodes_of(
     }
 }
 
+/// Nodes for each row of a list, at most, that are made room for.
+const MOST_NODES_A_ROW: u128 = 1000;
+
 /// A row for each node: its place on every axis, and the value there.
 struct List {
     /// The columns of the places, in the order of the axes.
@@ -181,7 +184,20 @@ impl List {
         axes: &[GridAxis<'_>],
         shape: &[usize],
     ) -> Result<NumberArray, String> {
-        let mut numbers = vec![f64::NAN; shape.iter().product()];
+        let rows = table.rows.len();
+        let missing = |count: u128| {
+            let lengths: Vec<String> = shape.iter().map(usize::to_string).collect();
+            format!(
+                "it is a list with {rows} rows, and {count} nodes of {} are missing: every node needs one row",
+                lengths.join(" × ")
+            )
+        };
+        let nodes = shape.iter().map(|nodes| *nodes as u128).product::<u128>();
+        // Places without an order have many more nodes than rows: those are not made room for.
+        if nodes > MOST_NODES_A_ROW * rows as u128 {
+            return Err(missing(nodes - rows as u128));
+        }
+        let mut numbers = vec![f64::NAN; nodes as usize];
         for (row, number) in table.rows.iter().zip(1..) {
             let mut place = 0;
             for ((axis, at), nodes) in axes.iter().zip(&self.places).zip(shape) {
@@ -200,14 +216,9 @@ impl List {
             }
             numbers[place] = row[self.value];
         }
-        let missing = numbers.iter().filter(|number| number.is_nan()).count();
-        if missing > 0 {
-            let lengths: Vec<String> = shape.iter().map(usize::to_string).collect();
-            return Err(format!(
-                "it is a list with {} rows, and {missing} nodes of {} are missing: every node needs one row",
-                table.rows.len(),
-                lengths.join(" × ")
-            ));
+        let count = numbers.iter().filter(|number| number.is_nan()).count();
+        if count > 0 {
+            return Err(missing(count as u128));
         }
         Ok(NumberArray {
             shape: shape.to_vec(),

@@ -1,6 +1,6 @@
 //! Events that change the state: bounces, kicks, resets.
 
-use leafwise_core::BuildError;
+use leafwise_core::{BuildError, StepError};
 
 use super::Watched;
 use super::looks::time_of;
@@ -15,7 +15,8 @@ const MOST: usize = 100;
 /// The part of a step by which the side is found to which a motion leaves a surface.
 const PROBE: f64 = 1.0 / 1_048_576.0;
 
-/// The speed just behind an event, over the mean one of the rest of the step, below which the motion rests on the surface.
+/// The speed just behind an event, over the mean one of the rest of the step, below which the motion rests on the surface. A state on
+/// the surface may be as large a part of a probe's way from it.
 const RESTS: f64 = 1e-3;
 
 impl Watched<'_> {
@@ -115,45 +116,57 @@ impl Watched<'_> {
                     return Ok(());
                 }
             }
-            self.start.put(lane, lanes, &state, whole);
-            let rest = 1.0 - whole;
-            let alone = self.alones.at(lane, &self.start)?;
-            let (values, last) = (&mut alone.events[at], &mut alone.last);
-            let begins = values.at(&state)[0];
-            if rest <= CLOSE {
-                // The next step begins behind the event.
-                let sign = match crossed.is_on(begins, steps) {
-                    true => 0.0,
-                    false => 1.0_f64.copysign(begins),
-                };
-                self.walk.put(lane, &state);
-                self.events[at].sides[lane] = side.behind(crossed, begins, sign).with_step();
-                return Ok(());
-            }
-            let ends = last.part(1.0).and_then(|end| Ok((end, last.part(PROBE)?)));
-            let (mut end, probe) = match ends {
-                Ok(ends) => ends,
+            let begun = self.begin_again(at, lane, &state, whole);
+            let (begins, probe, leads) = match begun? {
+                Ok(begun) => begun,
                 Err(error) => {
                     self.fail_at(lane, error.into(), (time, state));
                     return Ok(());
                 }
             };
-            let leads = values.at(&probe)[0];
+            let (rest, away) = (1.0 - whole, leads - begins);
+            // Time and place are rounded: what is next to the surface beside what the motion makes in a probe is on it.
+            let is_on = crossed.is_on(begins, steps) || begins.abs() < RESTS * away.abs();
+            // The side to which the motion leaves; at rest on the surface it is the one behind the crossing.
+            let leaves = match (is_on, away == 0.0) {
+                (true, true) => across,
+                (true, false) => 1.0_f64.copysign(away),
+                (false, _) => 1.0_f64.copysign(begins),
+            };
+            let alone = self.alones.at(lane, &self.start)?;
+            let (values, last) = (&mut alone.events[at], &mut alone.last);
+            let end = match rest <= CLOSE {
+                true => Ok(state.clone()),
+                false => last.part(1.0),
+            };
+            let mut end = match end {
+                Ok(end) => end,
+                Err(error) => {
+                    self.fail_at(lane, error.into(), (time, state));
+                    return Ok(());
+                }
+            };
             value = values.at(&end)[0];
-            let (mut known, mut sign) = (begins, 1.0_f64.copysign(begins));
-            if crossed.is_on(begins, steps) {
-                let away = leads - begins;
-                sign = 1.0_f64.copysign(away);
+            if rest <= PROBE {
+                // Whatever follows is of the next step.
+                self.walk.put(lane, &end);
+                let known = if is_on { on_side(value, leaves) } else { value };
+                self.events[at].sides[lane] = side.behind(crossed, known, leaves).with_step();
+                return Ok(());
+            }
+            let mut known = begins;
+            if is_on {
+                known = on_side(begins, leaves);
                 let is_back = value * across > 0.0;
                 // It goes through the surface as fast as it is behind it at the end, or else it is pulled there from rest.
-                let rests = away.abs() < RESTS * PROBE * (value - begins).abs();
-                if is_back && rests && (away == 0.0 || sign == across) {
+                let rests = away.abs() * rest < RESTS * PROBE * (value - begins).abs();
+                if is_back && rests && leaves == across {
                     self.fail_at(lane, Fault::Accumulates(text.clone()), (time, state));
                     return Ok(());
                 }
-                if is_back && sign != across {
+                if is_back && leaves != across {
                     // It comes back within the step: what is left of that begins off the surface.
-                    self.start.put(lane, lanes, &probe, whole + PROBE * rest);
+                    self.start.put(lane, lanes, &probe, whole + PROBE);
                     let alone = self.alones.at(lane, &self.start)?;
                     match alone.last.part(1.0) {
                         Ok(further) => end = further,
@@ -167,13 +180,37 @@ impl Watched<'_> {
                 }
             }
             self.walk.put(lane, &end);
-            self.events[at].sides[lane] = side.behind(crossed, known, sign);
+            self.events[at].sides[lane] = side.behind(crossed, known, leaves);
             latest = Some((time, state));
         }
         if let Some(latest) = latest {
-            self.fail_at(lane, Fault::Accumulates(text.clone()), latest);
+            self.fail_at(lane, Fault::TooMany(text.clone(), MOST), latest);
         }
         Ok(())
+    }
+
+    /// Begins what is left of the step at the state behind an event. Tells left − right there, the state a [`PROBE`] of a step
+    /// later, and left − right at that.
+    fn begin_again(
+        &mut self,
+        at: usize,
+        lane: usize,
+        state: &[f64],
+        whole: f64,
+    ) -> Result<Result<(f64, Vec<f64>, f64), StepError>, BuildError> {
+        let lanes = self.walk.lanes();
+        // The length of the probe is that of the whole step, whatever is left of it.
+        self.start.put(lane, lanes, state, 0.0);
+        let alone = self.alones.at(lane, &self.start)?;
+        let values = &mut alone.events[at];
+        let begins = values.at(state)[0];
+        let probe = alone.last.part(PROBE);
+        let begun = probe.map(|probe| {
+            let leads = values.at(&probe)[0];
+            (begins, probe, leads)
+        });
+        self.start.put(lane, lanes, state, whole);
+        Ok(begun)
     }
 
     /// Ends a lane that the condition ends in the part of the last step before an event acts.
@@ -253,4 +290,9 @@ impl Watched<'_> {
             }
         }
     }
+}
+
+/// A value next to zero with the sign of the side to which the motion leaves, whatever rounding has made of it.
+fn on_side(value: f64, side: f64) -> f64 {
+    value.abs().max(f64::MIN_POSITIVE) * side
 }

@@ -89,8 +89,9 @@ impl Watched<'_> {
         for at in 0..self.events.len() {
             let EventLanes { event, values, .. } = &self.events[at];
             let text = event.section.text.clone();
-            let undefined = values.last().iter().map(|value| value.is_nan());
-            let undefined: Vec<bool> = undefined.collect();
+            // Behind left − right of every lane stand the values that the event sets.
+            let differences = values.last().iter().take(self.walk.lanes());
+            let undefined: Vec<bool> = differences.map(|value| value.is_nan()).collect();
             for (lane, is_undefined) in undefined.into_iter().enumerate() {
                 if is_undefined && self.walk.lives(lane) {
                     self.fail(lane, Fault::Undefined(text.clone()), 0);

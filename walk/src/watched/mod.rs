@@ -12,7 +12,7 @@ use crate::alone::Alones;
 use crate::batch::Batch;
 use crate::course::Course;
 use crate::events::{Event, Side};
-use crate::fault::{Ended, Fault, Why};
+use crate::fault::{Ended, Fault, StopPlace, Why};
 use crate::functions::FunctionValues;
 use crate::indicators::{Deviation, Deviations};
 use crate::look::{At, Look};
@@ -76,6 +76,8 @@ pub struct Memory {
     pub paced: PacedSteps,
     /// Values of the condition's difference.
     pub stop: Past,
+    /// Where the condition has ended the walk between two steps.
+    pub stopped: Option<StopPlace>,
     /// Where it stands beside the surface of each event, and how often it has crossed that.
     pub events: Vec<(Side, u64)>,
     /// Samples taken at times.
@@ -277,6 +279,7 @@ impl<'a> Watched<'a> {
             start: self.start.clone(),
             paced: self.paced[0].clone(),
             stop: self.stop_past[0],
+            stopped: self.ended(0).and_then(StopPlace::of),
             events: (self.events.iter())
                 .map(|event| (event.sides[0], event.counts[0]))
                 .collect(),
@@ -309,6 +312,12 @@ impl<'a> Watched<'a> {
         self.start.clone_from(&memory.start);
         self.paced[0].clone_from(&memory.paced);
         self.stop_past[0] = memory.stop;
+        if let Some(stopped) = &memory.stopped {
+            if stopped.state.len() != own {
+                return Err(own);
+            }
+            self.end(0, stopped.clone().into());
+        }
         self.next[0] = memory.samples;
         for (event, (side, count)) in self.events.iter_mut().zip(&memory.events) {
             (event.sides[0], event.counts[0]) = (*side, *count);
@@ -316,13 +325,15 @@ impl<'a> Watched<'a> {
         Ok(())
     }
 
-    /// Looks whether the condition holds after the last step: the first thing behind [`restore`](Self::restore).
+    /// Looks whether the condition holds after the last step, unless it has ended the walk: the first thing behind
+    /// [`restore`](Self::restore).
     ///
     /// # Errors
     /// [`BuildError`] where a function has no evaluator.
     pub fn look_again(&mut self) -> Result<(), BuildError> {
         match self.walk.steps() {
             0 => Ok(()),
+            _ if self.ends[0].is_some() => Ok(()),
             _ => self.look_for_stops(),
         }
     }

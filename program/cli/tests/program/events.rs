@@ -513,3 +513,48 @@ record  = { every = 1 }
     let told = time(&stopped);
     assert!((told - expected).abs() < 1e-13, "{told} {expected}");
 }
+
+/// A run that a condition has ended behind an event, or before one in the same step, is the same run when it is asked for again.
+#[test]
+fn a_stopped_run_with_events_that_act_stays_as_it_is() {
+    for stop in ["p^2/2 + q < 1e-3", "p > 0", "q < 0.005", "q < 0.5"] {
+        let scene = format!(
+            r#"[system]
+variables   = ["q", "p"]
+bracket     = "canonical"
+hamiltonian = "p^2/2 + q"
+[method]
+stepper   = "splitting"
+time-step = 0.05
+[run]
+initial = [1, 0]
+steps   = 600
+section = {{ at = "q = 0", direction = "down", set = {{ p = "-0.9*p" }} }}
+stop    = "{stop}"
+"#
+        );
+        let here = Place::with(&scene);
+        let told = |run: &str| {
+            let said = here.leafwise(&["run", "scene.toml", "--json", "--out", run]);
+            assert_eq!(said.code, Some(0), "{stop}: {}", said.err);
+            let said = said.json();
+            (
+                said["outcome"].clone(),
+                said["time"].clone(),
+                said["final_state"].clone(),
+            )
+        };
+        let first = told("run");
+        assert_eq!(first.0, "stopped", "{stop}");
+        let samples = here.read("run/samples.csv");
+        assert_eq!(told("run"), first, "{stop}");
+        assert_eq!(here.read("run/samples.csv"), samples, "{stop}");
+        // With more steps it is stopped where it was.
+        here.write(
+            "scene.toml",
+            scene.replace("steps   = 600", "steps   = 700"),
+        );
+        assert_eq!(told("run"), first, "{stop}");
+        assert_eq!(here.read("run/samples.csv"), samples, "{stop}");
+    }
+}

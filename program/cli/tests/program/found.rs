@@ -195,7 +195,7 @@ fn casimirs_of_a_scene_are_found() {
     for (text, expected) in [
         (&full, "full rank"),
         (&cubic, "none has degree 2 or less"),
-        (&wrong, "b"),
+        (&wrong, "`b`"),
         (
             &full.replace("casimirs = \"find\"", "casimirs = \"seek\""),
             "\"find\"",

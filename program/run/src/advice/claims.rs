@@ -78,7 +78,9 @@ pub(crate) fn casimir_drift(
 ) -> Option<Advice> {
     let structure = run.method.map().properties().structure;
     let is_kept = matches!(structure, Structure::Exact | Structure::Leaves);
-    if !is_kept || run.method.lattice().is_some() || invariants.len() < 2 {
+    // Events change Casimirs by what they are.
+    let has_acts = run.plan.events.act.is_some();
+    if !is_kept || has_acts || run.method.lattice().is_some() || invariants.len() < 2 {
         return None;
     }
     let parameters = run.system.parameter_values();

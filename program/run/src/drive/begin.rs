@@ -86,6 +86,7 @@ impl<'a> Session<'a> {
             start: checkpoint.start.clone(),
             paced: checkpoint.paced.clone(),
             stop: checkpoint.stop,
+            stopped: checkpoint.stopped.clone(),
             events: section
                 .map(|_| (checkpoint.side, checkpoint.crossings))
                 .into_iter()

@@ -204,6 +204,71 @@ record  = { times = [1.5, 5.5, 19.5] }
     assert_eq!(tensor_of(&of_energy), ActTensor::Kept);
 }
 
+/// Kicks of every period against the standard map, whatever part of a step a period is: within steps and at their ends.
+#[test]
+fn no_kick_is_lost_or_made_twice() {
+    let (mut kicks, mut at_ends) = (0, 0);
+    for step in [1_u32, 5, 7, 10, 11, 15, 20, 30, 70] {
+        for period in [7_u32, 10, 11, 20, 25, 50, 70, 100, 110] {
+            // Of steps that are longer the function of the time is not resolved.
+            if 3 * step > 2 * period {
+                continue;
+            }
+            // The end is between two kicks.
+            let Some(steps) = (280..290).find(|n| (n * step) % period != 0) else {
+                continue;
+            };
+            let end = steps * step;
+            for backwards in [1.0, -1.0] {
+                let text = format!(
+                    r#"
+[system]
+variables   = ["q", "p"]
+parameters  = {{ T = {} }}
+bracket     = "canonical"
+hamiltonian = "p^2/2 + 0*t"
+[method]
+stepper   = "splitting"
+time-step = {:?}
+[run]
+initial = [0.3, 0.2]
+steps   = {steps}
+section = {{ at = "sin(pi*t/T) = 0", set = {{ p = "p + 0.01*sin(q)" }} }}
+"#,
+                    f64::from(period) / 100.0,
+                    backwards * f64::from(step) / 100.0,
+                );
+                let run = recorded(&text).unwrap_or_else(|error| panic!("{text}: {error}"));
+                assert_eq!(run.report.outcome, RunOutcome::Done, "{text}");
+                let (mut q, mut p, mut before) = (0.3, 0.2, 0.0);
+                let count = (end - 1) / period;
+                for k in 1..=count {
+                    let t = backwards * f64::from(k * period) / 100.0;
+                    q += p * (t - before);
+                    p += 0.01 * libm::sin(q);
+                    before = t;
+                    kicks += 1;
+                    at_ends += u32::from((k * period) % step == 0);
+                }
+                q += p * (backwards * f64::from(end) / 100.0 - before);
+                let crossings = run.crossings.expect("a section");
+                let times: Vec<f64> = crossings.iter().step_by(4).copied().collect();
+                assert_eq!(times.len(), count as usize, "{text}: {times:?}");
+                let [.., last_q, last_p] = run.report.final_state[..] else {
+                    panic!("two coordinates");
+                };
+                // Rounding of times and places, a kick each, over times that kicks of 0.01 magnify by less than e^√(0.01 t/T) t.
+                let close = 1e-15 * f64::from(count) * f64::from(steps) * (1.0 + q.abs());
+                assert!(
+                    (last_q - q).abs() < close && (last_p - p).abs() < close,
+                    "{text}: {last_q} {last_p} for {q} {p}"
+                );
+            }
+        }
+    }
+    assert!(kicks > 6000 && at_ends > 2500, "{kicks} {at_ends}");
+}
+
 /// A billiard in a circle: the tensor by differences of the whole run, the angular momentum, and the mirror's law against its retro-reflection.
 #[test]
 fn a_billiard_is_a_poisson_map() {
@@ -290,12 +355,36 @@ fn what_cannot_act_is_refused() {
         "stepper = \"implicit-midpoint\"",
     );
     assert!(refused(&paced).contains("not offered with a pace"));
+    let exact = ball("1", "steps = 9").replace("time-step", "energy = \"exact\"\ntime-step");
+    let body = exact.replace(
+        "variables   = [\"q\", \"p\"]\nbracket     = \"canonical\"\nhamiltonian = \"p^2/2 + q\"",
+        "variables = [\"x1\", \"x2\", \"x3\"]\nbracket = { lie-algebra = \"so3\" }\nhamiltonian = \"x1^2 + x2^2/2 + x3^2/3\"\n\
+         casimirs = { size2 = \"x1^2 + x2^2 + x3^2\" }",
+    );
+    let body = body
+        .replace("initial = [1, 0]", "initial = [1, 3, 3]")
+        .replace("q = 0", "x1 = 0")
+        .replace("p = \"-1*p\"", "x2 = \"-x2\"");
+    assert!(
+        refused(&body).contains("not offered with exact energy"),
+        "{}",
+        refused(&body)
+    );
     let chaos = ball("1", "steps = 9\nrecord = { observables = [\"megno\"] }");
     assert!(refused(&chaos).contains("not offered with indicators"));
     let unknown = ball("1", "steps = 9").replace("{ p = ", "{ v = ");
     assert!(refused(&unknown).contains("`v`"), "{}", refused(&unknown));
     let none = ball("1", "steps = 9").replace("{ p = \"-1*p\" }", "{}");
     assert_eq!(refused(&none), "`set` changes nothing");
+}
+
+/// A change that has no value where the run begins has one on the surface.
+#[test]
+fn changes_need_values_on_their_surface_alone() {
+    let text = ball("1", "steps = 40").replace("-1*p", "sqrt(p^2 - 0.01)");
+    let run = recorded(&text).expect("a run");
+    assert_eq!(run.report.outcome, RunOutcome::Done);
+    assert!(run.crossings.is_some_and(|rows| rows.len() > 4));
 }
 
 /// What an event does to the energy is no error of the method, and a parameter that it names is used.

@@ -13,7 +13,7 @@ use super::geometry::geometry;
 use super::names::{check_code, function, refusal, with_families};
 use super::observables::Observable;
 use super::states::RecordedStates;
-use crate::document::{Located, Place, SceneDocument, Source, nearest};
+use crate::document::{BracketSpec, Located, Place, SceneDocument, Source, nearest};
 
 /// Events that a run watches: its stop and its section.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -74,7 +74,9 @@ impl Events {
         system: &PoissonSystem,
         initial: &[f64],
     ) {
-        if let (Some(section), Some(act)) = (&self.section, &self.act) {
+        // The tensor of a contact scene is that of its homogeneous system.
+        let is_contact = matches!(document.system.bracket.value, BracketSpec::Contact(_));
+        if let (Some(section), Some(act), false) = (&self.section, &self.act, is_contact) {
             let step = &document.method.step;
             let step = step.epsilon() * step.h();
             let (own, parameters) = (document.system.coordinates(), system.parameter_values());

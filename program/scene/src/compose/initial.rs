@@ -43,15 +43,18 @@ pub fn state_beside(
 ) -> Result<Vec<f64>, Refusal> {
     let (lattice, dimension) = (geometry(document), document.system.dimension());
     let parameters = document.system.parameters.iter();
-    let mut values = others.to_vec();
-    values.resize(dimension, 0.0);
     let mut state = State {
         document,
         scope: scope(document, &lattice, None)?,
         parameters: parameters.map(|(_, value)| value.value.value).collect(),
-        values,
-        given_by: vec![BESIDE; dimension],
+        values: vec![0.0; dimension],
+        given_by: vec![0; dimension],
     };
+    for family in parameters_of_sites(document)? {
+        state.assign_all(&family)?;
+    }
+    state.values[..others.len()].copy_from_slice(others);
+    state.given_by[..others.len()].fill(BESIDE);
     state.assign_spec(spec)?;
     state.values.truncate(others.len());
     Ok(state.values)

@@ -239,14 +239,26 @@ fn compose_at_its_values(
         (system, &composed.initial),
     )?;
     let section = document.run.section.as_ref();
+    let beside = [
+        (
+            !indicators.is_empty(),
+            "indicators of chaos",
+            "take the indicators out of the observables",
+        ),
+        (
+            exact.is_some(),
+            "exact energy, which would take back what they change",
+            "take `energy` out of the method",
+        ),
+    ];
     if let Some(set) = section.and_then(|section| section.set.as_ref())
-        && !indicators.is_empty()
+        && let Some((_, what, help)) = beside.into_iter().find(|(is_there, ..)| *is_there)
     {
         return Err(Box::new(document.diagnostic(
             &set.place(),
-            "events that change the state are not offered with indicators of chaos",
+            format!("events that change the state are not offered with {what}"),
             "here",
-            Some("take the indicators out of the observables".to_owned()),
+            Some(help.to_owned()),
         )));
     }
     let states = recorded_states(document)?;

@@ -1,5 +1,7 @@
 //! The Poisson system of a scene, with its initial state.
 
+use std::collections::BTreeSet;
+
 use leafwise_core::PoissonSystem;
 use leafwise_core::lattice::LatticeSource;
 
@@ -18,7 +20,7 @@ use super::lattice_noise::site_channels;
 use super::names::{check_names, parse};
 use super::observables::{Observable, observables};
 use super::time::check_begin;
-use crate::document::{FieldSpec, SceneDocument};
+use crate::document::{FieldSpec, Located, SceneDocument};
 
 /// A scene's system and where it starts.
 #[derive(Clone, Debug)]
@@ -113,10 +115,9 @@ pub(super) fn check_contradictions(document: &SceneDocument) -> Result<(), Refus
 /// ensemble would have to form anew for each member.
 pub(super) fn check_sites(document: &SceneDocument) -> Result<(), Refusal> {
     let system = &document.system;
-    let Some((key, _)) = system.sites.first() else {
-        return Ok(());
-    };
-    if has_forms(&system.bracket.value, &system.constraints) {
+    if let Some((key, _)) = system.sites.first()
+        && has_forms(&system.bracket.value, &system.constraints)
+    {
         return Err(Box::new(
             document.diagnostic(
                 &key.place(),
@@ -137,8 +138,7 @@ pub(super) fn check_sites(document: &SceneDocument) -> Result<(), Refusal> {
     let fields = system.sites.iter().map(|(_, field)| field);
     let matrices = system.matrices.iter().map(|matrix| &matrix.field);
     for formula in fields.chain(matrices).filter_map(FieldSpec::formula) {
-        let names = parse(document, formula)?;
-        let names = names.references();
+        let names = names_behind(document, formula)?;
         if let Some(name) = varied.iter().find(|name| names.contains(**name)) {
             return Err(Box::new(document.diagnostic(
                 &document.place_in_formula(formula, 0..formula.value.len()),
@@ -151,6 +151,25 @@ pub(super) fn check_sites(document: &SceneDocument) -> Result<(), Refusal> {
         }
     }
     Ok(())
+}
+
+/// The names of a formula, and of the definitions that it uses.
+fn names_behind(
+    document: &SceneDocument,
+    formula: &Located<String>,
+) -> Result<BTreeSet<String>, Refusal> {
+    let mut found = BTreeSet::new();
+    let mut waiting = vec![formula];
+    while let Some(formula) = waiting.pop() {
+        for name in parse(document, formula)?.references() {
+            if found.insert(name.to_owned()) {
+                let define = document.system.define.iter();
+                let own = define.filter(|(known, _)| known.value == name);
+                waiting.extend(own.map(|(_, formula)| formula));
+            }
+        }
+    }
+    Ok(found)
 }
 
 /// The system with its families written out at their true lengths.

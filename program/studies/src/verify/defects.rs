@@ -34,8 +34,8 @@ impl StepDefect {
 /// Steps an eighth of an octave apart, from eight times the problem's down to a 64th of it.
 const SIZES: u32 = 72;
 
-/// No round-off of a defect is larger: half of the digits.
-const CANCELLED: f64 = 1e-8;
+/// No round-off of a defect is larger. Terms of charge over mass cancel in guiding centres in SI units, and put 4e-11 into it.
+const CANCELLED: f64 = 1e-10;
 
 /// Round-off of a relative defect, at least and at most.
 const PLATEAU: [f64; 2] = [8.0 * f64::EPSILON, Defect::ROUND_OFF];

@@ -5,7 +5,7 @@ use std::fs;
 use leafwise_core::Registry;
 
 use super::{compose, compose_system, document, refusal};
-use crate::compose::SceneChecks;
+use crate::compose::{SceneChecks, state_beside};
 use crate::document::SceneDocument;
 
 const CHAIN: &str = "families = { q = 4, p = 4 }\nbracket = { \"q[i],p[i]\" = \"-1\" }\n\
@@ -299,4 +299,48 @@ fn keys_that_give_a_site_two_values_are_refused_by_both_names() {
         "{}",
         refused.message
     );
+}
+
+/// An ensemble forms values of sites and of pairs once: they name no parameter that differs from member to member, by no definition.
+#[test]
+fn values_that_would_differ_from_member_to_member_are_refused() {
+    let ensemble = "[ensemble]\nmembers = 2\n[ensemble.parameters]\ng = { uniform = [1, 3] }\n";
+    for (parameters, define) in [
+        ("g = 1, \"J[i]\" = \"g\"", ""),
+        ("g = 1, \"J[i]\" = \"2*k\"", "define = { k = \"g + 1\" }"),
+        ("g = 1, \"J[i]\" = 1, \"M[i,j]\" = \"g\"", ""),
+        (
+            "g = 1, \"M[i,j]\" = \"k\"",
+            "define = { m = \"g\", k = \"m\" }",
+        ),
+    ] {
+        let system = match parameters.contains("J[i]") {
+            true => chain(parameters),
+            false => chain(parameters).replace("J[i]*", ""),
+        };
+        let document = document(
+            &format!("{system}\n{define}"),
+            &format!("{START}\n{ensemble}"),
+        );
+        let refusal = compose(&document, &Registry::with_builtin())
+            .err()
+            .expect(parameters);
+        assert!(
+            refusal.message.contains("differs from member to member"),
+            "{parameters}: {}",
+            refusal.message
+        );
+    }
+}
+
+/// A state beside others has the parameters of sites as they are.
+#[test]
+fn a_centre_may_name_parameters_of_sites() {
+    let document = document(
+        &chain("\"J[i]\" = [3, 5, 7, 9]"),
+        "initial = { \"q[i]\" = \"J[i]\", \"p[i]\" = 1 }",
+    );
+    let spec = &document.run.initial;
+    let state = state_beside(&document, spec, &[0.0; 8]).expect("a state");
+    assert_eq!(state, [3.0, 5.0, 7.0, 9.0, 1.0, 1.0, 1.0, 1.0]);
 }
