@@ -38,7 +38,10 @@ const OTHER_MEANINGS: [(&str, &str); 11] = [
         "program/scene/src/document/system_schema.rs",
         "log-canonical",
     ),
-    ("program/scene/src/document/system.rs", "log-canonical"),
+    (
+        "program/scene/src/document/system_checks.rs",
+        "log-canonical",
+    ),
     ("program/scene/src/document/method.rs", "karasev-truncated"),
     ("program/scene/src/document/method.rs", "hamilton-jacobi"),
     ("program/scene/src/document/method.rs", "implicit-midpoint"),

@@ -552,7 +552,7 @@ stop    = "{stop}"
         // With more steps it is stopped where it was.
         here.write(
             "scene.toml",
-            scene.replace("steps   = 600", "steps   = 700"),
+            &scene.replace("steps   = 600", "steps   = 700"),
         );
         assert_eq!(told("run"), first, "{stop}");
         assert_eq!(here.read("run/samples.csv"), samples, "{stop}");

@@ -263,13 +263,17 @@ impl JobSession for Session<'_> {
         if let (Some(asked), Some(directory)) = (self.run.plan.until, &self.folder)
             && !held.has_same_steps
             && is_at_end
-            && !is_stopped
         {
-            return Err(RunError::Beyond {
-                directory: directory.to_path_buf(),
-                reached: self.time(),
-                asked,
-            });
+            let reached = self.status().time;
+            // Where a run has stopped, it ends for all later times.
+            let is_earlier = (asked - reached) * self.run.plan.epsilon * self.run.plan.h < 0.0;
+            if !is_stopped || is_earlier {
+                return Err(RunError::Beyond {
+                    directory: directory.to_path_buf(),
+                    reached,
+                    asked,
+                });
+            }
         }
         if !(held.is_done && held.is_stopped == is_stopped && is_at_end) {
             return Ok(None);
