@@ -369,3 +369,83 @@ fn regions_that_are_none_are_named() {
     assert!(said(vec![(0.0, 1.0)], None).contains("1 degrees or bounds for 2 variables"));
     assert!(said(vec![(0.0, 1.0); 2], Some(1_000_000)).contains("more than 100000"));
 }
+
+/// No pair, and too few states to keep one that measures the table.
+#[test]
+fn counts_without_a_table_are_named() {
+    let run = composed(&field_line());
+    let place = Place::new(
+        "[system]\nvariables = [\"th\", \"I\"]\nbracket = { \"th,I\" = \"1\" }\nhamiltonian = \"0\"\n",
+        "constant",
+        "[0, 0.5]",
+    );
+    let steps = ManySteps {
+        map: run.method.map(),
+        parameters: &[],
+        step: (1.0, run.plan.h),
+        count: 2,
+        beside: &run.plan.initial[2..],
+    };
+    let of = |region, pairs| {
+        let options = angle_and_action(2, 2);
+        let (system, realization) = (&place.system, &place.realization);
+        let table = tabulate(system, realization, &steps, &region, pairs, &options);
+        table.err().expect("refused")
+    };
+    let whole = Region::Box(vec![(0.0, 1.0); 2]);
+    assert!(matches!(of(whole, Some(0)), LearnError::NoPairs));
+    for count in [0, 2, 4] {
+        let states = Region::States(vec![vec![0.1, 0.5]; count]);
+        let error = of(states, None);
+        assert!(
+            matches!(error, LearnError::FewStates { states, least: 5 } if states == count),
+            "{error}"
+        );
+    }
+}
+
+/// A box far from 0 and narrow: of p = 1234.567 ± 0.001 the table is as good as of ± 0.001, where every number is the same but for its round-off. That is
+/// 1e-10 of the box: 2e-13 of 1e-3.
+#[test]
+fn a_narrow_box_far_from_zero() {
+    let mut about_zero = None;
+    for middle in [0.0, 1234.567] {
+        let text = format!(
+            "[system]\nvariables = [\"q\", \"p\"]\nbracket = {{ \"q,p\" = \"1\" }}\nconvention = \"{{x,H}}\"\nhamiltonian = \"1e-6*sin(1000*(p - {middle:?}))\"\n"
+        );
+        let run = composed(&format!(
+            "{text}[method]\nrealization = \"constant\"\ndynamics = \"hamilton-jacobi\"\ntime-step = 0.1\n[run]\ninitial = [0, {middle:?}]\nsteps = 1\n"
+        ));
+        let method = run.method.written().expect("realization and dynamics");
+        let steps = ManySteps {
+            map: run.method.map(),
+            parameters: &[],
+            step: (1.0, 0.1),
+            count: 4,
+            beside: &[],
+        };
+        let axis = |family| BasisAxis {
+            family,
+            has_logarithm: false,
+        };
+        let options = LearnOptions {
+            axes: vec![axis(FunctionFamily::Spline); 2],
+            degree: Some(BasisDegree::Each(vec![1, 8])),
+            ..polynomials(2, 1)
+        };
+        let region = Region::Box(vec![(-1.0, 1.0), (middle - 1e-3, middle + 1e-3)]);
+        let realization = method.shared_realization();
+        let table = tabulate(&run.system, &realization, &steps, &region, None, &options);
+        let table = table.expect("a table");
+        // Each knot lies in the box, and moves states.
+        let functions = table.learned.functions.iter();
+        let knots =
+            functions.filter(|own| own.formula.contains("max(") && !own.formula.contains("q"));
+        assert!(knots.clone().all(|own| own.is_determined), "{middle}");
+        assert_eq!(knots.count(), 3);
+        let first = *about_zero.get_or_insert(table.error);
+        assert!(first < 1e-4 * table.learned.motion, "{first:e}");
+        let far = (table.error - first).abs();
+        assert!(far < 0.01 * first, "{middle}: {first:e} {:e}", table.error);
+    }
+}

@@ -164,3 +164,179 @@ fn what_has_no_table_says_why() {
         assert!(said.err.contains(expected), "{expected}: {}", said.err);
     }
 }
+
+const PENDULUM: &str = "[system]\nvariables = [\"q\", \"p\"]\nbracket = \"canonical\"\nhamiltonian = \"p^2/2 - 0.5*cos(q)\"\n\n[method]\n\
+                        realization = \"auto\"\ndynamics = { name = \"hamilton-jacobi\", order = 4 }\ntime-step = 0.05\n\n\
+                        [run]\ninitial = [0.6, 0]\nsteps = 300\n";
+
+/// A table of 30 steps makes steps of their time alone, back too. What takes other steps refuses it in words, and no advice asks for others.
+#[test]
+fn a_table_holds_for_its_own_step() {
+    let here = Place::with(PENDULUM);
+    let said = here.leafwise(&[
+        "tabulate",
+        "scene.toml",
+        "--steps",
+        "30",
+        "--degree",
+        "8",
+        "--box",
+        "q=-1:1",
+        "--box",
+        "p=-0.8:0.8",
+        "--out",
+        "table.toml",
+        "--json",
+    ]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let error = said.json()["largest_error"].as_f64().expect("a number");
+    assert!(here.read("table.toml").contains("time-step = 1.5"));
+    let said = here.leafwise(&["run", "table.toml", "--out", "table"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    for text in [&said.out, &said.err] {
+        assert!(!text.contains("time-step = "), "{text}");
+    }
+    // The same step backwards is the inverse map.
+    let end = last(&here, "table");
+    let back = [
+        "run",
+        "table.toml",
+        "--set",
+        "method.time-step=-1.5",
+        "--set",
+        &format!("run.initial={end:?}"),
+        "--out",
+        "back",
+        "--quiet",
+    ];
+    let said = here.leafwise(&back);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let begin = last(&here, "back");
+    // Ten solves to round-off each way, of a motion that grows slowly.
+    for (a, b) in begin.iter().zip([0.6, 0.0]) {
+        assert!((a - b).abs() < 1e-12, "{begin:?} {error:e}");
+    }
+    let said = here.leafwise(&[
+        "run",
+        "table.toml",
+        "--set",
+        "method.time-step=0.75",
+        "--out",
+        "half",
+    ]);
+    assert_eq!(said.code, Some(1), "{}", said.out);
+    said.says(&["holds for steps of 1.5 alone, and this one is 0.75"]);
+    // A crossing lies within a step.
+    let cross = "run.section={ at = \"q = 0\" }";
+    let said = here.leafwise(&["run", "table.toml", "--set", cross, "--out", "cross"]);
+    assert_eq!(said.code, Some(1), "{}", said.out);
+    said.says(&["holds for steps of 1.5 alone"]);
+    for arguments in [
+        &["orbit", "table.toml"][..],
+        &["compare", "table.toml"],
+        &["tune", "table.toml", "--error", "1e-6"],
+        &["tune", "table.toml", "--shadow", "1e-6"],
+    ] {
+        let said = here.leafwise(arguments);
+        assert_eq!(said.code, Some(2), "{arguments:?}: {}", said.out);
+        said.says(&["the generating function holds for", "alone"]);
+    }
+    let said = here.leafwise(&["run", "table.toml", "--error", "--out", "error"]);
+    said.says(&["the generating function holds for steps of 1.5 alone"]);
+}
+
+/// Steps over no period of the drive: cos 1.7 t turns by 1.36 in them.
+#[test]
+fn a_table_of_no_period_is_told() {
+    let driven = PENDULUM
+        .replace("0.5*cos(q)", "cos(q) + 0.3*q*cos(1.7*t)")
+        .replace("0.05", "0.1");
+    let here = Place::with(&driven);
+    let box_of = ["--box", "q=-1:1", "--box", "p=-1:1", "--degree", "6"];
+    let said = here.leafwise(&[&["tabulate", "scene.toml", "--steps", "8"][..], &box_of].concat());
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    said.says(&[
+        "the table holds from t = 0 alone",
+        "8 steps from t = 0.8 on",
+    ]);
+    // Whole periods do not.
+    let whole = driven.replace(
+        "0.1\n",
+        &format!("{:?}\n", std::f64::consts::TAU / 1.7 / 16.0),
+    );
+    let here = Place::with(&whole);
+    let own = [
+        "--box",
+        "q=-0.3:0.3",
+        "--box",
+        "p=-0.3:0.3",
+        "--degree",
+        "6",
+    ];
+    let said = here.leafwise(&[&["tabulate", "scene.toml", "--steps", "16"][..], &own].concat());
+    assert!(!said.err.contains("the table holds from"), "{}", said.err);
+}
+
+/// Numbers of pairs and states, ranges and degrees that stand twice, scenes without a table: what is wrong is named.
+#[test]
+fn counts_and_scenes_that_give_no_table() {
+    let here = Place::with(PENDULUM);
+    here.write("four.csv", "q,p\n0,0.1\n0.1,0.1\n0.2,0\n0.3,0\n");
+    here.write(
+        "contact.toml",
+        "[system]\nvariables = [\"q\", \"p\", \"s\"]\nbracket = \"contact\"\nhamiltonian = \"p^2/2 - cos(q) + 0.1*s\"\n[method]\n\
+         realization = \"auto\"\ndynamics = { name = \"hamilton-jacobi\", order = 2 }\ntime-step = 0.1\n[run]\ninitial = [1, 0, 0]\nsteps = 10\n",
+    );
+    for (arguments, told) in [
+        (&["scene.toml", "--pairs", "0"][..], "0 is not in 1.."),
+        (
+            &["scene.toml", "--states", "four.csv"],
+            "a table takes 5 states or more, of which every fifth measures it, and here are 4",
+        ),
+        (
+            &["scene.toml", "--states", "four.csv"],
+            "`leafwise explain tabulate`",
+        ),
+        (
+            &["scene.toml", "--pairs", "1", "--degree", "6"],
+            "1 pair gives 2 equations",
+        ),
+        (
+            &["scene.toml", "--box", "q=-1:1", "--box", "q=-2:2"],
+            "q has a range already",
+        ),
+        (
+            &["scene.toml", "--degree", "q=3,q=4"],
+            "q has a degree already",
+        ),
+        (
+            &["contact.toml"],
+            "the map of a contact bracket is no Poisson map",
+        ),
+    ] {
+        let said = here.leafwise(&[&["tabulate", "--steps", "4"][..], arguments].concat());
+        assert_eq!(
+            said.code,
+            Some(2),
+            "{arguments:?}: {}{}",
+            said.out,
+            said.err
+        );
+        said.says(&[told]);
+        assert!(!said.err.contains("   "), "{}", said.err);
+    }
+    // Three steps are as good as one of three times the length too.
+    let scene = "[system]\nlibrary = \"rigid-body\"\n[method]\nrealization = \"auto\"\ndynamics = { name = \"hamilton-jacobi\", order = 8 }\n\
+                 time-step = 0.05\n[run]\ninitial = [0.3, 0.9, 0.4]\nsteps = 200\n";
+    let here = Place::with(scene);
+    let said = here.leafwise(&[
+        "tabulate",
+        "scene.toml",
+        "--steps",
+        "3",
+        "--degree",
+        "4",
+        "--json",
+    ]);
+    assert_eq!(said.json()["as_good"]["steps"], 1, "{}", said.out);
+}
