@@ -22,6 +22,9 @@ const LONGEST: usize = 80;
 /// Operations of the longest code that is compared with an expansion.
 const MOST_NODES: usize = 1 << 18;
 
+/// S_l and dS_l for l = 1, 3, ….
+type Coefficients<E> = (Vec<E>, Vec<Vec<E>>);
+
 /// graph(dŜ), Ŝ_{ε,h} = Σ_{l odd} ε^{l−1} hˡ S_l by formulas of the coordinates and the system's parameters.
 #[derive(Clone, Debug)]
 pub struct FormulaDynamics {
@@ -74,7 +77,7 @@ impl FormulaDynamics {
         &self,
         algebra: &mut A,
         d: usize,
-    ) -> Result<(Vec<A::Element>, Vec<Vec<A::Element>>), BuildError> {
+    ) -> Result<Coefficients<A::Element>, BuildError> {
         let mut coefficients = Vec::with_capacity(self.coefficients.len());
         let mut gradients = Vec::with_capacity(self.coefficients.len());
         for formula in &self.coefficients {

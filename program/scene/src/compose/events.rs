@@ -40,7 +40,7 @@ pub fn refuse_acts(document: &SceneDocument, what: &str, help: &str) -> Result<(
         None => Ok(()),
         Some(set) => Err(Box::new(document.diagnostic(
             &set.place(),
-            &format!("{what} where events change the state"),
+            format!("{what} where events change the state"),
             "here",
             Some(help.to_owned()),
         ))),

@@ -145,6 +145,12 @@ fn refuse(document: &SceneDocument, run: &ComposedRun) -> Result<(), Failure> {
             "tabulate a scene with a Poisson bracket",
         ));
     }
+    if document.method.exact_energy.is_some() {
+        return Err(Failure::usage(
+            "with energy = \"exact\" every step adds Casimirs of its own to H, and its map is no Poisson map, nor is a table",
+            "take method.energy out",
+        ));
+    }
     if run.method.lattice().is_some() {
         return Err(Failure::usage(
             "a lattice that is not written out has no table",
@@ -283,7 +289,7 @@ fn no_period(table: &Tabulated, steps: &ManySteps<'_>) -> Option<String> {
     let (sum, count) = apart.fold((0.0, 0_u32), |(sum, count), square| {
         (sum + square, count + 1)
     });
-    let apart = (sum / f64::from(count.max(1))).sqrt();
+    let apart = libm::sqrt(sum / f64::from(count.max(1)));
     let least = table.error.max(ROUNDED * table.learned.motion);
     (apart > least || apart.is_nan()).then(|| {
         format!(
