@@ -208,6 +208,16 @@ fn mistakes_in_formulas_are_refused_where_they_stand() {
     assert!(of("[\"2*H\"]").0.contains("another motion"));
     assert!(of("[]").0.contains("it needs `S`"));
     assert!(of("[\"H/0\"]").0.contains("division"));
+    for length in ["-0.1", "inf"] {
+        let dynamics =
+            format!("{{ name = \"generating-function\", S = [\"H\"], time-step = {length} }}");
+        let (message, _) = refused(&exact, &dynamics);
+        let named = format!("time-step = {length} is not allowed");
+        assert!(
+            message.contains(&named) || message.contains("finite"),
+            "{message}"
+        );
+    }
     let (message, _) = refused("{ name = \"closed-form\" }", ENERGY);
     assert!(message.contains("it needs `alpha`"), "{message}");
     let (message, _) = refused(&closed_form(&cayley("1/4"), ", order = -1"), ENERGY);
@@ -290,4 +300,26 @@ fn the_domain_and_beta_are_the_scenes_too() {
     assert!(bounded(1.0).is_ok());
     let error = bounded(0.01).expect_err("outside the chart").to_string();
     assert!(error.contains("chart"), "{error}");
+}
+
+/// A power of q − 1000 whose expansion cancels is taken as it is written: a quartic well about 1000 moves as about 0, to the round-off of q, 1e-13, and what a
+/// hundred steps of 0.1 make of it: at most a hundred times as much each, for its frequency is below 1.
+#[test]
+fn a_well_far_from_zero_moves_as_about_zero() {
+    let moved = |middle: f64| {
+        let text = format!(
+            "[system]\nvariables = [\"q\", \"p\"]\nbracket = {{ \"q,p\" = \"1\" }}\nconvention = \"{{x,H}}\"\nhamiltonian = \"p^2/2 + (q - {middle:?})^6/6\"\n\
+             [method]\nrealization = \"constant\"\ndynamics = {{ name = \"generating-function\", S = [\"H\"] }}\ntime-step = 0.1\n\
+             [run]\ninitial = [{:?}, 0]\nsteps = 100\n",
+            middle + 0.5
+        );
+        let run = compose(&document(&text, &[]), &Registry::with_builtin()).expect("a run");
+        let mut walk = run.walk();
+        walk.advance(100).expect("steps");
+        [walk.state()[0] - middle, walk.state()[1]]
+    };
+    let (near, far) = (moved(0.0), moved(1000.0));
+    for (a, b) in near.iter().zip(far) {
+        assert!((a - b).abs() < 1e-9, "{near:?} {far:?}");
+    }
 }

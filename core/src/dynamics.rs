@@ -17,6 +17,10 @@ pub trait DynamicApproximation: Send + Sync + std::fmt::Debug {
     fn properties(&self) -> DynamicsProperties;
     /// One line for reports: name and order.
     fn describe(&self) -> String;
+    /// The length |εh| of the only steps that its map holds for; `None` where all are made, as by default.
+    fn time_step(&self) -> Option<f64> {
+        None
+    }
     /// The bisection for this system and realization.
     ///
     /// # Errors

@@ -4,6 +4,7 @@ use leafwise_expression::graph::lift;
 use leafwise_expression::{Arithmetic, Graph, Polynomial, Rational, Ring, Term};
 
 use crate::error::BuildError;
+use crate::system::{Agreement, SystemFormulas};
 
 /// Ŝ_{ε,h} = Σ_{l odd} ε^{l−1} hˡ S_l in one of its forms.
 #[derive(Clone, Debug)]
@@ -120,4 +121,31 @@ pub struct GeneratingFunction {
     pub coefficients: Vec<Polynomial>,
     /// dS_1, dS_3, …: d components each.
     pub gradients: Vec<Vec<Polynomial>>,
+}
+
+/// Largest ratio of h² dS_{l+2} to dS_l at steps that a series serves: about θ²/24 where a step turns by θ.
+const NEXT_ORDER: f64 = 1.0 / 16.0;
+
+impl GeneratingFunction {
+    /// Whether the expanded dS_l have the values of those of the code at points about the system's state, and round as
+    /// well. An expansion that cancels, such as that of a power of q − 1000, is right and of no use.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where an adjoined function has no code.
+    pub fn rounds_as(
+        &self,
+        code: &GeneratingCode,
+        system: &SystemFormulas,
+    ) -> Result<bool, BuildError> {
+        let mut graph = code.graph.clone();
+        let x: Vec<Term> = (0..system.dimension()).map(|i| graph.input(i)).collect();
+        let one = graph.one();
+        let expanded = self.gradients.iter().flatten();
+        let outputs: Vec<_> = expanded.map(|f| vec![(one.clone(), f.clone())]).collect();
+        let made = lift(&mut graph, &self.ring, &outputs, &x)?;
+        let expected: Vec<Term> = code.gradients.iter().flatten().cloned().collect();
+        let d = system.dimension();
+        let share = |at: usize| (0..at / d).fold(1.0, |share, _| share * NEXT_ORDER);
+        Ok(system.agreement_of_parts(&graph, &made, &expected, share) == Agreement::Same)
+    }
 }

@@ -22,6 +22,7 @@ use crate::solver::{
     Stepper, Structure, Uncoupled, Walls, by_parameters, check_variables, keeping_signs,
     kept_signs,
 };
+use crate::step_map::of_one_length;
 use crate::system::PoissonSystem;
 
 /// φ̂_{ε,h} = α̂_ε ∘ (β̂_ε|_L)⁻¹ (paper, Definition 2.4 and Algorithm 1): given x_k, find y with
@@ -58,6 +59,9 @@ const NO_POINTS: &str = "the bisection offers neither code nor numbers";
 /// The reason where a bisection is one of a lift that is not there.
 const NO_LIFT: &str =
     "it steps in coordinates with a constant tensor, and the realization has no lift into such";
+
+/// Subject of the message where a step has another length than those that the dynamics holds for.
+const THE_FUNCTION: &str = "the generating function";
 
 /// How a step is computed.
 #[derive(Clone)]
@@ -496,9 +500,13 @@ impl StepMap for Method {
             None => stepper,
             Some(poles) => Checked::boxed(stepper, Arc::clone(poles).make(lanes, parameters)),
         };
-        match &self.walls {
+        let stepper = match &self.walls {
             None => stepper,
             Some(walls) => Checked::boxed(stepper, Arc::clone(walls).make(lanes, parameters)),
+        };
+        match self.dynamics.time_step() {
+            None => stepper,
+            Some(length) => of_one_length(stepper, THE_FUNCTION, length, epsilon * h),
         }
     }
 

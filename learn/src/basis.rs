@@ -88,9 +88,9 @@ struct AxisMembers {
     scale: f64,
     /// 2π/period.
     frequency: f64,
-    /// u = rate x − shift.
+    /// u = rate (x − middle).
     rate: f64,
-    shift: f64,
+    middle: f64,
     /// u of the knots.
     knots: Vec<f64>,
 }
@@ -121,7 +121,7 @@ impl Basis {
                 _ => 1.0,
             };
             let mut frequency = 1.0;
-            let (rate, shift) = centred(least, largest);
+            let (rate, middle) = centred(least, largest);
             let mut knots = Vec::new();
             let mut members: Vec<Member> = match axis.family {
                 FunctionFamily::Polynomial => (1..=most).map(Member::Power).collect(),
@@ -154,7 +154,7 @@ impl Basis {
                 scale,
                 frequency,
                 rate,
-                shift,
+                middle,
                 knots,
             });
         }
@@ -296,12 +296,12 @@ impl AxisMembers {
                 (below * u, f64::from(k) * below / self.scale)
             }
             Member::Centred(k) => {
-                let u = self.rate * x - self.shift;
+                let u = self.rate * (x - self.middle);
                 let below = power(u, k - 1);
                 (below * u, f64::from(k) * below * self.rate)
             }
             Member::Knot(k) => {
-                let u = (self.rate * x - (self.shift + self.knots[k as usize])).max(0.0);
+                let u = (self.rate * (x - self.middle) - self.knots[k as usize]).max(0.0);
                 let below = power(u, PIECE - 1);
                 (below * u, f64::from(PIECE) * below * self.rate)
             }
@@ -327,6 +327,11 @@ impl AxisMembers {
             true => name.to_owned(),
             false => format!("{factor:?}*{name}"),
         };
+        let centred = || match (self.middle, self.rate) {
+            (0.0, rate) => times(rate),
+            (middle, 1.0) => format!("{name}{}", less(middle)),
+            (middle, rate) => format!("{rate:?}*({name}{})", less(middle)),
+        };
         match member {
             Member::Power(1) => name.to_owned(),
             Member::Power(k) => format!("{name}^{k}"),
@@ -336,11 +341,11 @@ impl AxisMembers {
                 } else {
                     format!("^{k}")
                 };
-                format!("({}{}){power}", times(self.rate), less(self.shift))
+                format!("({}){power}", centred())
             }
             Member::Knot(k) => {
-                let shift = self.shift + self.knots[k as usize];
-                format!("max({}{}, 0)^{PIECE}", times(self.rate), less(shift))
+                let knot = less(self.knots[k as usize]);
+                format!("max({}{knot}, 0)^{PIECE}", centred())
             }
             Member::Exponential(k) => format!("exp({})", times(f64::from(k))),
             Member::Cosine(k) => format!("cos({})", times(f64::from(k) * self.frequency)),
@@ -390,13 +395,25 @@ fn size(least: f64, largest: f64) -> f64 {
     }
 }
 
-/// The numbers of u = rate x − shift, which leads from a range to −1 … 1. Both are rounded to six digits, so that formulas are short.
+/// The numbers of u = rate (x − middle), which leads from a range to −1 … 1. They are rounded so that formulas are short: the rate to
+/// six digits, the middle to a millionth of half the range.
 fn centred(least: f64, largest: f64) -> (f64, f64) {
     let half = largest / 2.0 - least / 2.0;
     let rate = rounded(1.0 / half);
     match rate > 0.0 && f64::is_finite(rate) {
-        true => (rate, rounded(rate * (largest / 2.0 + least / 2.0))),
-        false => (1.0, rounded(least)),
+        true => (rate, middle_of(largest / 2.0 + least / 2.0, half)),
+        false => (1.0, least),
+    }
+}
+
+/// The middle of a range to a millionth of half of it.
+fn middle_of(middle: f64, half: f64) -> f64 {
+    let digits = libm::ceil(libm::log10(middle.abs() / half)) + 6.0;
+    match digits > 0.0 {
+        true => format!("{middle:.*e}", digits.min(17.0) as usize)
+            .parse()
+            .unwrap_or(middle),
+        false => 0.0,
     }
 }
 

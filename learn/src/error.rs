@@ -42,7 +42,8 @@ pub enum LearnError {
     NoMotion,
     /// Fewer equations than coefficients.
     #[error(
-        "{pairs} pairs give {equations} equations for {functions} coefficients: give {needed} pairs or more, or a lower degree"
+        "{} {equations} equations for {functions} coefficients: give {needed} pairs or more, or a lower degree",
+        if *pairs == 1 { "1 pair gives".to_owned() } else { format!("{pairs} pairs give") }
     )]
     TooFew {
         /// How many pairs there are, each counted once.
@@ -100,6 +101,21 @@ pub enum LearnError {
         /// The second one.
         largest: f64,
     },
+    /// A table of no pair.
+    #[error(
+        "a table is fitted to pairs of states, and there is none: give their number, 1 or more"
+    )]
+    NoPairs,
+    /// Too few states to keep one that measures the table.
+    #[error(
+        "a table takes {least} states or more, of which every fifth measures it, and here are {states}"
+    )]
+    FewStates {
+        /// How many there are.
+        states: usize,
+        /// How many would do.
+        least: usize,
+    },
     /// More pairs than are made.
     #[error("{pairs} pairs are more than {most}: give their number, or a lower degree")]
     TooManyPairs {
@@ -122,7 +138,7 @@ pub enum LearnError {
     },
     /// A region in which the generating function of many steps ends.
     #[error(
-        "{steps} steps have no generating function in the whole region: det(1 + DΦ) is {determinant:.1e} of its value for no motion near x = {state:?},          as after half a turn about an equilibrium. Take fewer steps, or a smaller region"
+        "{steps} steps have no generating function in the whole region: det(1 + DΦ) is {determinant:.1e} of its value for no motion near x = {state:?}, as after half a turn about an equilibrium. Take fewer steps, or a smaller region"
     )]
     ChartEnds {
         /// Steps of the table.
@@ -134,7 +150,7 @@ pub enum LearnError {
     },
     /// A table that misses the steps.
     #[error(
-        "a table of degree {degree} for {steps} steps leaves {:.0} % of the motion at states that no pair has, and has no step from {failed} of {states}:          the realization ends within the region, or the degree is too low. Take fewer steps, a smaller region, or a higher degree", 100.0 * part
+        "a table of degree {degree} for {steps} steps leaves {:.0} % of the motion at states that no pair has, and has no step from {failed} of {states}: the realization ends within the region, or the degree is too low. Take fewer steps, a smaller region, or a higher degree", 100.0 * part
     )]
     NoTable {
         /// Steps of the table.

@@ -270,6 +270,12 @@ fn sampled(
     options: &LearnOptions,
 ) -> Result<(States, States), LearnError> {
     let bounds = match region {
+        Region::States(states) if states.len() < HELD_OUT => {
+            return Err(LearnError::FewStates {
+                states: states.len(),
+                least: HELD_OUT,
+            });
+        }
         Region::States(states) => {
             let (unseen, seen): (Vec<_>, Vec<_>) = states
                 .iter()
@@ -300,6 +306,9 @@ fn sampled(
         Some(degree) => Basis::new(&options.axes, bounds, degree)?.len(),
         None => TRIED_FUNCTIONS,
     };
+    if pairs == Some(0) {
+        return Err(LearnError::NoPairs);
+    }
     let count = pairs.unwrap_or((EQUATIONS * functions).div_ceil(d).max(LEAST_PAIRS));
     if count > MOST_PAIRS {
         return Err(LearnError::TooManyPairs {

@@ -244,6 +244,9 @@ impl StepError {
             Self::NonFinite { .. } => Some(Hint::CheckInitialOrReduceStep),
             Self::OutsideTable(_) => Some(Hint::EndAtWall),
             Self::OutsideImage { hint, .. } => Some(Hint::OfPart(hint)),
+            Self::OtherLength { .. } => Some(Hint::OfPart(
+                "take steps of that length, and nothing that is located within them",
+            )),
             Self::NoTangent | Self::Part { .. } => None,
         }
     }
@@ -301,6 +304,10 @@ impl StepError {
             Self::OutsideImage { part, reason, .. } => write!(
                 f,
                 "the coordinates of {part} do not reach the state: {reason}"
+            ),
+            Self::OtherLength { part, length, step } => write!(
+                f,
+                "{part} holds for steps of {length:?} alone, and this one is {step:?}"
             ),
             Self::OutsideTable(outside) => write!(f, "{outside}"),
             Self::NonFinite { what } => write!(
@@ -400,6 +407,15 @@ pub enum StepError {
         reason: &'static str,
         /// Hint on what to try.
         hint: &'static str,
+    },
+    /// A step of a map that holds for those of one length, |εh|, alone.
+    OtherLength {
+        /// The part.
+        part: &'static str,
+        /// That length.
+        length: f64,
+        /// εh.
+        step: f64,
     },
     /// A table of the system's formulas that the step would leave, where they have no value without it.
     OutsideTable(Outside),

@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
-use leafwise_expression::{Expression, Polynomial, Ring};
+use leafwise_expression::{DifferentialAlgebra, Expression, Graph, Ring};
 
 use crate::bisection::LagrangianBisection;
 use crate::diagnostics::same_motion::other_motion;
 use crate::dimensions::Dimensions;
 use crate::dynamics::{
-    Correction, DynamicApproximation, DynamicsProperties, Generating, GeneratingFunction,
+    Correction, DynamicApproximation, DynamicsProperties, Generating, GeneratingCode,
+    GeneratingFunction,
 };
 use crate::error::BuildError;
 use crate::one_form::OneForm;
@@ -17,6 +18,12 @@ use crate::system::PoissonSystem;
 
 /// The most characters of a difference that a message holds.
 const LONGEST: usize = 80;
+
+/// Operations of the longest code that is compared with an expansion.
+const MOST_NODES: usize = 1 << 18;
+
+/// S_l and dS_l for l = 1, 3, ….
+type Coefficients<E> = (Vec<E>, Vec<Vec<E>>);
 
 /// graph(dŜ), Ŝ_{ε,h} = Σ_{l odd} ε^{l−1} hˡ S_l by formulas of the coordinates and the system's parameters.
 #[derive(Clone, Debug)]
@@ -36,9 +43,41 @@ pub struct FormulaDynamics {
 }
 
 impl FormulaDynamics {
-    /// Ŝ over a system of dimension d.
-    fn generating(&self, d: usize) -> Result<Generating, BuildError> {
+    /// Ŝ over a system: expanded, or as code where an expansion cancels.
+    fn generating(&self, system: &PoissonSystem) -> Result<Generating, BuildError> {
+        let d = system.dimension();
         let mut ring = Ring::new(d);
+        let (coefficients, gradients) = self.coefficients_in(&mut ring, d)?;
+        let function = GeneratingFunction {
+            ring,
+            coefficients,
+            gradients,
+        };
+        let Some(formulas) = system.expressions() else {
+            return Ok(Generating::Polynomials(function));
+        };
+        let mut graph = Graph::limited(MOST_NODES);
+        let (coefficients, gradients) = self.coefficients_in(&mut graph, d)?;
+        if graph.unless_refused(()).is_err() {
+            return Ok(Generating::Polynomials(function));
+        }
+        let code = GeneratingCode {
+            graph,
+            coefficients,
+            gradients,
+        };
+        Ok(match function.rounds_as(&code, formulas)? {
+            true => Generating::Polynomials(function),
+            false => Generating::Code(code),
+        })
+    }
+
+    /// S_l and dS_l for l = 1, 3, ….
+    fn coefficients_in<A: DifferentialAlgebra>(
+        &self,
+        algebra: &mut A,
+        d: usize,
+    ) -> Result<Coefficients<A::Element>, BuildError> {
         let mut coefficients = Vec::with_capacity(self.coefficients.len());
         let mut gradients = Vec::with_capacity(self.coefficients.len());
         for formula in &self.coefficients {
@@ -48,16 +87,11 @@ impl FormulaDynamics {
                     reason: format!("it names x{}, and this system has dimension {d}", index + 1),
                 });
             }
-            let s: Polynomial =
-                formula.evaluate_in(&mut ring, &mut |ring, at| Ok(ring.variable(at)))?;
-            gradients.push(ring.gradient(&s)?);
+            let s = formula.evaluate_in(algebra, &mut |algebra, at| Ok(algebra.coordinate(at)))?;
+            gradients.push(algebra.differential(&s, d)?);
             coefficients.push(s);
         }
-        Ok(Generating::Polynomials(GeneratingFunction {
-            ring,
-            coefficients,
-            gradients,
-        }))
+        Ok((coefficients, gradients))
     }
 
     /// S_1 = H in every chart, up to a Casimir: what {S_1, x} and {H, x} differ by is not of an order in h.
@@ -104,7 +138,7 @@ impl DynamicApproximation for FormulaDynamics {
     ) -> Result<LagrangianBisection, BuildError> {
         self.dimensions.check(self.name, system.dimension())?;
         self.check_first(system)?;
-        let form = OneForm::Differential(self.generating(system.dimension())?);
+        let form = OneForm::Differential(self.generating(system)?);
         let parameters = system.parameters().len();
         LagrangianBisection::odd_graph(form, realization, parameters, &self.describe())
     }

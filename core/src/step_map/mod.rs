@@ -1,12 +1,14 @@
 //! Step maps M → M: by code, as products, without crossing poles.
 
 mod code;
+mod one_length;
 mod poles;
 mod product;
 mod signs;
 mod walls;
 
 pub use code::CodeStepMap;
+pub use one_length::of_one_length;
 pub use poles::{Poles, WithoutPoles};
 pub use product::ProductStepper;
 pub use signs::{keeping_signs, kept_signs};

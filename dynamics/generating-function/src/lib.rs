@@ -38,6 +38,11 @@ static INFO: PartInfo = PartInfo {
             summary: "the order m in h that is claimed; 0 claims twice the number of coefficients",
             default: ParameterDefault::Integer(0),
         },
+        ParameterInfo {
+            name: TIME_STEP,
+            summary: "the length of the only steps that S holds for, as of a table of many steps; steps of another length are refused; 0 takes all",
+            default: ParameterDefault::Real(0.0),
+        },
     ],
     is_written: true,
     ..PartInfo::of(PartKind::Dynamics)
@@ -45,6 +50,9 @@ static INFO: PartInfo = PartInfo {
 
 const COEFFICIENTS: &str = "S";
 const ORDER: &str = "order";
+
+/// The parameter that says for which steps S holds.
+pub const TIME_STEP: &str = "time-step";
 
 /// Orders beyond this one are claims that no measurement in doubles tells apart.
 const LARGEST_ORDER: i64 = 20;
@@ -57,6 +65,8 @@ const HAMILTONIAN: &str = "H";
 struct Written {
     text: String,
     order: usize,
+    /// The length of the only steps that S holds for.
+    time_step: Option<f64>,
 }
 
 impl Written {
@@ -93,6 +103,10 @@ impl DynamicApproximation for Written {
         self.with(Vec::new()).describe()
     }
 
+    fn time_step(&self) -> Option<f64> {
+        self.time_step
+    }
+
     fn bisection(
         &self,
         system: &PoissonSystem,
@@ -118,7 +132,21 @@ impl DynamicApproximation for Written {
 
 fn build(parameters: &PartParameters) -> Result<Arc<dyn DynamicApproximation>, BuildError> {
     let text = parameters.setting(&INFO, COEFFICIENTS)?.to_string();
-    let mut written = Written { text, order: 0 };
+    let length = parameters.real(&INFO, TIME_STEP)?;
+    if !(length.is_finite() && length >= 0.0) {
+        return Err(BuildError::Parameter {
+            part: INFO.name,
+            parameter: TIME_STEP.to_owned(),
+            value: length.to_string(),
+            expected: "the length of a step, a positive number, or 0 for steps of all lengths"
+                .to_owned(),
+        });
+    }
+    let mut written = Written {
+        text,
+        order: 0,
+        time_step: (length > 0.0).then_some(length),
+    };
     let count = written.coefficients().len();
     if count == 0 {
         return Err(BuildError::NotMade {

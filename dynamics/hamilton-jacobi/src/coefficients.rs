@@ -2,12 +2,10 @@
 
 use leafwise_core::dynamics::{Generating, GeneratingCode, GeneratingFunction};
 use leafwise_core::realization::{SourceRecursion, SourceSeries};
-use leafwise_core::system::Agreement;
 use leafwise_core::{BuildError, PoissonSystem, SystemFormulas};
-use leafwise_expression::graph::lift;
 use leafwise_expression::series::{Tape, TaylorState};
 use leafwise_expression::{
-    AlgebraError, Arithmetic, DifferentialAlgebra, Graph, Polynomial, Rational, Ring, Term,
+    AlgebraError, Arithmetic, DifferentialAlgebra, Graph, Polynomial, Rational, Ring,
 };
 
 /// The part's name.
@@ -130,7 +128,7 @@ pub fn first_order(system: &PoissonSystem) -> Result<Generating, BuildError> {
         coefficients,
         gradients,
     };
-    Ok(if agrees(system, &function, &code)? {
+    Ok(if function.rounds_as(&code, system)? {
         Generating::Polynomials(function)
     } else {
         Generating::Code(code)
@@ -147,31 +145,6 @@ fn energy<A: DifferentialAlgebra>(
         .evaluate_in(algebra, &mut |algebra, at| Ok(algebra.coordinate(at)))?;
     let gradient = algebra.differential(&s, system.dimension())?;
     Ok((vec![s], vec![gradient]))
-}
-
-/// Largest ratio of h² dS_{l+2} to dS_l at steps that a series serves: about θ²/24 where a step turns by θ.
-const NEXT_ORDER: f64 = 1.0 / 16.0;
-
-/// Whether the expanded dS_l have the values of those of the code at points about the system's state, and round as
-/// well. An expansion that cancels, such as that of a power of q − 1000, is right and of no use.
-///
-/// # Errors
-/// [`BuildError::Algebra`] where an adjoined function has no code.
-pub fn agrees(
-    system: &SystemFormulas,
-    function: &GeneratingFunction,
-    code: &GeneratingCode,
-) -> Result<bool, BuildError> {
-    let mut graph = code.graph.clone();
-    let x: Vec<Term> = (0..system.dimension()).map(|i| graph.input(i)).collect();
-    let one = graph.one();
-    let expanded = function.gradients.iter().flatten();
-    let outputs: Vec<_> = expanded.map(|f| vec![(one.clone(), f.clone())]).collect();
-    let made = lift(&mut graph, &function.ring, &outputs, &x)?;
-    let expected: Vec<Term> = code.gradients.iter().flatten().cloned().collect();
-    let d = system.dimension();
-    let share = |at: usize| (0..at / d).fold(1.0, |share, _| share * NEXT_ORDER);
-    Ok(system.agreement_of_parts(&graph, &made, &expected, share) == Agreement::Same)
 }
 
 /// Every S_l up to `last`, the even ones too. The identity S_{2j} = 0 (Proposition 1) holds for any chart with

@@ -11,7 +11,7 @@ use leafwise_core::{BuildError, PoissonSystem};
 use leafwise_expression::{Graph, Kernel, StepSize, Term};
 
 use crate::coefficients::NAME;
-use crate::coefficients::{agrees, generating_code, within};
+use crate::coefficients::{generating_code, within};
 
 /// Expansions of so many products of terms, with so few monomials in dŜ, are taken as they are: the
 /// other form would save nothing that building it does not cost.
@@ -35,7 +35,7 @@ pub(crate) fn shortest(
     let first = within(system, series, order, FEW_PRODUCTS)?;
     let code = generating_code(system, series, order)?;
     if let Some(function) = first.as_ref().filter(|f| monomials(f) <= FEW_MONOMIALS) {
-        return Ok(if agrees(formulas, function, &code)? {
+        return Ok(if function.rounds_as(&code, formulas)? {
             Generating::Polynomials(function.clone())
         } else {
             Generating::Code(code)
@@ -54,7 +54,7 @@ pub(crate) fn shortest(
     };
     let expanded = Generating::Polynomials(function.clone());
     Ok(
-        if operations(&expanded, system)? <= to_beat && agrees(formulas, &function, &code)? {
+        if operations(&expanded, system)? <= to_beat && function.rounds_as(&code, formulas)? {
             expanded
         } else {
             Generating::Code(code)

@@ -59,6 +59,11 @@ const BEHIND: f64 = 18.0;
 const LETTERS: f64 = 12.5;
 
 impl ChartAxis {
+    /// Whether a value has a place on it.
+    pub fn shows(&self, value: f64) -> bool {
+        self.shown(value).is_some()
+    }
+
     /// The value as it is shown; `None` where it has no place.
     fn shown(&self, value: f64) -> Option<f64> {
         let is_shown = value.is_finite() && (self.scale != ChartScale::Logarithmic || value > 0.0);

@@ -55,6 +55,15 @@ pub enum NoStateError {
         "a tolerance sets this method's error: run it with a tenth of the tolerance, and compare"
     )]
     NoOrder,
+    /// The map is a table of many steps.
+    #[error(
+        "the generating function holds for steps of {length} alone: compare with the scene whose steps it puts together, as \
+         `leafwise tabulate` did"
+    )]
+    OneLength {
+        /// The length of its steps, as text.
+        length: String,
+    },
     /// Someone wants it to end.
     #[error("it was interrupted")]
     Interrupted,
@@ -75,13 +84,17 @@ impl StateError {
     /// whether someone wants it to end.
     ///
     /// # Errors
-    /// [`NoStateError`]: noise, a pace, a method without an order, a step that fails, and an interruption.
+    /// [`NoStateError`]: noise, a pace, a method without an order, a table, a step that fails, and an interruption.
     pub fn measured(
         run: &ComposedRun,
         steps: u64,
         is_interrupted: &dyn Fn() -> bool,
     ) -> Result<Self, NoStateError> {
         let order = run.method.declared_order();
+        if let Some(length) = run.table_step() {
+            let length = short(length);
+            return Err(NoStateError::OneLength { length });
+        }
         let names = run.plan.parts.iter().flat_map(|part| &part.parameters);
         let has_tolerance = names.map(|(name, _)| *name).any(|name| name == "tolerance");
         match (run.method.noise(), run.pace(), order) {

@@ -20,6 +20,7 @@ class Orbit:
         period: the time of a turn.
         time_step: that time over the number of steps.
         steps: steps of a turn.
+        turns: turns of the orbit in the period that was looked for: more than 1 where that is a multiple of its own.
         state: a state on it, by the names of the variables.
         closure: the largest distance of a coordinate after a turn from its value before.
         corrections: corrections by Newton's method.
@@ -32,6 +33,7 @@ class Orbit:
     period: float
     time_step: float
     steps: int
+    turns: int
     state: dict[str, float]
     closure: float
     corrections: int

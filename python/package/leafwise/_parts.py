@@ -38,7 +38,7 @@ def closed_form(
     return table
 
 
-def generating_function(S: Iterable[object], *, order: int = 0) -> dict[str, Any]:
+def generating_function(S: Iterable[object], *, order: int = 0, time_step: float = 0.0) -> dict[str, Any]:
     """A dynamic approximation by formulas: the bisection graph(dS), S = h S_1 + ε² h³ S_3 + ….
 
         dynamics = lw.generating_function(["H", "H/12"])
@@ -47,12 +47,15 @@ def generating_function(S: Iterable[object], *, order: int = 0) -> dict[str, Any
         S: S_1, S_3, … at ε = 1: formulas of the variables and the system's parameters; ``H`` is the system's Hamiltonian, which
             S_1 is in every chart.
         order: the order in h that is claimed; 0 claims twice the number of coefficients.
+        time_step: the length of the only steps that S holds for; 0 takes all.
 
     What is claimed is measured by ``scene.verify()``; an S_1 of another motion is a :class:`SceneError` when the scene is composed.
     """
     table: dict[str, Any] = {"name": "generating-function", "S": _texts("S", S)}
     if order:
         table["order"] = order
+    if time_step:
+        table["time-step"] = time_step
     return table
 
 

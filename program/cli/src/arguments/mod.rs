@@ -24,7 +24,8 @@ use leafwise::expression::Execution;
 
 /// Exit codes, for the help text.
 const CODES: &str = "Exit codes: 0 done, 1 the run failed, 2 usage, 3 invalid scene, 4 a plugin \
-                     was refused, 5 a check failed, 130 interrupted with a checkpoint written.";
+                     was refused, 5 a check failed, \
+                     6 some members or settings failed, 130 interrupted with a checkpoint written.";
 
 /// Poisson integrators assembled from symplectic realizations and Lagrangian bisections.
 #[derive(Debug, Parser)]

@@ -283,8 +283,8 @@ pub struct TabulateArguments {
     #[arg(long, value_name = "[X=]FAMILY")]
     pub basis: Vec<String>,
     /// The number of pairs of states [default: eight equations for each coefficient]
-    #[arg(long, value_name = "COUNT")]
-    pub pairs: Option<usize>,
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u64).range(1..))]
+    pub pairs: Option<u64>,
     /// Write the scene whose step is the table to this file
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,

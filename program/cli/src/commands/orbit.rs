@@ -1,7 +1,7 @@
 //! `leafwise orbit`: a periodic orbit near a scene's initial state, and what its neighbours do.
 
 use leafwise::orbit::{Complex, Hold, OrbitError, PeriodicOrbit, close};
-use leafwise::scene::compose::compose;
+use leafwise::scene::compose::{compose, refuse_acts};
 use leafwise::scene::json::object;
 use serde::Serialize;
 
@@ -20,6 +20,8 @@ struct OrbitJson {
     period: f64,
     time_step: f64,
     steps: u64,
+    /// Turns in the period that was looked for.
+    turns: u64,
     closure: f64,
     corrections: usize,
     #[serde(serialize_with = "object")]
@@ -44,6 +46,11 @@ pub fn execute(
     let mut parts = Parts::new(plugins)?;
     let document = parts.scene(&arguments.scene)?;
     let shown = console.shown(false);
+    refuse_acts(
+        &document,
+        "no orbit is closed",
+        "take `set` out of the section",
+    )?;
     let run = while_building(shown, || compose(&document, &parts.registry))?;
     while_building(shown, || {
         refuse_no_system(&document, &run.system, &run.near)
@@ -75,6 +82,7 @@ pub fn execute(
             period: orbit.period,
             time_step: orbit.period / orbit.steps as f64,
             steps: orbit.steps,
+            turns: orbit.turns,
             closure: orbit.closure,
             corrections: orbit.iterations,
             stable: orbit.is_stable(),
@@ -112,6 +120,13 @@ fn rows(orbit: &PeriodicOrbit, names: &[String]) -> Vec<Vec<String>> {
         ),
         row("stability", stability(orbit)),
     ];
+    if orbit.turns > 1 {
+        let told = format!(
+            "{} of this orbit take the time that was looked for",
+            orbit.turns
+        );
+        rows.insert(1, row("turns", told));
+    }
     for multiplier in &orbit.multipliers {
         rows.push(row("multiplier", written(*multiplier)));
     }

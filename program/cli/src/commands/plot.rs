@@ -1,9 +1,9 @@
 //! `leafwise plot`: columns of runs as a figure for a paper.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use leafwise::report::{Chart, ChartAxis, ChartScale, PanelSeries, Stroke};
+use leafwise::report::{Chart, ChartAxis, ChartScale, PanelSeries, ReportError, Stroke};
 use leafwise::scene::document::nearest;
 use leafwise::scene::input::read_text;
 use leafwise::scene::table::{Table, place};
@@ -27,6 +27,8 @@ struct PlotJson<'a> {
 struct CurveJson<'a> {
     name: &'a str,
     points: usize,
+    /// Those without a place on the axes.
+    left_out: usize,
 }
 
 /// Draws the curves into a new file; returns the exit code.
@@ -78,8 +80,36 @@ pub fn execute(arguments: &PlotArguments, console: &mut Console<'_>) -> Result<u
             "leave one of --equal and --log out",
         ));
     }
+    for series in &chart.series {
+        let (lost, all) = (left_out(&chart, series), series.points.len());
+        let why = match [&chart.x, &chart.y]
+            .iter()
+            .any(|axis| axis.scale == ChartScale::Logarithmic)
+        {
+            true => "their values are no finite numbers, or none above 0 on a logarithmic axis",
+            false => "their values are no finite numbers",
+        };
+        if lost == all {
+            return Err(Failure::usage(
+                format!("no point of {} is shown: {why}", series.name),
+                "leave the curve out, or take another column or axis",
+            ));
+        }
+        if lost > 0 {
+            console.warn(&format!(
+                "{lost} of {all} points of {} are left out: {why}",
+                series.name
+            ));
+        }
+    }
     let bytes = match is_pdf {
-        true => chart.pdf()?,
+        true => chart.pdf().map_err(|error| match error {
+            ReportError::Letter { .. } => Failure::usage(
+                error.to_string(),
+                "name the file .svg, or give --x-label, --y-label or --name",
+            ),
+            error => error.into(),
+        })?,
         false => chart.svg()?.into_bytes(),
     };
     fs::write(out, bytes).map_err(|source| Failure::File {
@@ -91,6 +121,7 @@ pub fn execute(arguments: &PlotArguments, console: &mut Console<'_>) -> Result<u
         let curves = chart.series.iter().map(|series| CurveJson {
             name: &series.name,
             points: series.points.len(),
+            left_out: left_out(&chart, series),
         });
         console.json(&PlotJson {
             outcome: "written",
@@ -100,6 +131,13 @@ pub fn execute(arguments: &PlotArguments, console: &mut Console<'_>) -> Result<u
     }
     console.prose(&format!("wrote {}", out.display()));
     Ok(exit::DONE)
+}
+
+/// How many points of a curve have no place on the axes.
+fn left_out(chart: &Chart, series: &PanelSeries) -> usize {
+    let points = series.points.iter();
+    let lost = points.filter(|(x, y)| !(chart.x.shows(*x) && chart.y.shows(*y)));
+    lost.count()
 }
 
 /// An axis with its label and scale.
@@ -145,7 +183,8 @@ fn curves(arguments: &PlotArguments) -> Result<Vec<PanelSeries>, Failure> {
         return Err(Failure::usage(message, "give --name once for each curve"));
     }
     let mut series = Vec::with_capacity(count);
-    for run in &arguments.runs {
+    let runs = apart(&arguments.runs);
+    for (run, label) in arguments.runs.iter().zip(&runs) {
         let file = match run.is_dir() {
             true => run.join(&arguments.table),
             false => run.clone(),
@@ -157,13 +196,13 @@ fn curves(arguments: &PlotArguments) -> Result<Vec<PanelSeries>, Failure> {
         };
         for y in &arguments.y {
             let at = column(&file, &table, y)?;
-            let points = table.rows.iter().map(|row| {
-                let value = |at: usize| row.get(at).copied().unwrap_or(f64::NAN);
-                (value(x) * arguments.x_scale, value(at) * arguments.y_scale)
-            });
+            let points = table
+                .rows
+                .iter()
+                .map(|row| (row[x] * arguments.x_scale, row[at] * arguments.y_scale));
             let given = arguments.name.get(series.len()).cloned();
             series.push(PanelSeries {
-                name: given.unwrap_or_else(|| named(arguments, run, y)),
+                name: given.unwrap_or_else(|| named(arguments, label, y)),
                 points: points.collect(),
                 stroke: if arguments.points {
                     Stroke::Points
@@ -177,13 +216,35 @@ fn curves(arguments: &PlotArguments) -> Result<Vec<PanelSeries>, Failure> {
 }
 
 /// A name that tells a curve from the others.
-fn named(arguments: &PlotArguments, run: &Path, y: &str) -> String {
-    let run = run.file_name().unwrap_or(run.as_os_str()).to_string_lossy();
+fn named(arguments: &PlotArguments, run: &str, y: &str) -> String {
     match (arguments.runs.len(), arguments.y.len()) {
         (1, _) => y.to_owned(),
-        (_, 1) => run.into_owned(),
+        (_, 1) => run.to_owned(),
         _ => format!("{run}: {y}"),
     }
+}
+
+/// The last parts of paths, as many as tell all of them apart where something does.
+fn apart(paths: &[PathBuf]) -> Vec<String> {
+    let most = paths.iter().map(|path| path.components().count()).max();
+    let of = |count: usize| -> Vec<String> {
+        let last = paths.iter().map(|path| {
+            let parts: Vec<_> = path.components().collect();
+            let own: PathBuf = parts[parts.len().saturating_sub(count)..].iter().collect();
+            own.to_string_lossy().into_owned()
+        });
+        last.collect()
+    };
+    let differ = |names: &[String]| {
+        let mut sorted = names.to_vec();
+        sorted.sort();
+        sorted.windows(2).all(|pair| pair[0] != pair[1])
+    };
+    let most = most.unwrap_or(1).max(1);
+    (1..=most)
+        .map(of)
+        .find(|names| differ(names))
+        .unwrap_or_else(|| of(most))
 }
 
 fn read(file: &Path) -> Result<Table, Failure> {
@@ -192,14 +253,36 @@ fn read(file: &Path) -> Result<Table, Failure> {
         file: file.to_owned(),
         source,
     })?;
-    Table::read(&text).map_err(|reason| {
+    // Values that are none stand in tables of runs, and rows of other lengths in none.
+    let whole = |table: Table| {
+        let columns = table.columns.as_ref();
+        let width = columns.map_or(table.rows[0].len(), Vec::len);
+        let odd = table.rows.iter().position(|row| row.len() != width);
+        match odd {
+            None => Ok(table),
+            Some(at) => Err(format!(
+                "row {} has {} numbers, and there are {width} columns",
+                at + 1,
+                table.rows[at].len()
+            )),
+        }
+    };
+    Table::read(&text).and_then(whole).map_err(|reason| {
         let help = "a table of numbers with a line of names: samples.csv, section.csv, windows.csv of a run directory";
         Failure::usage(format!("{}: {reason}", file.display()), help)
     })
 }
 
 fn column(file: &Path, table: &Table, name: &str) -> Result<usize, Failure> {
-    let columns = table.columns.as_deref().unwrap_or_default();
+    let Some(columns) = table.columns.as_deref() else {
+        return Err(Failure::usage(
+            format!(
+                "{}: it has no line of names, and so no column `{name}`",
+                file.display()
+            ),
+            "write the names of the columns into its first line",
+        ));
+    };
     place(columns, name).map_err(|reason| {
         let help = match nearest(name, columns.iter().map(String::as_str)) {
             Some(near) => format!("did you mean `{near}`?"),

@@ -1,7 +1,9 @@
 //! `leafwise shadow`: the energy that a scene's method keeps.
 
 use leafwise::run::ShadowVerdict;
-use leafwise::scene::compose::{DENSE_LIMIT, NoShadow, ShadowEnergy, compose, refuse_noise};
+use leafwise::scene::compose::{
+    DENSE_LIMIT, NoShadow, ShadowEnergy, compose, refuse_acts, refuse_noise,
+};
 use leafwise::scene::json::object;
 use serde::Serialize;
 
@@ -56,6 +58,11 @@ pub fn execute(
         &document,
         "there is no shadow Hamiltonian",
         "take the noise out: every step of it follows another Hamiltonian",
+    )?;
+    refuse_acts(
+        &document,
+        "no shadow Hamiltonian is kept",
+        "take `set` out of the section",
     )?;
     let run = while_building(shown, || compose(&document, &parts.registry))?;
     while_building(shown, || {

@@ -82,3 +82,93 @@ fn what_does_not_close_is_told() {
     let said = timed.leafwise(&["orbit", "scene.toml"]);
     assert!(said.err.contains("names the time"), "{}", said.err);
 }
+
+/// The period of the pendulum from rest at 2, by the mean of arithmetic and geometric means.
+fn pendulums_period() -> f64 {
+    let (mut a, mut b) = (1.0_f64, libm::cos(1.0));
+    for _ in 0..8 {
+        (a, b) = (0.5 * (a + b), libm::sqrt(a * b));
+    }
+    std::f64::consts::TAU / a
+}
+
+/// Two and three turns, in steps that are and are no multiple of these: the orbit is that of one turn.
+#[test]
+fn several_turns_are_one_orbit() {
+    let here = Place::with(PENDULUM);
+    for (period, steps, turns) in [("17", "340", 2), ("17.1", "341", 2), ("25.5", "511", 3)] {
+        let said = here.leafwise(&[
+            "orbit",
+            "scene.toml",
+            "--json",
+            "--period",
+            period,
+            "--steps",
+            steps,
+        ]);
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        let json = said.json();
+        assert_eq!(json["turns"], turns, "{json}");
+        let found = json["period"].as_f64().expect("a number");
+        // Of order 8 with steps of 0.05, as the orbit of one turn above.
+        assert!((found - pendulums_period()).abs() < 1e-8, "{found}");
+    }
+    let said = here.leafwise(&["orbit", "scene.toml", "--period", "17"]);
+    assert!(
+        said.out
+            .contains("2 of this orbit take the time that was looked for"),
+        "{}",
+        said.out
+    );
+}
+
+/// No step of the method turns the oscillator by a whole turn in this period, and its centre alone closes.
+#[test]
+fn a_state_that_shrinks_to_rest_is_no_orbit() {
+    let scene = PENDULUM
+        .replace("p^2/2 - cos(q)", "p^2/2 + q^2/2")
+        .replace("order = 8", "order = 4")
+        .replace("0.05", "0.1")
+        .replace("[2, 0]", "[1, 0]");
+    let here = Place::with(&scene);
+    let said = here.leafwise(&[
+        "orbit",
+        "scene.toml",
+        "--hold-period",
+        "--period",
+        "6.2831853",
+    ]);
+    assert_eq!(said.code, Some(2), "{}", said.out);
+    said.says(&["an equilibrium"]);
+    // Small orbits are orbits: of the pendulum the period is 2π to a² / 16.
+    let small = Place::with(&PENDULUM.replace("[2, 0]", "[1e-4, 0]"));
+    let said = small.leafwise(&["orbit", "scene.toml", "--period", "6.2", "--json"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let found = said.json()["period"].as_f64().expect("a number");
+    assert!((found - std::f64::consts::TAU).abs() < 1e-8, "{found}");
+}
+
+#[test]
+fn events_that_change_the_state_and_forces_are_refused() {
+    let act = "section = { at = \"q = 0\", direction = \"down\", set = { p = \"-0.5*p\" } }\n";
+    let scene = PENDULUM.replace("- cos(q)", "+ q^2/2 + 0.1*q^4");
+    let here = Place::with(&format!("{scene}{act}"));
+    for arguments in [
+        &["orbit", "scene.toml"][..],
+        &["shadow", "scene.toml"],
+        &["tune", "scene.toml", "--shadow", "1e-6"],
+        &["tabulate", "scene.toml", "--steps", "8"],
+        &["compare", "scene.toml"],
+    ] {
+        let said = here.leafwise(arguments);
+        assert_eq!(said.code, Some(3), "{arguments:?}: {}", said.out);
+        said.says(&["where events change the state"]);
+    }
+    let forced = scene
+        .replace("[method]", "[system.forces]\np = \"-0.1*p\"\n[method]")
+        .replace("{ name = \"hamilton-jacobi\", order = 8 }", "\"one-form\"");
+    let here = Place::with(&forced);
+    let said = here.leafwise(&["orbit", "scene.toml"]);
+    assert_eq!(said.code, Some(2), "{}", said.out);
+    said.says(&["a motion with forces does not hold the energy"]);
+}

@@ -112,3 +112,45 @@ fn runs_become_a_figure() {
         assert!(!here.path("a.svg").exists() && !here.path("a.pdf").exists());
     }
 }
+
+/// Values without a place, rows of other lengths, names that are alike, files without names.
+#[test]
+fn what_is_not_drawn_is_told() {
+    let here = Place::new();
+    here.write("all.csv", "t,y,z,n\n0,-1,1,nan\n1,0,-2,nan\n2,-3,3,nan\n");
+    here.write("ragged.csv", "t,y\n0,1\n1\n2,3\n");
+    here.write("bare.csv", "0,1\n1,2\n");
+    for (arguments, told) in [
+        (
+            &["all.csv", "--y", "y", "--log", "y"][..],
+            "no point of y is shown",
+        ),
+        (&["all.csv", "--y", "n"], "no point of n is shown"),
+        (&["ragged.csv", "--y", "y"], "row 2 has 1 numbers"),
+        (&["bare.csv", "--y", "y"], "it has no line of names"),
+        (
+            &["all.csv", "--y", "y", "--y-label", "漢", "--out", "a.pdf"],
+            "the fonts of PDF have no",
+        ),
+    ] {
+        let said = here.leafwise(&[&["plot"][..], arguments].concat());
+        assert_eq!(said.code, Some(2), "{arguments:?}: {}", said.err);
+        said.says(&[told]);
+        assert!(!here.path("plot.svg").exists(), "{arguments:?}");
+    }
+    let said = here.leafwise(&["plot", "all.csv", "--y", "z", "--log", "y", "--json"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    said.says(&["1 of 3 points of z are left out"]);
+    assert_eq!(said.json()["curves"][0]["left_out"], 1);
+    for folder in ["A/out", "B/out"] {
+        std::fs::create_dir_all(here.path(folder)).expect("a folder");
+        here.write(&format!("{folder}/samples.csv"), "t,q\n0,1\n1,2\n");
+    }
+    let said = here.leafwise(&["plot", "A/out", "B/out", "--y", "q", "--force", "--json"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let json = said.json();
+    let names: Vec<_> = (0..2)
+        .map(|at| json["curves"][at]["name"].clone())
+        .collect();
+    assert_eq!(names, ["A/out", "B/out"]);
+}

@@ -40,6 +40,10 @@ pub(super) fn advice(
     registry: &Registry,
     (states, whose): (&[Vec<f64>], JudgedStates),
 ) -> Option<Advice> {
+    // Of a table no finer steps are made.
+    if run.table_step().is_some() {
+        return None;
+    }
     let finer = Finer::of(run, registry, states, whose);
     let message = states.iter().find_map(|x| finer.over_one_step(x));
     let message = message.or_else(|| finer.over_the_first());
@@ -54,8 +58,11 @@ pub(super) fn advice(
     })
 }
 
-/// The line that halves the step.
+/// The line that halves the step. A table holds for its own step alone.
 pub(super) fn half_the_step(run: &ComposedRun) -> String {
+    if run.table_step().is_some() {
+        return "a table of fewer steps, by `leafwise tabulate --steps`".to_owned();
+    }
     // With the digits that were written: 0.1·0.3 is 0.03.
     let (plan, key) = (&run.plan, run.plan.step_key);
     let factor = if key == "h" { 1.0 } else { plan.epsilon };

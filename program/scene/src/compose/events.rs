@@ -30,6 +30,23 @@ pub struct Events {
     pub axes: Option<[String; 2]>,
 }
 
+/// Refuses what a scene is asked for that its events would make something else: `what` is of the motion between them.
+///
+/// # Errors
+/// Where an event of the scene changes the state.
+pub fn refuse_acts(document: &SceneDocument, what: &str, help: &str) -> Result<(), Refusal> {
+    let section = document.run.section.as_ref();
+    match section.and_then(|section| section.set.as_ref()) {
+        None => Ok(()),
+        Some(set) => Err(Box::new(document.diagnostic(
+            &set.place(),
+            format!("{what} where events change the state"),
+            "here",
+            Some(help.to_owned()),
+        ))),
+    }
+}
+
 /// Reads `stop` and `section` of a scene.
 pub(super) fn events(document: &SceneDocument, scope: &Scope) -> Result<Events, Refusal> {
     let run = &document.run;

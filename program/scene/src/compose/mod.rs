@@ -90,7 +90,7 @@ pub use contact::Contact;
 pub use dense::DENSE_LIMIT;
 pub use domain::{OutOfDomain, ParameterDomain};
 pub use ends::{LeftOut, left_out};
-pub use events::{Events, section_of};
+pub use events::{Events, refuse_acts, section_of};
 pub use extended::{Extension, NoStart, PaceFormula};
 pub use fit::{check_first_order, check_tensor};
 pub use forms::Forms;

@@ -53,6 +53,19 @@ impl PartChoice {
         })
     }
 
+    /// The length of the only steps that a dynamic approximation holds for.
+    pub fn time_step(&self) -> Option<f64> {
+        let mut parameters = self.parameters.iter();
+        parameters.find_map(|(name, value)| match value {
+            ParameterSetting::Real(length)
+                if self.kind == PartKind::Dynamics && *name == "time-step" && *length > 0.0 =>
+            {
+                Some(*length)
+            }
+            _ => None,
+        })
+    }
+
     /// Its parameters, to build it again.
     pub(super) fn given(&self) -> PartParameters {
         let parameters = self.parameters.iter();

@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use super::part_choice::PartChoice;
 use super::run::ComposedRun;
 
 /// Why the samples of a run are no differentiable function of the initial state: they are not those after equal numbers of
@@ -58,6 +59,11 @@ impl ComposedRun {
             None => Ok(()),
             Some(_) => Err(ActingEvents),
         }
+    }
+
+    /// The length of the only steps that the scene's generating function holds for, where it is a table of many steps.
+    pub fn table_step(&self) -> Option<f64> {
+        self.plan.parts.iter().find_map(PartChoice::time_step)
     }
 
     /// The state that is stepped from the scene's own coordinates: the time and its energy are those of the initial state.

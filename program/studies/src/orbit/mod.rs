@@ -13,6 +13,7 @@ mod linear;
 
 use leafwise_core::StepMap;
 use leafwise_core::gradient::{GradientError, Plan, Trajectory};
+use leafwise_core::solver::judge::larger;
 use leafwise_scene::compose::ComposedRun;
 use thiserror::Error;
 
@@ -53,6 +54,15 @@ const MOVED: f64 = 1e-3;
 /// A period that falls below this part of the first one falls to 0.
 const SHRUNK: f64 = 1e-3;
 
+/// A state that moves less than this part of what it moved at first has come to rest.
+const RESTS: f64 = 1e-6;
+
+/// Turns that are looked for in one period, at most.
+const TURNS: u64 = 12;
+
+/// After a part of the period a state that is nearer to the first one than this part of how far it moves may be back.
+const BACK: f64 = 1e-2;
+
 /// The quantity beside Casimirs that is held while an orbit is closed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Hold {
@@ -71,6 +81,8 @@ pub struct PeriodicOrbit {
     pub period: f64,
     /// N.
     pub steps: u64,
+    /// Turns of this orbit in the period that was looked for: more than 1 where that is a multiple of its own.
+    pub turns: u64,
     /// max |Φᴺ(x) − x|.
     pub closure: f64,
     /// Newton steps that were made.
@@ -177,7 +189,16 @@ struct Turns<'a> {
     steps: u64,
 }
 
-impl Turns<'_> {
+impl<'a> Turns<'a> {
+    fn of(run: &'a ComposedRun, steps: u64) -> Self {
+        Self {
+            map: run.method.map(),
+            parameters: run.system.parameter_values(),
+            epsilon: run.plan.epsilon,
+            steps,
+        }
+    }
+
     fn trajectory(&self, period: f64) -> Trajectory<'_> {
         Trajectory {
             map: self.map,
@@ -208,6 +229,17 @@ impl Turns<'_> {
         })
     }
 
+    /// max |x_k − x_0| after so many steps of a period.
+    fn gap_after(&self, x: &[f64], period: f64, steps: u64) -> Result<f64, GradientError> {
+        let plan = Plan {
+            steps,
+            every: steps,
+        };
+        let end = self.trajectory(period).push(x, (&[], &[]), plan)?;
+        let gaps = end.samples[x.len()..].iter().zip(x);
+        Ok(gaps.fold(0.0, |most, (a, b)| larger(most, (a - b).abs())))
+    }
+
     /// max |x_k − x_0| over a turn.
     fn moved(&self, x: &[f64], period: f64) -> Result<f64, GradientError> {
         let every = Plan {
@@ -233,7 +265,8 @@ impl Turns<'_> {
     }
 }
 
-/// Closes an orbit near a run's initial state and a period, in so many steps.
+/// Closes an orbit near a run's initial state and a period, in so many steps. Where the period is several turns of a shorter orbit,
+/// that one is found, in as many times fewer steps.
 ///
 /// # Errors
 /// [`OrbitError`].
@@ -243,17 +276,63 @@ pub fn close(
     hold: Hold,
 ) -> Result<PeriodicOrbit, OrbitError> {
     refuse(run, (period, steps))?;
-    let turns = Turns {
-        map: run.method.map(),
-        parameters: run.system.parameter_values(),
-        epsilon: run.plan.epsilon,
-        steps,
-    };
+    let mut orbit = closed(run, &run.plan.initial, (period, steps), hold)?;
+    while let Some(shorter) = of_one_turn(run, &orbit, hold) {
+        orbit = shorter;
+    }
+    Ok(orbit)
+}
+
+/// The orbit that is passed several times in the period of this one.
+fn of_one_turn(run: &ComposedRun, orbit: &PeriodicOrbit, hold: Hold) -> Option<PeriodicOrbit> {
+    let size = size_of(&orbit.state);
+    let own = Turns::of(run, orbit.steps);
+    let moved = own.moved(&orbit.state, orbit.period).ok()?;
+    (2..=TURNS.min(orbit.steps)).find_map(|count| {
+        let steps = orbit.steps.div_ceil(count);
+        let part = Turns::of(run, steps);
+        let period = orbit.period / count as f64;
+        let near = part.gap_after(&orbit.state, period, steps).ok()?;
+        if near > BACK * moved {
+            return None;
+        }
+        // Near a bifurcation an orbit of two turns nearly closes after one: it closes in these steps as the shorter one does, or is another.
+        let all = (orbit.period, steps * count);
+        let whole = closed(run, &orbit.state, all, hold).ok()?;
+        let own = Turns::of(run, whole.steps);
+        let gap = own.gap_after(&whole.state, whole.period, steps).ok()?;
+        if gap > CLOSED * size {
+            return None;
+        }
+        let all = (whole.period / count as f64, steps);
+        let one = closed(run, &whole.state, all, hold).ok()?;
+        Some(PeriodicOrbit {
+            turns: count * orbit.turns,
+            iterations: orbit.iterations + whole.iterations + one.iterations,
+            ..one
+        })
+    })
+}
+
+/// The largest coordinate, and 1 at least.
+fn size_of(x: &[f64]) -> f64 {
+    x.iter().fold(1.0_f64, |most, x| most.max(x.abs()))
+}
+
+/// Closes an orbit near a state.
+fn closed(
+    run: &ComposedRun,
+    initial: &[f64],
+    (period, steps): (f64, u64),
+    hold: Hold,
+) -> Result<PeriodicOrbit, OrbitError> {
+    let turns = Turns::of(run, steps);
     let mut invariants = Invariants::of(run)?;
-    let (mut x, first) = (run.plan.initial.clone(), period);
+    let (mut x, first) = (initial.to_vec(), period);
     let mut period = first;
     let held = invariants.values(&x);
-    let size = x.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
+    let size = size_of(&x);
+    let moved_at_first = turns.moved(&x, period)?;
     let mut turn = turns.turn(&x, period)?;
     let mut iterations = 0;
     while iterations < STEPS && invariants.with_gap((&x, &held, hold), &turn.gap) > 0.0 {
@@ -300,7 +379,7 @@ pub fn close(
         });
     }
     let moved = turns.moved(&x, period)?;
-    if closure >= MOVED * moved {
+    if closure >= MOVED * moved || moved < RESTS * moved_at_first {
         return Err(OrbitError::Equilibrium { iterations, moved });
     }
     let now = invariants.values(&x);
@@ -324,6 +403,7 @@ pub fn close(
         state: x,
         period,
         steps: turns.steps,
+        turns: 1,
         closure,
         iterations,
         trivial,
@@ -341,6 +421,21 @@ fn refuse(run: &ComposedRun, (period, steps): (f64, u64)) -> Result<(), OrbitErr
         (
             "a motion with noise has no periodic orbits",
             "take the noise out",
+        )
+    } else if run.plan.events.act.is_some() {
+        (
+            "events of this scene change the state, and orbits are closed by the method's steps alone",
+            "take `set` out of run.section",
+        )
+    } else if run.system.has_forces() {
+        (
+            "a motion with forces does not hold the energy, which the orbits that are closed do",
+            "take system.forces out",
+        )
+    } else if run.table_step().is_some() {
+        (
+            "the generating function holds for one time step alone, and an orbit is closed by steps of a part of its period",
+            "close the orbit of the scene whose steps the table puts together",
         )
     } else if run.is_extended() {
         (

@@ -6,7 +6,7 @@ use std::fmt;
 use leafwise_core::part::{ParameterDefault, ParameterInfo, ParameterSetting, PartKind};
 use leafwise_core::{MapProperties, Registry};
 use leafwise_expression::words::counted;
-use leafwise_scene::compose::refuse_noise;
+use leafwise_scene::compose::{refuse_acts, refuse_noise};
 use leafwise_scene::document::{MethodParts, MethodTable, PartUse};
 use leafwise_scene::json::optional;
 use leafwise_scene::{ComposedRun, SceneDocument, compose};
@@ -36,7 +36,7 @@ impl<'a> Bench<'a> {
     ///
     /// # Errors
     /// Returns [`TradeError::Refused`] with the scene's first error. Returns [`TradeError::NoTime`] for a run that ends
-    /// where it begins, and [`TradeError::TooLong`] for one of more than 2⁴⁰ steps.
+    /// where it begins, and [`TradeError::TooLong`] for one of more than 2⁴⁰ steps. Of a table it is [`TradeError::OneLength`].
     pub fn new(
         document: &'a SceneDocument,
         registry: &'a Registry,
@@ -56,16 +56,16 @@ impl<'a> Bench<'a> {
                 Some("compare methods on a copy of the scene without it".to_owned()),
             ))));
         }
-        let section = document.run.section.as_ref();
-        if let Some(set) = section.and_then(|section| section.set.as_ref()) {
-            return Err(TradeError::Refused(Box::new(document.diagnostic(
-                &set.place(),
-                "methods are compared on the motion alone, without events that change the state",
-                "here",
-                Some("compare methods on a copy of the scene without `set`".to_owned()),
-            ))));
-        }
+        refuse_acts(
+            document,
+            "methods are not compared",
+            "compare methods on a copy of the scene without `set`",
+        )
+        .map_err(TradeError::Refused)?;
         let own = compose(document, registry)?;
+        if let Some(length) = own.table_step() {
+            return Err(TradeError::OneLength { length });
+        }
         let step = own.plan.epsilon * own.plan.h;
         let (time, extent) = match own.pace() {
             None => {

@@ -19,6 +19,15 @@ pub enum TradeError {
         /// The end time.
         time: f64,
     },
+    /// A scene whose map is a table of many steps.
+    #[error(
+        "the generating function holds for steps of {length} alone, and methods are compared by steps of many lengths on the \
+         flow of H, which a table is not; compare them on the scene whose steps it puts together"
+    )]
+    OneLength {
+        /// The length of its steps.
+        length: f64,
+    },
     /// A run of more steps than can be tried.
     #[error(
         "t = {time:e} is {steps:.1e} of the scene's steps, too many to try methods on; shorten the \

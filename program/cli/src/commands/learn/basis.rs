@@ -105,6 +105,9 @@ pub(in crate::commands) fn degree(
         let at = names.iter().position(|known| known == name.trim());
         let at =
             at.ok_or_else(|| unknown(format!("the scene has no variable `{}`", name.trim())))?;
+        if degrees[at].is_some() {
+            return Err(unknown(format!("{} has a degree already", names[at])));
+        }
         degrees[at] = Some(number(degree)?);
     }
     let missing = degrees.iter().position(Option::is_none);

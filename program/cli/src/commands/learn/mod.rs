@@ -1,7 +1,7 @@
 //! `leafwise learn`: a Poisson map from pairs of states one step apart, by least squares.
 
 use leafwise::core::Walk;
-use leafwise::generating_function::NAME as DYNAMICS;
+use leafwise::generating_function::{NAME as DYNAMICS, TIME_STEP};
 use leafwise::learn::{
     FunctionFamily, LearnAdvice, LearnError, LearnOptions, Learned, StatePairs, learn,
 };
@@ -88,13 +88,13 @@ pub fn execute(
         finds_hamiltonian: true,
     };
     let pairs = StatePairs::new(names.len(), &table.before, &table.after, weights.as_deref());
-    let pairs = pairs.map_err(refused)?;
+    let pairs = pairs.map_err(|error| refused(error, "learn"))?;
     let realization = method.shared_realization();
     let learned = while_building(shown, || {
         learn(&run.system, &realization, (epsilon, h), &pairs, &options)
     });
-    let mut learned = learned.map_err(refused)?;
-    let text = learned_scene(&document, &run, &learned, epsilon * h)?;
+    let mut learned = learned.map_err(|error| refused(error, "learn"))?;
+    let text = learned_scene(&document, &run, &learned, (epsilon * h, false))?;
     let written = parts.document(SceneText::again(&document, text.clone()), &base)?;
     let composed = while_building(shown, || compose(&written, &parts.registry))?;
     let mut warnings: Vec<String> = learned.advice.iter().map(ToString::to_string).collect();
@@ -165,12 +165,12 @@ pub(super) fn with_chart(
     Ok((document, run))
 }
 
-/// The scene of the learned map of this time step: H, and Ŝ by S_1 = H and what is beside it.
+/// The scene of the learned map of this time step: H, and Ŝ by S_1 = H and what is beside it. A table holds for this step alone.
 pub(super) fn learned_scene(
     document: &SceneDocument,
     run: &ComposedRun,
     learned: &Learned,
-    time_step: f64,
+    (time_step, is_table): (f64, bool),
 ) -> Result<String, Failure> {
     let text = match with_hamiltonian(&document.text, &learned.hamiltonian).map_err(unwritten)? {
         Some(text) => text,
@@ -190,6 +190,9 @@ pub(super) fn learned_scene(
         *dynamics = PartUse::named(DYNAMICS)
             .with("S", coefficients.join("; ").as_str())
             .with("order", 2_i64);
+        if is_table {
+            *dynamics = dynamics.clone().with(TIME_STEP, time_step.abs());
+        }
     }
     table
         .write_into(&text, time_step, run.plan.steps)
@@ -242,12 +245,13 @@ pub(super) fn unwritten(error: leafwise::scene::RewriteError) -> Failure {
     )
 }
 
-pub(super) fn refused(error: LearnError) -> Failure {
+/// A refusal whose help names the page of the command.
+pub(super) fn refused(error: LearnError, command: &str) -> Failure {
     match error {
         LearnError::Build(error) => error.into(),
         error => Failure::usage(
             error.to_string(),
-            "`leafwise explain learn` says what is learned from pairs",
+            format!("`leafwise explain {command}` says what is fitted to pairs"),
         ),
     }
 }

@@ -33,19 +33,27 @@ impl Cost {
             seconds: steps.seconds(&states),
         };
         let own = of(*steps, 0.0);
-        let mut fewest = own;
-        let mut count = steps.count;
-        while count.is_multiple_of(2) {
-            count /= 2;
+        let as_good = |count: u64| {
             let larger = steps.in_steps(count);
-            let Some(error) = error(&larger, table) else {
-                break;
+            let error = error(&larger, table).filter(|error| *error <= table.error)?;
+            Some((larger, error))
+        };
+        // Halves until one is worse, then by bisection between this and the last good one.
+        let (mut worse, mut good) = (0, (*steps, 0.0));
+        while good.0.count > worse + 1 {
+            let count = match worse {
+                0 => good.0.count.div_ceil(2).min(good.0.count - 1),
+                _ => worse + (good.0.count - worse) / 2,
             };
-            if error > table.error {
-                break;
+            match as_good(count) {
+                Some(found) => good = found,
+                None => worse = count,
             }
-            fewest = of(larger, error);
         }
+        let fewest = match good.0.count == steps.count {
+            true => own,
+            false => of(good.0, good.1),
+        };
         let one = ManySteps {
             map: table.learned.method(),
             step: (1.0, steps.duration()),

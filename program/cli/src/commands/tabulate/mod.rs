@@ -4,7 +4,7 @@ use leafwise::core::Walk;
 use leafwise::learn::{
     FunctionFamily, LearnAdvice, LearnOptions, ManySteps, Region, Tabulated, tabulate,
 };
-use leafwise::scene::compose::{compose, refuse_noise};
+use leafwise::scene::compose::{DENSE_LIMIT, compose, refuse_acts, refuse_noise};
 use leafwise::scene::pairs::read_states;
 use leafwise::scene::{ComposedRun, SceneDocument, with_hamiltonian, with_plain_run, with_system};
 
@@ -23,9 +23,13 @@ use crate::files::refuse_existing;
 use crate::plugins::Parts;
 use crate::pulse::Shown;
 use crate::scene::SceneText;
+use crate::table::short;
 
 /// Steps of the scene's own orbit that are looked at for its range.
 const MOST_STEPS: u64 = 10_000;
+
+/// The part of a motion that times of a period, rounded, may change of it.
+const ROUNDED: f64 = 1e-10;
 
 /// Coordinates of the time and its energy.
 const TIME: usize = 2;
@@ -48,14 +52,19 @@ pub fn execute(
     let base = arguments.scene.scene.parent();
     let base = base.unwrap_or(std::path::Path::new(".")).to_owned();
     refuse_noise(&document, "no table is made", "take the noise out")?;
+    refuse_acts(
+        &document,
+        "no table is made",
+        "take `set` out of the section",
+    )?;
     let run = while_building(shown, || compose(&document, &parts.registry))?;
-    refuse(&run)?;
+    refuse(&document, &run)?;
     let (table_document, table_run) =
         of_states_alone(&mut parts, &document, &run, arguments.steps, &base, shown)?;
     let Some(method) = table_run.method.written() else {
         return Err(Failure::usage(
-            "a lattice that is not written out has no table",
-            "shorten it",
+            "the method of this scene has no realization with a generating function, and no table",
+            "name a realization in [method]",
         ));
     };
     let names = table_run.system.variables().to_vec();
@@ -93,21 +102,24 @@ pub fn execute(
             &realization,
             &steps,
             &region,
-            arguments.pairs,
+            arguments.pairs.map(|count| count as usize),
             &options,
         )
     });
-    let table = table.map_err(refused)?;
+    let table = table.map_err(|error| refused(error, "tabulate"))?;
     let text = learned_scene(
         &table_document,
         &table_run,
         &table.learned,
-        steps.duration(),
+        (steps.duration(), true),
     )?;
     let written = parts.document(SceneText::again(&document, text.clone()), &base)?;
     while_building(shown, || compose(&written, &parts.registry))?;
     let cost = while_building(shown, || Cost::of(&table, &steps));
-    let warnings = warnings(&table, &cost, &steps);
+    let mut warnings = warnings(&table, &cost, &steps);
+    if run.extension.is_some() {
+        warnings.extend(no_period(&table, &steps));
+    }
     if arguments.json {
         let object = json::json(&table, &steps, &cost, &warnings, text.clone());
         console.json(&object);
@@ -126,7 +138,29 @@ pub fn execute(
 }
 
 /// Scenes whose steps are no map of the states over a fixed time.
-fn refuse(run: &ComposedRun) -> Result<(), Failure> {
+fn refuse(document: &SceneDocument, run: &ComposedRun) -> Result<(), Failure> {
+    if run.contact.is_some() {
+        return Err(Failure::usage(
+            "the map of a contact bracket is no Poisson map, and no generating function of a table makes it",
+            "tabulate a scene with a Poisson bracket",
+        ));
+    }
+    if document.method.exact_energy.is_some() {
+        return Err(Failure::usage(
+            "with energy = \"exact\" every step adds Casimirs of its own to H, and its map is no Poisson map, nor is a table",
+            "take method.energy out",
+        ));
+    }
+    if run.method.lattice().is_some() {
+        return Err(Failure::usage(
+            "a lattice that is not written out has no table",
+            format!(
+                "shorten the lattice with {}",
+                document.system.shortening(DENSE_LIMIT)
+            ),
+        ));
+    }
+
     if run.pace().is_some() {
         return Err(Failure::usage(
             "a scene with a pace has steps of different times, and a table is of one time",
@@ -206,6 +240,9 @@ fn bounds(
         let (least, largest) = range.split_once(':').ok_or_else(|| unknown("no range"))?;
         let number = |text: &str| text.trim().parse::<f64>();
         match (number(least), number(largest)) {
+            (Ok(_), Ok(_)) if given[at].is_some() => {
+                return Err(unknown(&format!("{} has a range already", names[at])));
+            }
             (Ok(least), Ok(largest)) => given[at] = Some((least, largest)),
             _ => return Err(unknown("its ends are no numbers")),
         }
@@ -231,6 +268,39 @@ fn bounds(
     }
     let both = given.into_iter().zip(orbit);
     Ok(both.map(|(given, orbit)| given.unwrap_or(orbit)).collect())
+}
+
+/// Where a Hamiltonian names the time: whether the same steps, begun where the table ends, lead elsewhere by more than its error.
+fn no_period(table: &Tabulated, steps: &ManySteps<'_>) -> Option<String> {
+    let mut beside = steps.beside.to_vec();
+    let begin = *beside.first()?;
+    beside[0] = begin + steps.duration();
+    let later = ManySteps {
+        beside: &beside,
+        ..*steps
+    };
+    let states: Vec<Vec<f64>> = table.unseen.iter().map(|(x, _)| x.clone()).collect();
+    let ends = later.after(&states).into_iter().zip(&table.unseen);
+    let apart = ends.flat_map(|(end, (_, first))| {
+        let end = end.unwrap_or_else(|| vec![f64::NAN; first.len()]);
+        let squares = end.into_iter().zip(first).map(|(a, b)| (a - b) * (a - b));
+        squares.collect::<Vec<f64>>()
+    });
+    let (sum, count) = apart.fold((0.0, 0_u32), |(sum, count), square| {
+        (sum + square, count + 1)
+    });
+    let apart = libm::sqrt(sum / f64::from(count.max(1)));
+    let least = table.error.max(ROUNDED * table.learned.motion);
+    (apart > least || apart.is_nan()).then(|| {
+        format!(
+            "the table holds from t = {} alone: {} steps from t = {} on differ from it by {}, more than its error; \
+             take as many steps as make a whole period of the Hamiltonian, or use the table once",
+            short(begin),
+            steps.count,
+            short(beside[0]),
+            short(apart)
+        )
+    })
 }
 
 /// Things to know: advice of the fit, states that are left out, and where the table does not pay.

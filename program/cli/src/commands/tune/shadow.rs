@@ -1,7 +1,7 @@
 //! `leafwise tune --shadow`: the step of a scene's own method, from the energy of its shadow.
 
 use leafwise::run::{NoShadowStep, ShadowStep, ShadowVerdict};
-use leafwise::scene::compose::{compose, refuse_noise};
+use leafwise::scene::compose::{compose, refuse_acts, refuse_noise};
 use serde::Serialize;
 
 use crate::arguments::TuneArguments;
@@ -36,11 +36,24 @@ pub(super) fn execute(
         "no step is found by the shadow energy",
         "take the noise out",
     )?;
+    refuse_acts(
+        &document,
+        "no step is found by the shadow energy",
+        "take `set` out of the section",
+    )?;
     let run = while_building(shown, || compose(&document, &parts.registry))?;
     if run.method.lattice().is_some() || document.method.pace.is_some() {
         return Err(Failure::usage(
             "--shadow is offered neither on long lattices nor with a pace",
             "give --error or --energy",
+        ));
+    }
+    if let Some(length) = run.table_step() {
+        return Err(Failure::usage(
+            format!(
+                "the generating function holds for steps of {length:?} alone, and no other step is found"
+            ),
+            "tune the scene whose steps the table puts together",
         ));
     }
     let found = while_building(shown, || ShadowStep::find(&run, tolerance));
