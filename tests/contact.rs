@@ -5,6 +5,7 @@
     reason = "measured numbers, read with --nocapture"
 )]
 
+use leafwise::core::diagnostics::TensorDefect;
 use leafwise::core::{Registry, Structure};
 use leafwise::scene::{SceneDocument, compose};
 use leafwise_tests::scenes::{composed, end, until};
@@ -182,6 +183,34 @@ fn long_runs_do_not_overflow() {
     // At rest at q = 1, where s′ = −H = 0.
     assert!((x[0] - 1.0).abs() < 1e-14 && x[1].abs() < 1e-14, "{x:?}");
     assert!((x[2] - 2.5).abs() < 1e-12, "{x:?}");
+}
+
+/// Every step of the homogeneous system written out keeps its tensor, also where r and P have grown ten-thousandfold: DΦ is taken in coordinates
+/// of like sizes. A dozen products of 16 factors are wrong by 64 units of round-off at most.
+#[test]
+fn tangents_of_grown_momenta_keep_the_tensor() {
+    let run = until(
+        "variables = [\"q\", \"P\", \"s\", \"r\"]\nbracket = { \"q,P\" = 1, \"s,r\" = -1 }\nconvention = \"{x,H}\"\n\
+         hamiltonian = \"P^2/(2*r) + r*q^2/2 + 0.2*r*s + 0.1*P*s\"",
+        &hamilton_jacobi(2),
+        "[1, 0, 0, 1]",
+        (60.0, 600),
+    );
+    let values = run.system.parameter_values();
+    let mut instrument =
+        TensorDefect::new(&run.system, run.method.map(), &values, 1.0, 0.1).expect("a tensor");
+    let mut walk = run.walk();
+    let mut largest = 0.0_f64;
+    for _ in 0..600 {
+        let defect = instrument.measure(walk.state()).expect("a defect");
+        largest = largest.max(defect.relative().expect("a tensor that is not 0"));
+        walk.advance(1).expect("a step");
+    }
+    println!("largest defect {largest:e}, r = {:e}", walk.state()[3]);
+    assert!(
+        walk.state()[3] > 1e4 && largest <= 64.0 * f64::EPSILON,
+        "{largest:e}"
+    );
 }
 
 #[test]

@@ -57,6 +57,8 @@ pub use linear::{
     DenseFactors, MOST_EQUATIONS, MOST_VARIABLES, check_equations, check_variables,
     elimination_operations, substitution_operations,
 };
+use nalgebra::DMatrix;
+use nalgebra::linalg::balancing::{balance_parlett_reinsch, unbalance};
 pub use newton::{NewtonKernel, NewtonStepper, StartCode, Uncoupled};
 pub use numeric::NumericSolver;
 pub use properties::{MapProperties, Pieces, Structure};
@@ -65,9 +67,21 @@ use stepper::one_by_one;
 pub use stepper::{Setting, StepCheck, Stepper, add, restore_each};
 
 /// DΦ = 1 + D((α̂ − β̂)∘L)·D(β̂∘L)⁻¹ from the two tangents at the solution, all row-major d × d.
+///
+/// Elimination takes place in coordinates x/s with s of powers of two that balance D(β̂∘L). Rows of very different sizes, as of a
+/// momentum that has grown a thousandfold, would mix their round-off.
 pub(crate) fn tangent_of_map(target: &[f64], change: &[f64], d: usize) -> Option<Vec<f64>> {
-    let target = nalgebra::DMatrix::from_row_slice(d, d, target);
-    let change = nalgebra::DMatrix::from_row_slice(d, d, change);
-    let tangent = nalgebra::DMatrix::identity(d, d) + change * target.lu().try_inverse()?;
+    let mut target = DMatrix::from_row_slice(d, d, target);
+    let mut change = DMatrix::from_row_slice(d, d, change);
+    // Squares beyond the range would never be balanced.
+    let has_sizes = target.norm_squared().is_finite();
+    let sizes = has_sizes.then(|| balance_parlett_reinsch(&mut target));
+    if let Some(sizes) = &sizes {
+        unbalance(&mut change, &sizes.map(f64::recip));
+    }
+    let mut tangent = DMatrix::identity(d, d) + change * target.lu().try_inverse()?;
+    if let Some(sizes) = &sizes {
+        unbalance(&mut tangent, sizes);
+    }
     Some(tangent.transpose().as_slice().to_vec())
 }
