@@ -185,6 +185,11 @@ impl Side {
         }
     }
 
+    /// The sign of a value; on the surface that of the side from which it was reached.
+    pub(crate) fn sign_of(&self, value: f64) -> f64 {
+        sign(value, self.sign)
+    }
+
     /// Whether a value counts as on the surface after so many steps.
     pub(crate) fn is_on(&self, value: f64, steps: u64) -> bool {
         value.abs() <= round_off(steps) * self.largest

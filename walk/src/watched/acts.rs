@@ -4,7 +4,7 @@ use leafwise_core::{BuildError, StepError};
 
 use super::Watched;
 use super::looks::time_of;
-use crate::events::{crossings, end};
+use crate::events::{Side, crossings, end};
 use crate::fault::{Ended, Fault, Why};
 use crate::look::Look;
 use crate::step::{Between, CLOSE, StepEnd};
@@ -84,6 +84,10 @@ impl Watched<'_> {
             if self.stops_before(lane, &between)? {
                 return Ok(());
             }
+            let others = self.others_before(lane, &between, take)?;
+            if !self.walk.lives(lane) {
+                return Ok(());
+            }
             self.events[at].sides[lane] = crossed;
             while let Some(asked) = self.passed_time(lane, time) {
                 self.take_before(lane, (asked, time), &between.state, take)?;
@@ -115,6 +119,10 @@ impl Watched<'_> {
                     self.end_between(lane, Why::Stopped, time, state);
                     return Ok(());
                 }
+            }
+            for (at, sides) in others {
+                let value = alone.events[at].at(&state)[0];
+                self.events[at].sides[lane] = sides.begin_again(value);
             }
             let begun = self.begin_again(at, lane, &state, whole);
             let (begins, probe, leads) = match begun? {
@@ -248,6 +256,61 @@ impl Watched<'_> {
         Ok(true)
     }
 
+    /// Takes in what other events cross in the part of the last step before an event acts. Tells the sides of each before and after it.
+    fn others_before<E: From<BuildError>, F: FnMut(Look<'_>) -> Result<(), E>>(
+        &mut self,
+        lane: usize,
+        between: &Between,
+        take: &mut F,
+    ) -> Result<Vec<(usize, Sides)>, E> {
+        let (steps, part) = (self.walk.steps(), between.part);
+        let (mut sides, mut order) = (Vec::new(), Vec::new());
+        for at in 0..self.events.len() {
+            let own = &self.events[at];
+            if own.event.act.is_some() {
+                continue;
+            }
+            let side = own.sides[lane];
+            let alone = self.alones.at(lane, &self.start)?;
+            let (values, last) = (&mut alone.events[at], &mut alone.last);
+            let value = values.at(&between.state)[0];
+            let mut difference = |state: &[f64]| values.at(state)[0];
+            let seen = (side, value, steps);
+            let section = &own.event.section;
+            let found = match part > 0.0 {
+                true => last.within(part, |last| {
+                    crossings(section, &mut difference, last, &between.state, seen)
+                }),
+                false => Ok((side, Vec::new())),
+            };
+            match found {
+                Err(fault) => {
+                    self.fail(lane, fault, steps);
+                    return Ok(sides);
+                }
+                Ok((after, found)) => {
+                    sides.push((at, Sides(side, after)));
+                    order.extend(found.into_iter().map(|inner| {
+                        let inner = Between {
+                            part: part * inner.part,
+                            ..inner
+                        };
+                        (time_of(None, last, steps, &inner), at, inner.state)
+                    }));
+                }
+            }
+        }
+        let forward = self.course.step();
+        order.sort_by(|one, other| (one.0 * forward).total_cmp(&(other.0 * forward)));
+        for (time, at, state) in order {
+            self.take_crossing(at, lane, (time, state, true), take)?;
+            if !self.walk.lives(lane) {
+                break;
+            }
+        }
+        Ok(sides)
+    }
+
     /// Ends a lane that cannot go on behind an event.
     fn fail_at(&mut self, lane: usize, fault: Fault, (time, state): (f64, Vec<f64>)) {
         let ended = Ended {
@@ -289,6 +352,17 @@ impl Watched<'_> {
                 Ok(())
             }
         }
+    }
+}
+
+/// Where a run stands beside the surface of an event before and after a part of a step.
+struct Sides(Side, Side);
+
+impl Sides {
+    /// Behind the change of the state at the end of that part: left − right has this value there.
+    fn begin_again(self, value: f64) -> Side {
+        let Self(before, after) = self;
+        before.behind(after, value, after.sign_of(value))
     }
 }
 

@@ -396,3 +396,80 @@ fn what_events_do_is_not_warned_of() {
     assert!(matches!(run.report.outcome, RunOutcome::Stopped(_)));
     assert_eq!(run.page.advice, []);
 }
+
+/// A ball that falls on a floor and back passes other surfaces twice in each step that bounces: at q = a it has fallen for √(2 (1 − a)), and
+/// rises as long after the bounce at √2. Where its speed turns round without a way through zero, p = 0 is crossed at the tops alone.
+#[test]
+fn other_events_are_seen_before_and_behind_a_bounce() {
+    let Prepared {
+        document,
+        registry,
+        composed,
+    } = Prepared::new(&ball("1", "steps = 80"));
+    let of = |text: &str, direction, last| leafwise_walk::Event {
+        section: composed
+            .section(&document, text, direction)
+            .expect("a section"),
+        act: None,
+        last,
+    };
+    let surfaces = [0.004, 0.02, 0.3];
+    let both = leafwise_walk::Direction::Both;
+    let mut events: Vec<_> = surfaces
+        .iter()
+        .map(|a| of(&format!("q = {a:?}"), both, None))
+        .collect();
+    events.push(of("p = 0", both, None));
+    let asked = |events| Asked {
+        events,
+        ..Asked::default()
+    };
+    let mut progress = StopAfter(u32::MAX);
+    let run = run_in_memory(
+        &document,
+        &composed,
+        &registry,
+        asked(&events),
+        &mut progress,
+    );
+    let run = run.expect("a run");
+    let half = libm::sqrt(2.0);
+    for (surface, found) in surfaces.iter().zip(&run.events) {
+        let fall = libm::sqrt(2.0 * (1.0 - surface));
+        let expected: Vec<f64> = (0..8)
+            .flat_map(|k| {
+                let top = 2.0 * half * f64::from(k);
+                [top + fall, top + 2.0 * half - fall]
+            })
+            .take_while(|time| *time < 20.0)
+            .collect();
+        let times: Vec<f64> = found.iter().map(|crossing| crossing.time).collect();
+        assert_eq!(
+            times.len(),
+            expected.len(),
+            "{surface}: {times:?} {expected:?}"
+        );
+        for (time, expected) in times.iter().zip(&expected) {
+            // A small height is reached to round-off over the speed there.
+            assert!(
+                (time - expected).abs() < 1e-12,
+                "{surface}: {time} for {expected}"
+            );
+        }
+    }
+    let tops: Vec<f64> = run.events[3].iter().map(|crossing| crossing.time).collect();
+    assert_eq!(tops.len(), 7, "{tops:?}");
+    for (k, time) in tops.iter().enumerate() {
+        assert!(
+            (time - 2.0 * half * (k + 1) as f64).abs() < 1e-12,
+            "{tops:?}"
+        );
+    }
+    // One that ends the run between a crossing and the bounce of the same step.
+    let last = [of("q = 0.004", leafwise_walk::Direction::Down, Some(2))];
+    let run = run_in_memory(&document, &composed, &registry, asked(&last), &mut progress);
+    let run = run.expect("a run");
+    let end = 2.0 * half + libm::sqrt(2.0 * 0.996);
+    assert!((run.report.time - end).abs() < 1e-12, "{}", run.report.time);
+    assert_eq!(run.crossings.map(|rows| rows.len() / 4), Some(1));
+}
