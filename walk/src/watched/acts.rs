@@ -125,7 +125,11 @@ impl Watched<'_> {
                 self.events[at].sides[lane] = sides.begin_again(value);
             }
             let begun = self.begin_again(at, lane, &state, whole);
-            let (begins, probe, leads) = match begun? {
+            let Begun {
+                begins,
+                probe,
+                leads,
+            } = match begun? {
                 Ok(begun) => begun,
                 Err(error) => {
                     self.fail_at(lane, error.into(), (time, state));
@@ -197,15 +201,14 @@ impl Watched<'_> {
         Ok(())
     }
 
-    /// Begins what is left of the step at the state behind an event. Tells left − right there, the state a [`PROBE`] of a step
-    /// later, and left − right at that.
+    /// Begins what is left of the step at the state behind an event.
     fn begin_again(
         &mut self,
         at: usize,
         lane: usize,
         state: &[f64],
         whole: f64,
-    ) -> Result<Result<(f64, Vec<f64>, f64), StepError>, BuildError> {
+    ) -> Result<Result<Begun, StepError>, BuildError> {
         let lanes = self.walk.lanes();
         // The length of the probe is that of the whole step, whatever is left of it.
         self.start.put(lane, lanes, state, 0.0);
@@ -215,7 +218,11 @@ impl Watched<'_> {
         let probe = alone.last.part(PROBE);
         let begun = probe.map(|probe| {
             let leads = values.at(&probe)[0];
-            (begins, probe, leads)
+            Begun {
+                begins,
+                probe,
+                leads,
+            }
         });
         self.start.put(lane, lanes, state, whole);
         Ok(begun)
@@ -353,6 +360,16 @@ impl Watched<'_> {
             }
         }
     }
+}
+
+/// How the motion leaves a state behind an event.
+struct Begun {
+    /// Left − right there.
+    begins: f64,
+    /// The state a [`PROBE`] of a step later.
+    probe: Vec<f64>,
+    /// Left − right at that.
+    leads: f64,
 }
 
 /// Where a run stands beside the surface of an event before and after a part of a step.
