@@ -16,6 +16,7 @@ import re
 import shutil
 import subprocess
 import sys
+import urllib.parse
 from pathlib import Path
 
 CONTENTS = Path("docs/guide/README.md")
@@ -199,7 +200,7 @@ class Book:
                 at = Path(os.path.normpath(place.parent / file)) if file else place
                 if not (self.out / at).is_file():
                     found.append(f"{place}: {target}: no such file")
-                elif mark and at in texts and f'id="{mark}"' not in texts[at]:
+                elif mark and at in texts and f'id="{urllib.parse.unquote(mark)}"' not in texts[at]:
                     found.append(f"{place}: {target}: no such anchor")
         return found
 
