@@ -29,7 +29,7 @@ const fn leads(
 }
 
 /// A word may stand in several rows: all parts are printed.
-const SYNONYMS: [Synonym; 26] = [
+const SYNONYMS: [Synonym; 32] = [
     leads(
         &["plot", "figure", "figures", "pdf"],
         "read-the-report",
@@ -63,7 +63,7 @@ const SYNONYMS: [Synonym; 26] = [
     leads(
         &["units", "unit", "si"],
         "define-a-system",
-        "shorter brackets",
+        "units",
         "Units are yours",
     ),
     leads(
@@ -222,6 +222,66 @@ const SYNONYMS: [Synonym; 26] = [
         "largest drift",
     ),
     leads(
+        &[
+            "fail",
+            "fails",
+            "failure",
+            "diverged",
+            "divergence",
+            "convergence",
+            "newton",
+            "nan",
+        ],
+        "read-the-report",
+        "failed steps",
+        "no convergence",
+    ),
+    leads(
+        &["dense", "dense output", "interpolate", "resample", "t_eval"],
+        "time",
+        "samples at given times",
+        "a shorter step",
+    ),
+    leads(
+        &[
+            "terminate",
+            "terminal",
+            "callback",
+            "callbacks",
+            "trigger",
+            "event",
+        ],
+        "events",
+        "a condition that ends the run",
+        "The run ends where",
+    ),
+    leads(
+        &[
+            "bounce",
+            "collision",
+            "collisions",
+            "kick",
+            "wall",
+            "impact",
+            "billiard",
+        ],
+        "events",
+        "bounces, kicks",
+        "changes the state",
+    ),
+    leads(
+        &["temperature", "thermostat", "stochastic", "brownian"],
+        "noise",
+        "langevin dynamics",
+        "temperature",
+    ),
+    leads(
+        &["threads", "parallel", "cores", "slurm", "mpi"],
+        "clusters",
+        "clusters: ensembles",
+        "merge",
+    ),
+    leads(
         &["leapfrog", "verlet", "symplectic", "integrator"],
         "choose",
         "three questions",
@@ -311,6 +371,11 @@ mod tests {
             "resume",
             "Exit Code",
             "step-size control",
+            "dense output",
+            "failed steps",
+            "collision",
+            "temperature",
+            "threads",
         ] {
             assert!(!explained(word).is_empty(), "{word}");
         }
