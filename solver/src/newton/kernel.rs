@@ -210,8 +210,8 @@ impl NewtonKernel {
         u32::try_from((self.work() + judging) / (self.chord_work() + judging)).unwrap_or(u32::MAX)
     }
 
-    /// Most operations that the series of the solution may take as the start of a solve: those of extrapolation, and
-    /// the larger of half an iteration with a new Jacobian and a whole one with the kept Jacobian.
+    /// Most operations that the series of the solution may take as the start of a solve. They are those of
+    /// extrapolation and of an iteration: half of one with a new Jacobian, or one with the kept Jacobian if that is more.
     pub fn worth_of_start(&self) -> u64 {
         let new = self.operations().work() / 2;
         let old = self.chord_work() + self.judging_work();
