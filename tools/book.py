@@ -156,8 +156,8 @@ class Book:
                 title = html.unescape(re.sub(r"<[^>]*>", "", heading[2]))
                 self.found.append({"page": self.titles[page], "title": title, "at": f"{self.place(page)}#{heading[1]}", "words": words[:3000]})
 
-    def sidebar(self, page: Path) -> str:
-        """The contents beside a page."""
+    def sidebar(self, page: Path, body: str) -> str:
+        """The contents beside a page, with the page's own headings."""
         home = relative(Path("index.html"), self.place(page))
         rows = [f'<a class="home" href="{home}">Leafwise</a>', '<input type="search" placeholder="Search" aria-label="Search the book"><ol class="hits"></ol>']
         for chapter, entries in self.chapters:
@@ -165,8 +165,16 @@ class Book:
             for title, path, _ in entries:
                 here = ' aria-current="page"' if path == page else ""
                 rows.append(f'<li><a href="{relative(self.place(path), self.place(page))}"{here}>{self.markdown.renderInline(title)}</a></li>')
+                if here:
+                    rows += [f'<li class="within"><a href="#{mark}">{heading}</a></li>' for mark, heading in self.headings(body)]
             rows.append("</ul>")
         return "\n".join(rows)
+
+    def headings(self, body: str) -> list[tuple[str, str]]:
+        """Headings of a page: of the second level, and of the third where most are of that one."""
+        plain = [(level, mark, re.sub(r"</?(?:a|img)\b[^>]*>", "", text)) for level, mark, text in re.findall(r'<h([23]) id="([^"]*)">(.*?)</h', body, re.S)]
+        most = "3" if len(plain) > 12 * sum(level == "2" for level, _, _ in plain) else "2"
+        return [(mark, text) for level, mark, text in plain if level <= most]
 
     def write(self) -> None:
         """All pages, the style and the search."""
@@ -181,7 +189,7 @@ class Book:
                     if 0 <= at + step < len(self.order):
                         other = self.order[at + step]
                         around.append(f'<a rel="{word}" href="{relative(self.place(other), place)}">{html.escape(self.titles[other])}</a>')
-            values = {"title": html.escape(self.titles[page]), "sidebar": self.sidebar(page), "body": body, "around": "\n".join(around), "root": relative(Path(), place)}
+            values = {"title": html.escape(self.titles[page]), "sidebar": self.sidebar(page, body), "body": body, "around": "\n".join(around), "root": relative(Path(), place)}
             (self.out / place).parent.mkdir(parents=True, exist_ok=True)
             (self.out / place).write_text(re.sub(r"\{\{(\w+)\}\}", lambda m: values[m[1]], template), encoding="utf-8")
         for asset in ("book.css", "search.js"):
