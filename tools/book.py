@@ -21,6 +21,7 @@ from pathlib import Path
 
 CONTENTS = Path("docs/guide/README.md")
 ASSETS = Path("tools/book")
+SYNONYMS = Path("program/cli/src/synonyms.rs")
 FENCE = re.compile(r"^ *```.*?^ *```\s*$", re.M | re.S)
 LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(<?([^()\s>]+)>?\)")
 IMAGE = re.compile(r"<img\s+([^>]*)>")
@@ -93,6 +94,12 @@ def contents() -> list[tuple[str, list[tuple[str, Path, str]]]]:
     return [(name, rows) for name, rows in chapters if rows]
 
 
+def everyday() -> list[tuple[list[str], str, str]]:
+    """Everyday words, the page that explains them, and words of the heading: the rows of `leafwise explain`."""
+    rows = re.findall(r'leads\(\s*&\[(.*?)\],\s*"([^"]*)",\s*"([^"]*)"', SYNONYMS.read_text(encoding="utf-8"), re.S)
+    return [(re.findall(r'"([^"]*)"', words), page, heading) for words, page, heading in rows]
+
+
 def relative(target: Path, page: Path) -> str:
     """A link from one page of the book to a file of it."""
     return os.path.relpath(target, page.parent).replace(os.sep, "/")
@@ -111,6 +118,7 @@ class Book:
         self.pages = self.order + others + [path for path in map(Path, ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "python/README.md"]) if path not in self.order]
         self.titles = {path: path.read_text(encoding="utf-8").partition("\n")[0].lstrip("# ") for path in self.pages}
         self.found: list[dict[str, str]] = []
+        self.everyday = everyday()
 
     def place(self, page: Path) -> Path:
         """The file of a page in the book."""
@@ -154,7 +162,8 @@ class Book:
             if heading:
                 words = html.unescape(re.sub(r"\s+", " ", re.sub(r"<[^>]*>", " ", section)))
                 title = html.unescape(re.sub(r"<[^>]*>", "", heading[2]))
-                self.found.append({"page": self.titles[page], "title": title, "at": f"{self.place(page)}#{heading[1]}", "words": words[:3000]})
+                also = " ".join(" ".join(names) for names, name, at in self.everyday if name == page.stem and at in title.lower())
+                self.found.append({"page": self.titles[page], "title": title, "at": f"{self.place(page)}#{heading[1]}", "words": words[:3000], "also": also})
 
     def sidebar(self, page: Path, body: str) -> str:
         """The contents beside a page, with the page's own headings."""

@@ -28,8 +28,8 @@ const fn leads(
     }
 }
 
-/// A word may stand in several rows: all parts are printed.
-const SYNONYMS: [Synonym; 32] = [
+/// A word may stand in several rows: all parts are printed. The book's search reads these rows too (`tools/book.py`).
+const SYNONYMS: [Synonym; 35] = [
     leads(
         &["plot", "figure", "figures", "pdf"],
         "read-the-report",
@@ -123,6 +123,7 @@ const SYNONYMS: [Synonym; 32] = [
             "n-body",
             "nbody",
             "n body",
+            "two-body",
             "bodies",
             "gravity",
             "planets",
@@ -282,6 +283,24 @@ const SYNONYMS: [Synonym; 32] = [
         "merge",
     ),
     leads(
+        &["time-dependent", "nonautonomous", "driven", "drive"],
+        "time",
+        "a hamiltonian that names the time",
+        "names the time",
+    ),
+    leads(
+        &["orientation", "quaternion", "attitude", "euler angles"],
+        "define-a-system",
+        "systems of the library",
+        "quaternion",
+    ),
+    leads(
+        &["orientation", "quaternion", "satellite"],
+        "forces",
+        "a torque on a body",
+        "quaternion",
+    ),
+    leads(
         &["leapfrog", "verlet", "symplectic", "integrator"],
         "choose",
         "three questions",
@@ -376,6 +395,8 @@ mod tests {
             "collision",
             "temperature",
             "threads",
+            "time-dependent",
+            "quaternion",
         ] {
             assert!(!explained(word).is_empty(), "{word}");
         }
