@@ -196,8 +196,8 @@ def solve(
         events: surfaces whose crossings are ``t_events`` and ``y_events``: formulas as ``"q = 0"``, or tables
             ``{"at": "q = 0", "direction": "up", "terminal": True}`` with the direction in which left - right goes, "up", "down" or
             "both", and whether the solution ends there; a number is that of the crossing that ends it. A crossing is the end of a
-            shorter step of the method, on the surface to round-off; two within one step are not seen, and a solution that begins on
-            the surface does not cross it there.
+            shorter step of the method, on the surface to round-off. Several within one step are all found. A solution that begins
+            on the surface does not cross it there.
 
     Raises:
         SceneError: the system is not valid.
