@@ -45,7 +45,7 @@ class Fit:
     scene: Scene
     """The scene with the values found."""
     names: list[str]
-    """What was fitted: parameters, then initial coordinates as ``q(0)`` where they were asked for."""
+    """What was fitted: parameters, then initial coordinates as ``q(0)`` with ``initial=True``."""
     values: dict[str, float]
     """The values found, by name."""
     errors: dict[str, float]

@@ -360,7 +360,7 @@ class Scene:
             observables: what is measured of each last state, as the scene's ``record``; beside grid or settings alone.
             steps: the number of steps of settings that do not name it.
             threads: how many threads; no result depends on it. A worker of an executor has one where not given.
-            executor: where shards of the sweep are run, as in :meth:`ensemble`; ``progress`` is then told of shards.
+            executor: where shards of the sweep are run, as in :meth:`ensemble`; ``progress`` then counts shards.
             shards: into how many shards, 4 for each processor of this machine where not given; with an executor alone.
             allow_non_poisson: step a tensor that violates the Jacobi identity.
             progress: as in :meth:`run`, of the steps of all settings.
@@ -520,13 +520,13 @@ class Scene:
         return found
 
     def check(self) -> dict[str, Any]:
-        """Jacobi identity and Casimirs of the system, as ``leafwise check``. A check that fails is told, not raised."""
+        """Jacobi identity and Casimirs of the system, as ``leafwise check``. A check that fails is in the result, and raises nothing."""
         found: dict[str, Any] = self.command("check", accept=(0, 5))
         return found
 
     def verify(self) -> dict[str, Any]:
         """What this scene's method and all others really do on its system, against what they declare, as ``leafwise verify``:
-        ``["rows"]``, this method's with ``"is_own": True``, ``"met"`` where nothing declared is broken. It is told, not raised."""
+        ``["rows"]``, this method's with ``"is_own": True``, ``"met"`` where nothing declared is broken. Nothing is raised."""
         found: dict[str, Any] = self.command("verify", accept=(0, 5))
         return found
 

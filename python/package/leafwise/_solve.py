@@ -36,7 +36,7 @@ class Solution(Fields):
     """A solution: the fields of SciPy's ``OdeResult``, also by ``solution["t"]``; d coordinates, m points.
 
     Called with times, shape () or (k,) within the span, it gives the method's own states there, shape (d,) or (d, k): ends of a step
-    from the nearest state that it keeps, about a thousand along the span, or that it was asked for last.
+    from the nearest state that it keeps, about a thousand along the span, or from the last one that was taken.
     """
 
     #: Times of the points: shape (m,).
@@ -62,7 +62,7 @@ class Solution(Fields):
     #: The run; its own times count from the beginning of the span.
     run: Run
 
-    #: The times of each event's crossings, shape (k,), and the states there, shape (k, d); None where no events are asked for.
+    #: The times of each event's crossings, shape (k,), and the states there, shape (k, d); None without events.
     t_events: list[Array] | None = None
     y_events: list[Array] | None = None
     #: The steps of the runs that were made: those of ``rtol``, the last one's the solution's.
@@ -119,7 +119,7 @@ class Solution(Fields):
 
     @property
     def success(self) -> bool:
-        """Whether the end of the span was reached, to the accuracy asked for."""
+        """Whether the end of the span was reached, to the accuracy of ``rtol``."""
         return self.status >= 0
 
     @property
