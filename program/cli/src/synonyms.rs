@@ -29,7 +29,7 @@ const fn leads(
 }
 
 /// A word may stand in several rows: all parts are printed. The book's search reads these rows too (`tools/book.py`).
-const SYNONYMS: [Synonym; 35] = [
+const SYNONYMS: [Synonym; 41] = [
     leads(
         &["plot", "figure", "figures", "pdf"],
         "read-the-report",
@@ -93,6 +93,7 @@ const SYNONYMS: [Synonym; 35] = [
             "checkpoint",
             "checkpoints",
             "continue",
+            "extend",
             "crash",
             "interrupt",
         ],
@@ -299,6 +300,54 @@ const SYNONYMS: [Synonym; 35] = [
         "forces",
         "a torque on a body",
         "quaternion",
+    ),
+    leads(
+        &[
+            "random",
+            "monte carlo",
+            "sampling",
+            "distribution",
+            "uncertainty",
+        ],
+        "ensembles",
+        "initial states",
+        "normally distributed",
+    ),
+    leads(
+        &[
+            "invariant",
+            "invariants",
+            "first integral",
+            "constant of motion",
+            "conserved quantity",
+        ],
+        "define-a-system",
+        "casimirs",
+        "a run watches it",
+    ),
+    leads(
+        &["ode", "rhs", "right-hand side", "vector field"],
+        "find",
+        "in a scene",
+        "equations",
+    ),
+    leads(
+        &["state error", "error estimate", "phase error"],
+        "read-the-report",
+        "drifts",
+        "--error",
+    ),
+    leads(
+        &["gpu", "cuda", "pde", "stiff", "delay"],
+        "other-tools",
+        "when another tool",
+        "processor",
+    ),
+    leads(
+        &["jupyter", "notebook", "ipython"],
+        "start",
+        "in python",
+        "notebook",
     ),
     leads(
         &["leapfrog", "verlet", "symplectic", "integrator"],
