@@ -40,7 +40,7 @@ _RANK = 1e-9
 
 @dataclass(frozen=True)
 class Fit:
-    """What a fit found: the least sum of squares, with what the noise leaves open."""
+    """A fit: the least sum of squares, with the uncertainties that the noise leaves."""
 
     scene: Scene
     """The scene with the values found."""
