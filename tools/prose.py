@@ -29,9 +29,9 @@ PRIVATE = re.compile(
 
 
 def pages() -> list[Path]:
-    """Documents for users: the README, the guide, the pages beside it."""
+    """Documents: the README, the guide, the pages beside it, the design."""
     listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard", "*.md"], capture_output=True, text=True, check=True).stdout
-    left_out = ("docs/design/", "CHANGELOG.md", "docs/guide/keys.md")
+    left_out = ("CHANGELOG.md", "docs/guide/keys.md")
     return [path for path in map(Path, listed.splitlines()) if path.exists() and not str(path).startswith(left_out)]
 
 
