@@ -29,7 +29,7 @@ const fn leads(
 }
 
 /// A word may stand in several rows: all parts are printed. The book's search reads these rows too (`tools/book.py`).
-const SYNONYMS: [Synonym; 41] = [
+const SYNONYMS: [Synonym; 42] = [
     leads(
         &["plot", "figure", "figures", "pdf"],
         "read-the-report",
@@ -246,6 +246,7 @@ const SYNONYMS: [Synonym; 41] = [
     ),
     leads(
         &[
+            "stop",
             "terminate",
             "terminal",
             "callback",
@@ -348,6 +349,12 @@ const SYNONYMS: [Synonym; 41] = [
         "start",
         "in python",
         "notebook",
+    ),
+    leads(
+        &["boundary", "periodic boundary", "open boundary"],
+        "define-a-system",
+        "lattices",
+        "The boundary is periodic",
     ),
     leads(
         &["leapfrog", "verlet", "symplectic", "integrator"],
