@@ -16,10 +16,12 @@ import re
 import shutil
 import subprocess
 import sys
+import urllib.parse
 from pathlib import Path
 
 CONTENTS = Path("docs/guide/README.md")
 ASSETS = Path("tools/book")
+SYNONYMS = Path("program/cli/src/synonyms.rs")
 FENCE = re.compile(r"^ *```.*?^ *```\s*$", re.M | re.S)
 LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(<?([^()\s>]+)>?\)")
 IMAGE = re.compile(r"<img\s+([^>]*)>")
@@ -92,6 +94,12 @@ def contents() -> list[tuple[str, list[tuple[str, Path, str]]]]:
     return [(name, rows) for name, rows in chapters if rows]
 
 
+def everyday() -> list[tuple[list[str], str, str]]:
+    """Everyday words, the page that explains them, and words of the heading: the rows of `leafwise explain`."""
+    rows = re.findall(r'leads\(\s*&\[(.*?)\],\s*"([^"]*)",\s*"([^"]*)"', SYNONYMS.read_text(encoding="utf-8"), re.S)
+    return [(re.findall(r'"([^"]*)"', words), page, heading) for words, page, heading in rows]
+
+
 def relative(target: Path, page: Path) -> str:
     """A link from one page of the book to a file of it."""
     return os.path.relpath(target, page.parent).replace(os.sep, "/")
@@ -110,6 +118,7 @@ class Book:
         self.pages = self.order + others + [path for path in map(Path, ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "python/README.md"]) if path not in self.order]
         self.titles = {path: path.read_text(encoding="utf-8").partition("\n")[0].lstrip("# ") for path in self.pages}
         self.found: list[dict[str, str]] = []
+        self.everyday = everyday()
 
     def place(self, page: Path) -> Path:
         """The file of a page in the book."""
@@ -153,10 +162,11 @@ class Book:
             if heading:
                 words = html.unescape(re.sub(r"\s+", " ", re.sub(r"<[^>]*>", " ", section)))
                 title = html.unescape(re.sub(r"<[^>]*>", "", heading[2]))
-                self.found.append({"page": self.titles[page], "title": title, "at": f"{self.place(page)}#{heading[1]}", "words": words[:3000]})
+                also = " ".join(" ".join(names) for names, name, at in self.everyday if name == page.stem and at in title.lower())
+                self.found.append({"page": self.titles[page], "title": title, "at": f"{self.place(page)}#{heading[1]}", "words": words[:3000], "also": also})
 
-    def sidebar(self, page: Path) -> str:
-        """The contents beside a page."""
+    def sidebar(self, page: Path, body: str) -> str:
+        """The contents beside a page, with the page's own headings."""
         home = relative(Path("index.html"), self.place(page))
         rows = [f'<a class="home" href="{home}">Leafwise</a>', '<input type="search" placeholder="Search" aria-label="Search the book"><ol class="hits"></ol>']
         for chapter, entries in self.chapters:
@@ -164,8 +174,16 @@ class Book:
             for title, path, _ in entries:
                 here = ' aria-current="page"' if path == page else ""
                 rows.append(f'<li><a href="{relative(self.place(path), self.place(page))}"{here}>{self.markdown.renderInline(title)}</a></li>')
+                if here:
+                    rows += [f'<li class="within"><a href="#{mark}">{heading}</a></li>' for mark, heading in self.headings(body)]
             rows.append("</ul>")
         return "\n".join(rows)
+
+    def headings(self, body: str) -> list[tuple[str, str]]:
+        """Headings of a page: of the second level, and of the third where most are of that one."""
+        plain = [(level, mark, re.sub(r"</?(?:a|img)\b[^>]*>", "", text)) for level, mark, text in re.findall(r'<h([23]) id="([^"]*)">(.*?)</h', body, re.S)]
+        most = "3" if len(plain) > 12 * sum(level == "2" for level, _, _ in plain) else "2"
+        return [(mark, text) for level, mark, text in plain if level <= most]
 
     def write(self) -> None:
         """All pages, the style and the search."""
@@ -180,7 +198,7 @@ class Book:
                     if 0 <= at + step < len(self.order):
                         other = self.order[at + step]
                         around.append(f'<a rel="{word}" href="{relative(self.place(other), place)}">{html.escape(self.titles[other])}</a>')
-            values = {"title": html.escape(self.titles[page]), "sidebar": self.sidebar(page), "body": body, "around": "\n".join(around), "root": relative(Path(), place)}
+            values = {"title": html.escape(self.titles[page]), "sidebar": self.sidebar(page, body), "body": body, "around": "\n".join(around), "root": relative(Path(), place)}
             (self.out / place).parent.mkdir(parents=True, exist_ok=True)
             (self.out / place).write_text(re.sub(r"\{\{(\w+)\}\}", lambda m: values[m[1]], template), encoding="utf-8")
         for asset in ("book.css", "search.js"):
@@ -199,7 +217,7 @@ class Book:
                 at = Path(os.path.normpath(place.parent / file)) if file else place
                 if not (self.out / at).is_file():
                     found.append(f"{place}: {target}: no such file")
-                elif mark and at in texts and f'id="{mark}"' not in texts[at]:
+                elif mark and at in texts and f'id="{urllib.parse.unquote(mark)}"' not in texts[at]:
                     found.append(f"{place}: {target}: no such anchor")
         return found
 

@@ -13,7 +13,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 PAGES = [page for page in [ROOT / "README.md", *sorted((ROOT / "docs/guide").glob("*.md"))] if "```python\n" in page.read_text("utf-8")]
 #: What a page compares with; where it is not installed its blocks are left out.
-RIVALS = ["rebound"]
+RIVALS = ["rebound", "heyoka"]
 
 
 @pytest.fixture(autouse=True)

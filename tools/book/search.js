@@ -1,11 +1,12 @@
-// Sections whose words begin as all words of the query do; those with them in their heading first.
+// Sections with all words of the query; those with them in their heading, or among its everyday words, first.
 const root = document.body.dataset.root;
+const folded = (text) => text.toLowerCase().normalize("NFD").replace(/[\u0300-\u036f]/g, "");
 for (const field of document.querySelectorAll('nav input[type="search"]')) {
   const hits = field.nextElementSibling;
   field.addEventListener("input", () => {
-    const wanted = field.value.toLowerCase().split(/\s+/).filter(Boolean);
+    const wanted = folded(field.value).split(/\s+/).filter(Boolean);
     const score = (section) => {
-      const title = section.title.toLowerCase(), words = section.words.toLowerCase();
+      const title = folded(`${section.title} ${section.also}`), words = folded(`${section.words} ${section.also}`);
       if (!wanted.every((word) => words.includes(word))) return 0;
       return 1 + wanted.filter((word) => title.includes(word)).length;
     };

@@ -97,8 +97,8 @@ struct Rows {
     worst: usize,
 }
 
-/// (Π ∇C)_i against the largest |Σ_j ±Π_ij ∂_j C|: the signs are the bits of j, so that of two entries
-/// that cancel some choice adds.
+/// (Π ∇C)_i, and beside it its scale, the largest |Σ_j ±Π_ij ∂_j C| over choices of signs. Choice k takes the sign of j
+/// from bit k of j: any two j differ in a bit, so some choice adds two terms that cancel in (Π ∇C)_i.
 fn rows(
     evaluator: &mut dyn SystemEvaluator,
     state: &[f64],

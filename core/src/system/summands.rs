@@ -6,8 +6,8 @@ use super::{Convention, PoissonSystem, SystemFormulas};
 use crate::error::BuildError;
 
 impl SystemFormulas {
-    /// The coordinates of each summand of the tensor, in the order of their first ones: those that an entry joins are of one
-    /// summand, with those that it depends on. What is constant is one summand, whatever joins it.
+    /// The coordinates of each summand of the tensor, in the order of their first ones. An entry Π_ij joins i, j and the
+    /// coordinates that it depends on. All constant entries together are one summand.
     pub fn summands(&self) -> Vec<Vec<usize>> {
         let d = self.dimension();
         let mut joined = Joined((0..d).collect());

@@ -28,8 +28,8 @@ const fn leads(
     }
 }
 
-/// A word may stand in several rows: all parts are printed.
-const SYNONYMS: [Synonym; 26] = [
+/// A word may stand in several rows: all parts are printed. The book's search reads these rows too (`tools/book.py`).
+const SYNONYMS: [Synonym; 42] = [
     leads(
         &["plot", "figure", "figures", "pdf"],
         "read-the-report",
@@ -63,7 +63,7 @@ const SYNONYMS: [Synonym; 26] = [
     leads(
         &["units", "unit", "si"],
         "define-a-system",
-        "shorter brackets",
+        "units",
         "Units are yours",
     ),
     leads(
@@ -93,6 +93,7 @@ const SYNONYMS: [Synonym; 26] = [
             "checkpoint",
             "checkpoints",
             "continue",
+            "extend",
             "crash",
             "interrupt",
         ],
@@ -123,6 +124,7 @@ const SYNONYMS: [Synonym; 26] = [
             "n-body",
             "nbody",
             "n body",
+            "two-body",
             "bodies",
             "gravity",
             "planets",
@@ -222,6 +224,139 @@ const SYNONYMS: [Synonym; 26] = [
         "largest drift",
     ),
     leads(
+        &[
+            "fail",
+            "fails",
+            "failure",
+            "diverged",
+            "divergence",
+            "convergence",
+            "newton",
+            "nan",
+        ],
+        "read-the-report",
+        "failed steps",
+        "no convergence",
+    ),
+    leads(
+        &["dense", "dense output", "interpolate", "resample", "t_eval"],
+        "time",
+        "samples at given times",
+        "a shorter step",
+    ),
+    leads(
+        &[
+            "stop",
+            "terminate",
+            "terminal",
+            "callback",
+            "callbacks",
+            "trigger",
+            "event",
+        ],
+        "events",
+        "a condition that ends the run",
+        "The run ends where",
+    ),
+    leads(
+        &[
+            "bounce",
+            "collision",
+            "collisions",
+            "kick",
+            "wall",
+            "impact",
+            "billiard",
+        ],
+        "events",
+        "bounces, kicks",
+        "changes the state",
+    ),
+    leads(
+        &["temperature", "thermostat", "stochastic", "brownian"],
+        "noise",
+        "langevin dynamics",
+        "temperature",
+    ),
+    leads(
+        &["threads", "parallel", "cores", "slurm", "mpi"],
+        "clusters",
+        "clusters: ensembles",
+        "merge",
+    ),
+    leads(
+        &["time-dependent", "nonautonomous", "driven", "drive"],
+        "time",
+        "a hamiltonian that names the time",
+        "names the time",
+    ),
+    leads(
+        &["orientation", "quaternion", "attitude", "euler angles"],
+        "define-a-system",
+        "systems of the library",
+        "quaternion",
+    ),
+    leads(
+        &["orientation", "quaternion", "satellite"],
+        "forces",
+        "a torque on a body",
+        "quaternion",
+    ),
+    leads(
+        &[
+            "random",
+            "monte carlo",
+            "sampling",
+            "distribution",
+            "uncertainty",
+        ],
+        "ensembles",
+        "initial states",
+        "normally distributed",
+    ),
+    leads(
+        &[
+            "invariant",
+            "invariants",
+            "first integral",
+            "constant of motion",
+            "conserved quantity",
+        ],
+        "define-a-system",
+        "casimirs",
+        "a run watches it",
+    ),
+    leads(
+        &["ode", "rhs", "right-hand side", "vector field"],
+        "find",
+        "in a scene",
+        "equations",
+    ),
+    leads(
+        &["state error", "error estimate", "phase error"],
+        "read-the-report",
+        "drifts",
+        "--error",
+    ),
+    leads(
+        &["gpu", "cuda", "pde", "stiff", "delay"],
+        "other-tools",
+        "when another tool",
+        "processor",
+    ),
+    leads(
+        &["jupyter", "notebook", "ipython"],
+        "start",
+        "in python",
+        "notebook",
+    ),
+    leads(
+        &["boundary", "periodic boundary", "open boundary"],
+        "define-a-system",
+        "lattices",
+        "The boundary is periodic",
+    ),
+    leads(
         &["leapfrog", "verlet", "symplectic", "integrator"],
         "choose",
         "three questions",
@@ -311,6 +446,13 @@ mod tests {
             "resume",
             "Exit Code",
             "step-size control",
+            "dense output",
+            "failed steps",
+            "collision",
+            "temperature",
+            "threads",
+            "time-dependent",
+            "quaternion",
         ] {
             assert!(!explained(word).is_empty(), "{word}");
         }

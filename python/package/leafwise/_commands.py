@@ -49,7 +49,7 @@ def describe(part: str) -> dict[str, Any]:
 def load_plugin(path: str | PathLike[str]) -> None:
     """Load the parts of a plugin, a library's path or a name in the search path; every scene and command after it knows them.
 
-    A library runs in this process, after it was tried in one of its own. A scene may also name it: ``plugins = ["path"]``.
+    A library runs in this process, after it was tried in a separate one. A scene may also name it: ``plugins = ["path"]``.
 
     Raises:
         LeafwiseError: it is refused, with the reason.

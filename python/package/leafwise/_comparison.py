@@ -18,11 +18,13 @@ class Comparison(dict[str, Any]):
     def to_pandas(self) -> pandas.DataFrame:
         """A row for each method and step that ran, the cheapest first. Needs pandas.
 
-        Columns: ``method``, ``steps``, ``time_step``, ``tolerance`` of steppers that choose their steps, ``operations``
-        (floating-point operations), ``evaluations`` of the step equations, ``seconds`` (the median), ``error`` (the largest
-        distance from the reference), ``relative_error``, ``end_error``, ``energy_drift``, ``casimir_drift``, ``tensor_defect``,
-        ``poisson`` (the map keeps the structure), ``front`` (nothing is both cheaper and more accurate),
-        ``poisson_front`` (no Poisson map is).
+        Columns are
+
+        - ``method``, ``steps``, ``time_step``, and ``tolerance`` of steppers that choose their steps;
+        - ``operations``, of floating-point numbers, ``evaluations`` of the step equations, ``seconds``, the median;
+        - ``error``, the largest distance from the reference, ``relative_error``, ``end_error``;
+        - ``energy_drift``, ``casimir_drift``, ``tensor_defect``, and ``poisson``: the map keeps the structure;
+        - ``front``: nothing is both cheaper and more accurate; ``poisson_front``: no Poisson map is.
         """
         import pandas
 

@@ -9,4 +9,4 @@ __all__ = ["IntegrationError", "LeafwiseError", "LeafwiseWarning", "SceneError"]
 
 
 class LeafwiseWarning(UserWarning):
-    """What a run wants changed in its scene."""
+    """Advice to change a scene, and failures of some members or settings."""

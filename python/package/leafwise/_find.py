@@ -93,7 +93,7 @@ def find(
         degree: the degree of first integrals and Casimirs; by default that of the equations, at least 2 and at most 3.
 
     Returns:
-        What was found. ``bool(found)`` says whether a bracket was.
+        The bracket, or why there is none; ``bool(found)`` says which.
 
     Raises:
         LeafwiseError: an equation that cannot be read, or a degree with too many coefficients.

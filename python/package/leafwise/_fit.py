@@ -40,12 +40,12 @@ _RANK = 1e-9
 
 @dataclass(frozen=True)
 class Fit:
-    """What a fit found: the least sum of squares, with what the noise leaves open."""
+    """A fit: the least sum of squares, with the uncertainties that the noise leaves."""
 
     scene: Scene
     """The scene with the values found."""
     names: list[str]
-    """What was fitted: parameters, then initial coordinates as ``q(0)`` where they were asked for."""
+    """What was fitted: parameters, then initial coordinates as ``q(0)`` with ``initial=True``."""
     values: dict[str, float]
     """The values found, by name."""
     errors: dict[str, float]

@@ -31,7 +31,7 @@ class System:
         casimirs: functions as ``hamiltonian``, by name.
         parameters: values by name; every function takes them as keyword arguments behind x and p.
 
-    A scene takes it in the place of a table: ``lw.Scene(system=system, method=..., run=...)``. It is a system of numbers: each
+    A scene takes it as its system: ``lw.Scene(system=system, method=..., run=...)``. It is a system of numbers: each
     evaluation calls Python, and a step takes fifty to four hundred times as long as one of formulas. A warning says so.
 
     Raises:

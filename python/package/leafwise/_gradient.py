@@ -50,7 +50,7 @@ class Tangents(NamedTuple):
 
 
 class Tried(NamedTuple):
-    """Samples of a run that may have failed: arrays of the kind that was asked with, one entry of each for a member of a batch."""
+    """Samples of a run that may have failed: arrays of the kind of the arguments, one entry of each for a member of a batch."""
 
     x: Any
     """The samples: shape (n, d); NaN behind the step that could not be taken."""
@@ -139,8 +139,8 @@ class Trajectory:
     ) -> Array | Tried:
         """The samples: shape (n, d), the program's to the bit.
 
-        With ``throw=False`` a step that cannot be taken, or an x0 or values that are not finite, are an outcome, for optimizers that go
-        on from there: a :class:`Tried`, whose samples behind that step are NaN.
+        With ``throw=False`` the result is a :class:`Tried`, for optimizers that go on from there. A step that cannot be taken, and an x0
+        or values that are not finite, raise nothing: samples behind that step are NaN.
 
         Raises:
             IntegrationError: a step could not be taken.
@@ -218,7 +218,7 @@ class Trajectory:
         values: ArrayLike | None = None,
     ) -> Tangents:
         """The samples, and how they change in the direction (dx0, dvalues): shapes (d,) and (p,), or (k, d) and (k, p) for k
-        directions at once. What is not given does not change.
+        directions at once. An argument that is left out does not change.
 
         Raises:
             IntegrationError: a step could not be taken.

@@ -25,8 +25,8 @@ def closed_form(
         domain: a formula that is below 1 inside the chart; the chart is everything where not given.
         order: the n that is claimed, α + O(ε^(n+1)); 0 claims that α is exact.
 
-    What is claimed is measured by ``scene.verify()``; formulas that realize another tensor, or claim to be exact and are not, are
-    a :class:`SceneError` when the scene is composed.
+    ``scene.verify()`` measures the claims. Formulas that realize another tensor, or claim to be exact and are not, are a
+    :class:`SceneError` when the scene is composed.
     """
     table: dict[str, Any] = {"name": "closed-form", "alpha": _texts("alpha", alpha)}
     if beta is not None:
@@ -49,7 +49,7 @@ def generating_function(S: Iterable[object], *, order: int = 0, time_step: float
         order: the order in h that is claimed; 0 claims twice the number of coefficients.
         time_step: the length of the only steps that S holds for; 0 takes all.
 
-    What is claimed is measured by ``scene.verify()``; an S_1 of another motion is a :class:`SceneError` when the scene is composed.
+    ``scene.verify()`` measures the claims. An S_1 of another motion is a :class:`SceneError` when the scene is composed.
     """
     table: dict[str, Any] = {"name": "generating-function", "S": _texts("S", S)}
     if order:

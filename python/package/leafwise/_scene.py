@@ -44,11 +44,11 @@ class Scene:
     ``Scene({"system": ..., "method": ..., "run": ...})`` or ``Scene(system=..., method=..., run=...)``; arrays are
     lists, and a system may be a :class:`System` of functions. ``Scene.load`` reads a file, ``Scene.parse`` a text.
 
-    A table of ``system["tables"]`` takes its numbers as ``values``, an array with an axis for each of its ``axes``, in the place of a file:
+    A table of ``system["tables"]`` takes its numbers as ``values``, an array with an axis for each of its ``axes``, instead of a file:
     ``"tables": {"psi": {"values": psi, "axes": {"R": [0.8, 1.2], "Z": [-0.2, 0.2]}}}``.
 
-    What tables, keys and values are is looked at here. Formulas, names and parts are looked at when the scene is composed: by its first
-    property, such as ``variables``, its first run, and everything else that needs the system.
+    Tables, keys and kinds of values are checked here. Formulas, names and parts are checked when the scene is composed. That is at its
+    first property, such as ``variables``, its first run, or anything else that needs the system.
 
     Raises:
         SceneError: each problem with its place.
@@ -81,7 +81,7 @@ class Scene:
     ) -> Scene:
         """The scene of a text; ``set`` overrides values, as in ``{"method.epsilon": 0.05}``.
 
-        ``tables`` are the numbers of its ``[system.tables]`` in the place of files, an array with an axis for each of the table's.
+        ``tables`` are the numbers of its ``[system.tables]`` instead of files, an array with an axis for each of the table's.
         """
         if not isinstance(text, str):
             raise TypeError(f"a scene's text is a string, not {type(text).__name__}: Scene(...) takes tables, Scene.load a file")
@@ -201,8 +201,8 @@ class Scene:
                 once for all calls.
             advice: look for what to change in the scene and warn of it. It builds other methods to compare with: leave it out in loops.
             allow_non_poisson: step a tensor that violates the Jacobi identity.
-            progress: a function of the steps made and their number; True for a bar on standard error, False for none, and on
-                terminals alone, in long runs, where not given.
+            progress: a function of the steps made and their number; True for a bar on standard error, False for none. By default
+                there is a bar on terminals, in long runs.
 
         Ctrl-C ends the run and returns what was recorded, with the outcome ``interrupted`` and a warning.
 
@@ -275,7 +275,7 @@ class Scene:
             threads: how many threads; no result depends on it. A worker of an executor has one where not given.
             executor: where shards of the ensemble are stepped: anything with ``submit`` of ``concurrent.futures``, such as
                 ``ProcessPoolExecutor``, ``mpi4py.futures.MPIPoolExecutor``, or a client of Dask. The result is the same; shards are
-                joined in groups by the workers, and workers that fail are the executor's to replace. ``progress`` is then told of
+                joined in groups by the workers, and workers that fail are the executor's to replace. ``progress`` then counts
                 shards.
             shards: into how many shards, 4 for each processor of this machine where not given; with an executor alone.
             allow_non_poisson: step a tensor that violates the Jacobi identity.
@@ -360,7 +360,7 @@ class Scene:
             observables: what is measured of each last state, as the scene's ``record``; beside grid or settings alone.
             steps: the number of steps of settings that do not name it.
             threads: how many threads; no result depends on it. A worker of an executor has one where not given.
-            executor: where shards of the sweep are run, as in :meth:`ensemble`; ``progress`` is then told of shards.
+            executor: where shards of the sweep are run, as in :meth:`ensemble`; ``progress`` then counts shards.
             shards: into how many shards, 4 for each processor of this machine where not given; with an executor alone.
             allow_non_poisson: step a tensor that violates the Jacobi identity.
             progress: as in :meth:`run`, of the steps of all settings.
@@ -477,7 +477,7 @@ class Scene:
             record: every how many steps there is an observation; the scene's own where not given.
             initial: find the initial state too, from the scene's own on.
             iterations: at most so many.
-            times: the times of the rows, shape (n,), in their order from t = 0 on, where these are no steps: states there are ends of
+            times: the times of the rows, shape (n,), in their order from t = 0 on, where these are no steps. States there are ends of
                 shorter steps of the method. ``record`` and the scene's number of steps then say nothing.
             bounds: the least and the largest value of what is fitted, by name: ``{"k": (0, None), "q(0)": (-1, 1)}``. A value that ends
                 on its bound has no standard deviation.
@@ -520,13 +520,15 @@ class Scene:
         return found
 
     def check(self) -> dict[str, Any]:
-        """Jacobi identity and Casimirs of the system, as ``leafwise check``. A check that fails is told, not raised."""
+        """Jacobi identity and Casimirs of the system, as ``leafwise check``. A check that fails is in the result, and raises nothing."""
         found: dict[str, Any] = self.command("check", accept=(0, 5))
         return found
 
     def verify(self) -> dict[str, Any]:
-        """What this scene's method and all others really do on its system, against what they declare, as ``leafwise verify``:
-        ``["rows"]``, this method's with ``"is_own": True``, ``"met"`` where nothing declared is broken. It is told, not raised."""
+        """Measure this scene's method and all others on its system against what they declare, as ``leafwise verify``.
+
+        ``["rows"]`` has a row for each; this method's has ``"is_own": True``. ``"met"`` says that no declaration is broken. Nothing is raised.
+        """
         found: dict[str, Any] = self.command("verify", accept=(0, 5))
         return found
 

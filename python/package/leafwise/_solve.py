@@ -35,8 +35,8 @@ _METHOD_OF_NUMBERS: dict[str, Any] = {
 class Solution(Fields):
     """A solution: the fields of SciPy's ``OdeResult``, also by ``solution["t"]``; d coordinates, m points.
 
-    Called with times, shape () or (k,) within the span, it gives the method's own states there, shape (d,) or (d, k): ends of a step
-    from the nearest state that it keeps, about a thousand along the span, or that it was asked for last.
+    Called with times, shape () or (k,) within the span, it gives the method's own states there, shape (d,) or (d, k). They are ends of
+    steps from the nearest state that it keeps, about a thousand along the span, or from the last one that was taken.
     """
 
     #: Times of the points: shape (m,).
@@ -62,7 +62,7 @@ class Solution(Fields):
     #: The run; its own times count from the beginning of the span.
     run: Run
 
-    #: The times of each event's crossings, shape (k,), and the states there, shape (k, d); None where no events are asked for.
+    #: The times of each event's crossings, shape (k,), and the states there, shape (k, d); None without events.
     t_events: list[Array] | None = None
     y_events: list[Array] | None = None
     #: The steps of the runs that were made: those of ``rtol``, the last one's the solution's.
@@ -119,7 +119,7 @@ class Solution(Fields):
 
     @property
     def success(self) -> bool:
-        """Whether the end of the span was reached, to the accuracy asked for."""
+        """Whether the end of the span was reached, to the accuracy of ``rtol``."""
         return self.status >= 0
 
     @property
@@ -173,7 +173,7 @@ def solve(
 
         lw.solve(bracket={"q,p": "1"}, convention="{x,H}", hamiltonian="p^2/2 - cos(q)", x0=[0, 1], t_span=(0, 20))
 
-    With ``convention="{x,H}"`` it is ẋ = {x, H}, which is q' = ∂H/∂p for {q, p} = 1; without it the other sign, ẋ = {H, x}.
+    With ``convention="{x,H}"`` it is ẋ = {x, H}, which is q' = ∂H/∂p for {q, p} = 1. Without it ẋ = {H, x}, the other sign.
 
     Args:
         x0: the initial state, shape (d,).
@@ -185,19 +185,19 @@ def solve(
         system: functions of Python, in place of formulas.
         parameters: their values by name; of a library's system or of functions those that differ from its own.
         variables: the coordinates' names; where not given, those of the bracket's pairs in the order in which they come.
-        method: a scene's ``[method]`` without its step, or the name of a stepper; where not given Hamilton-Jacobi of order 4, and
-            of functions five stages of Hamilton-Jacobi of order 2 over Karasev's realization by collocation.
-            A method with a ``pace`` takes steps of a time of its own; points are in t all the same.
+        method: a scene's ``[method]`` without its step, or the name of a stepper. By default it is Hamilton-Jacobi of order 4; for
+            functions, five stages of Hamilton-Jacobi of order 2 over Karasev's realization by collocation. Points are in t with
+            a ``pace`` too, whose steps are of another time.
         step: the longest step: the span has a whole number of steps. With a pace, the step of its time.
         rtol: in place of a step: the result errs at all points by at most ``rtol`` times the largest coordinate. Runs with fewer
-            steps, less than half as many together, foresee by the method's order how many are enough; where errors do not fall
-            by that order, the last two runs agree within ``rtol`` themselves. 1e-6 where neither is given.
+            steps, less than half as many together, and the method's order give the number of steps. Where errors do not fall by
+            that order, the last two runs agree within ``rtol``. 1e-6 where neither is given.
         max_steps: where that search ends.
         events: surfaces whose crossings are ``t_events`` and ``y_events``: formulas as ``"q = 0"``, or tables
-            ``{"at": "q = 0", "direction": "up", "terminal": True}`` with the direction in which left - right goes, "up", "down" or
-            "both", and whether the solution ends there; a number is that of the crossing that ends it. A crossing is the end of a
-            shorter step of the method, on the surface to round-off; two within one step are not seen, and a solution that begins on
-            the surface does not cross it there.
+            ``{"at": "q = 0", "direction": "up", "terminal": True}``. The direction is that in which left - right goes, "up", "down"
+            or "both". ``terminal`` ends the solution there; a number n, at the n-th crossing. A crossing is the end of a
+            shorter step of the method, on the surface to round-off. Several within one step are all found. A solution that begins
+            on the surface does not cross it there.
 
     Raises:
         SceneError: the system is not valid.

@@ -143,7 +143,7 @@ class Sweep:
         return ax
 
     def to_xarray(self) -> xarray.Dataset:
-        """What was measured over the swept keys, where settings are all combinations of their values; else over settings. Needs xarray."""
+        """All columns over the swept keys, where settings are all combinations of their values; else over settings. Needs xarray."""
         return of_sweep(self)
 
     def to_pandas(self) -> pandas.DataFrame:

@@ -70,7 +70,7 @@ def solve(trajectory: Trajectory, x0: Any = None, values: Any = None, *, throw: 
 
 @contextmanager
 def errors() -> Iterator[None]:
-    """Raises what a trajectory raised within compiled code in the place of JAX's own error.
+    """Raises the error of a trajectory within compiled code instead of JAX's own.
 
     Raises:
         IntegrationError: a step could not be taken.

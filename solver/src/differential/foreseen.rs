@@ -1,8 +1,8 @@
-//! Solves by a Jacobian that is foreseen.
+//! Solves of a step, in runs with gradients, by an extrapolated Jacobian.
 //!
-//! A gradient evaluates the Jacobian at every solution. The Jacobians of the steps before, extrapolated like the
-//! solutions themselves, are as good as one taken where the solve starts. One or two corrections without a Jacobian
-//! reach the solution. The Jacobian that the gradient takes there is the only one of the step.
+//! A gradient needs the Jacobian at every solution. Extrapolated from those of the steps before, as the solutions are, a
+//! Jacobian is as good as one taken where the solve starts. One or two corrections with it reach the solution, and
+//! the Jacobian that the gradient takes there is the only one of the step.
 
 use leafwise_expression::Workspace;
 
@@ -12,7 +12,7 @@ use crate::{DenseFactors, Extrapolation, NewtonKernel};
 /// Differences that are kept of solutions and Jacobians.
 const LEVELS: usize = 10;
 
-/// Steps before anything is foreseen.
+/// Steps before anything is extrapolated.
 const WARM: u32 = 12;
 
 /// A first correction larger than this, relative to the state, is not that of a smooth solution.

@@ -55,8 +55,8 @@ impl Watch {
         }
     }
 
-    /// Takes in a correction. It leaves open to which solution it leads where it is no round-off, and
-    /// not half of the one before in its largest component.
+    /// Takes in a correction. One that is no round-off, and whose largest component is more than half of that of the one
+    /// before, makes the branch doubtful: it may lead to another solution.
     pub fn take_correction(&mut self, correction: &CorrectionSize) {
         let size = correction.component();
         let falls = size < 0.5 * self.last || size <= WANDERING || correction.norm() <= WANDERING;

@@ -203,16 +203,15 @@ impl NewtonKernel {
         self.operations().work() + elimination_operations(d) + substitution_operations(d)
     }
 
-    /// How many iterations with a Jacobian that is there cost one that takes a new one: the kernels,
-    /// the linear algebra, and what judging a correction takes around either.
+    /// Cost of an iteration with a new Jacobian over that of one with the kept Jacobian, rounded down. Kernels, linear
+    /// algebra and the judgement of the correction count in both.
     pub fn most_chords(&self) -> u32 {
         let judging = self.judging_work();
         u32::try_from((self.work() + judging) / (self.chord_work() + judging)).unwrap_or(u32::MAX)
     }
 
-    /// Operations that the series of the solution is worth as the start of a solve. They are those of extrapolation,
-    /// and of half of an iteration with a new Jacobian or one with that which is there. Where extrapolation foresees
-    /// nothing, the series saves several of them.
+    /// Most operations that the series of the solution may take as the start of a solve. They are those of
+    /// extrapolation and of an iteration: half of one with a new Jacobian, or one with the kept Jacobian if that is more.
     pub fn worth_of_start(&self) -> u64 {
         let new = self.operations().work() / 2;
         let old = self.chord_work() + self.judging_work();

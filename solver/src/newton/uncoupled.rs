@@ -208,7 +208,8 @@ impl PartStepper {
     }
 }
 
-/// A check of the whole that sees one part move while the others rest. What it looks at is of one part each.
+/// Check of the whole step, called for the coordinates of one part: the others are where they were. Each quantity
+/// that it looks at depends on one part alone.
 struct Alone<'a> {
     rows: &'a [usize],
     whole: [&'a mut [f64]; 2],

@@ -342,6 +342,7 @@ fn failure_lines(
             options.directory.display(),
             grouped(report.samples)
         ),
+        "  = more: leafwise explain failed steps".to_owned(),
     ]
 }
 

@@ -9,6 +9,7 @@ fn fails(scene: &str, pieces: &[&str]) -> (Place, serde_json::Value) {
     let said = here.leafwise(&["run", "scene.toml", "--json"]);
     assert_eq!(said.code, Some(1), "{}{}", said.out, said.err);
     said.says(&["failed at t =", "state before it:", "= help:", "runs/scene"]);
+    said.says(&["= more: leafwise explain failed steps"]);
     said.says(pieces);
     let json = said.json();
     assert_eq!(json["outcome"], "failed");

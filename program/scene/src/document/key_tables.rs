@@ -12,11 +12,11 @@ pub fn key_tables() -> String {
     collect("", &ROOT, &mut sections);
     let mut page = format!(
         "# Keys of scenes\n\n\
-         Every key that a scene may have, its default, and what it does not stand beside. The page is what `leafwise schema \
-         --markdown` prints.\n\n\
-         A key is set from outside by its path, as `--set run.record.every=10`. In a path `NAME` is a name of the scene's own. \
-         Where a formula is asked for, a number will do. A long lattice has more than {DENSE_LIMIT} coordinates in its families. Beside `library` keys that are not given are \
-         those of the library's system.\n"
+         Keys of a scene, each with its kind, its default, and the keys that exclude it. `leafwise schema --markdown` prints \
+         this page.\n\n\
+         A key is set from outside by its path, as `--set run.record.every=10`. In a path `NAME` is a name that the scene \
+         chooses. A number serves as a formula too. A long lattice has more than {DENSE_LIMIT} coordinates in its families. With `library`, keys that \
+         are left out are those of the library's system.\n"
     );
     for section in &sections {
         section.write(&sections, &mut page);

@@ -29,9 +29,10 @@ use crate::judge::{WANDERING, at_least, inside_chart, larger, relative};
 /// thousand times the size of a chart fifty.
 const MOST_EVALUATIONS: u32 = 100;
 
-/// A Jacobian is taken anew where a component has fallen below this part of what it was when the Jacobian was taken.
-/// What the others put into a component may be in proportion to it, as in a Lotka–Volterra system. An old Jacobian
-/// then judges the component by what it was, and puts the others' round-off into it in proportion to that.
+/// Part of its earlier size below which a component makes its Jacobian too old: a new one is taken.
+///
+/// In a Lotka–Volterra system a row of the Jacobian is proportional to its component. An old row, of a component that was
+/// larger, adds the round-off of the other components in proportion to that larger size.
 const HALVED: f64 = 0.5;
 
 /// A component that moves by less than this part of its scale is noise, not smaller.
