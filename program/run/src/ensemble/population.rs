@@ -15,6 +15,7 @@ use leafwise_scene::document::{
     Distribution, EnsembleSection, InitialDraw, Located, ParameterDraw, SceneDocument,
 };
 use leafwise_scene::input::read_text;
+use leafwise_walk::StateLayout;
 
 /// Members by number: each one's initial state and parameters follow from the scene, the seed and the
 /// number alone.
@@ -22,8 +23,7 @@ pub struct Population {
     members: u64,
     seed: u64,
     center: Vec<f64>,
-    /// The scene's own coordinates, the first of a state.
-    own: usize,
+    layout: StateLayout,
     start: Start,
     parameters: Vec<f64>,
     /// Parameters that differ, by place, in the order of the scene.
@@ -80,7 +80,7 @@ impl Population {
         directory: &Path,
         given: Option<&Members>,
     ) -> Result<Self, Refusal> {
-        let own = run.own(&run.plan.initial).len();
+        let layout = run.plan.layout;
         let mut center = run.plan.initial.clone();
         let mut invariants = None;
         let mut members = given.cloned().unwrap_or_default();
@@ -93,8 +93,8 @@ impl Population {
                 center: given,
             }) => {
                 if let Some(given) = given {
-                    let given = state_beside(document, given, &center[..own])?;
-                    center[..own].copy_from_slice(&given);
+                    let given = state_beside(document, given, run.own(&center))?;
+                    center[layout.own()].copy_from_slice(&given);
                 }
                 if matches!(distribution, Distribution::Leaf(_)) {
                     invariants = Some(leaves(document, ensemble, run, &center)?);
@@ -108,7 +108,7 @@ impl Population {
                 Start::Same
             }
         };
-        let rows = rows(document, ensemble, &members, own)?;
+        let rows = rows(document, ensemble, &members, layout.coordinates())?;
         let fingerprint = rows.map(|_| digest(&members));
         if let Some(states) = members.states.take() {
             start = Start::Rows(states);
@@ -145,7 +145,7 @@ impl Population {
             members: count,
             seed: ensemble.seed,
             center,
-            own,
+            layout,
             start,
             parameters: run.system.parameter_values(),
             draws,
@@ -234,11 +234,17 @@ impl Population {
         match &self.start {
             Start::Same => {}
             Start::Drawn(distribution) => {
-                let center = &self.center[..self.own];
-                displace(center, distribution, &mut random, &mut state[..self.own]);
+                let own = self.layout.own();
+                displace(
+                    &self.center[own.clone()],
+                    distribution,
+                    &mut random,
+                    &mut state[own],
+                );
             }
             Start::Rows(rows) => {
-                state[..self.own].copy_from_slice(&rows[row * self.own..][..self.own]);
+                let own = self.layout.coordinates();
+                state[self.layout.own()].copy_from_slice(&rows[row * own..][..own]);
             }
         }
         if let Some(invariants) = &self.invariants {

@@ -65,7 +65,7 @@ pub fn execute(
             "take method.pace out of the scene",
         ));
     }
-    if run.extension.is_some() || run.plan.coordinates != run.system.dimension() {
+    if run.is_extended() {
         return Err(Failure::usage(
             "a system whose Hamiltonian or bracket names the time, or parameters of sites, has no map of its states alone to learn",
             "give a scene without them",

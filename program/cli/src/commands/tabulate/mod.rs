@@ -31,9 +31,6 @@ const MOST_STEPS: u64 = 10_000;
 /// The part of a motion that times of a period, rounded, may change of it.
 const ROUNDED: f64 = 1e-10;
 
-/// Coordinates of the time and its energy.
-const TIME: usize = 2;
-
 /// Makes a table and prints what it is worth; returns the exit code.
 ///
 /// # Errors
@@ -74,7 +71,7 @@ pub fn execute(
         parameters: &parameters,
         step: (run.plan.epsilon, run.plan.h),
         count: arguments.steps,
-        beside: &run.plan.initial[names.len()..],
+        beside: &run.plan.initial[run.plan.layout.beside()],
     };
     let region = match &arguments.states {
         Some(file) => Region::States(read_states(file, &names).map_err(|reason| {
@@ -173,8 +170,7 @@ fn refuse(document: &SceneDocument, run: &ComposedRun) -> Result<(), Failure> {
             "take the forces out of the scene",
         ));
     }
-    let beside = if run.extension.is_some() { TIME } else { 0 };
-    if run.plan.coordinates + beside != run.system.dimension() {
+    if !run.plan.layout.sites().is_empty() {
         return Err(Failure::usage(
             "parameters of sites are no coordinates of a table",
             "give a scene without them",
