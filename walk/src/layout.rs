@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-/// Layout of a state that is stepped: the motion's own coordinates, behind them parameters of sites, the time with its energy, and
-/// the scale of a contact form, each where it is there.
+/// Layout of a state that is stepped: the motion's own coordinates, then parameters of sites, the time with its energy, the scale
+/// of a contact form. Each but the first may be absent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StateLayout {
     own: usize,
