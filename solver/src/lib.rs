@@ -58,7 +58,7 @@ pub use linear::{
     elimination_operations, substitution_operations,
 };
 pub use newton::{NewtonKernel, NewtonStepper, StartCode, Uncoupled};
-pub use numeric::NumericSolver;
+pub use numeric::{NumericSolver, Progress, Solve};
 pub use properties::{MapProperties, Pieces, Structure};
 pub use statistics::SolverStatistics;
 use stepper::one_by_one;
