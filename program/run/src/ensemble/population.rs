@@ -8,8 +8,9 @@ use leafwise_core::runge_kutta::SmoothMap;
 use sha2::{Digest, Sha256};
 use thiserror::Error;
 
-use super::leaf::{WayOntoLeaf, leaves};
+use super::leaf::leaves;
 use super::states::Members;
+use crate::level_set::WayOntoLevel;
 use leafwise_scene::compose::{ComposedRun, Extension, NoStart, Refusal, state_beside};
 use leafwise_scene::document::{
     Distribution, EnsembleSection, InitialDraw, Located, ParameterDraw, SceneDocument,
@@ -65,7 +66,7 @@ pub enum NoMember {
 pub(super) struct Drawing {
     pub state: Vec<f64>,
     pub parameters: Vec<f64>,
-    way: Option<WayOntoLeaf>,
+    way: Option<WayOntoLevel>,
 }
 
 impl Population {
@@ -248,9 +249,11 @@ impl Population {
             }
         }
         if let Some(invariants) = &self.invariants {
-            let way = way.get_or_insert_with(|| WayOntoLeaf::new(invariants, parameters));
-            let found = way.go(parameters, &self.center, state);
-            found.ok_or(NoMember::NoLeaf)?;
+            let casimirs = || (1..invariants.outputs()).collect();
+            let way =
+                way.get_or_insert_with(|| WayOntoLevel::new(invariants, casimirs(), parameters));
+            let leaf = way.take_level(parameters, &self.center);
+            leaf.and_then(|()| way.go(state)).ok_or(NoMember::NoLeaf)?;
         }
         if let Some(extension) = &self.extension {
             extension.begin(state, parameters)?;
