@@ -5,8 +5,8 @@ use std::path::Path;
 
 use leafwise::core::Registry;
 use leafwise::prelude::SceneDocument;
-use leafwise::scene::document::json_schema;
-use leafwise::stress::SCENES_WITH_EVERY_KEY;
+use leafwise::scene::document::{faults, json_schema};
+use leafwise::stress::SCENES_FOR_FAULTS;
 use serde_json::Value;
 
 /// Whether a value fits a schema, by the rules of JSON Schema for the words that are used.
@@ -49,6 +49,15 @@ fn fits(schema: &Value, value: &Value) -> bool {
         },
         "enum" => rule.as_array().expect("values").contains(value),
         "const" => rule == value,
+        "prefixItems" => value.as_array().is_none_or(|items| {
+            let rules = rule.as_array().expect("schemas").iter();
+            rules.zip(items).all(|(rule, item)| fits(rule, item))
+        }),
+        "minItems" | "maxItems" => value.as_array().is_none_or(|items| {
+            let count = rule.as_u64().expect("a count");
+            let many = items.len() as u64;
+            many == count || (many < count) == (word == "maxItems")
+        }),
         "minimum" => value
             .as_f64()
             .is_none_or(|number| number >= rule.as_f64().expect("a number")),
@@ -118,7 +127,7 @@ fn scenes() -> Vec<String> {
         .map(|path| fs::read_to_string(path).expect("a scene"));
     let gallery: Vec<String> = gallery.collect();
     assert!(gallery.len() > 10);
-    let others = SCENES_WITH_EVERY_KEY.map(str::to_owned);
+    let others = SCENES_FOR_FAULTS.map(|(text, _)| text.to_owned());
     gallery.into_iter().chain(others).collect()
 }
 
@@ -130,6 +139,28 @@ fn every_scene_fits_the_schema() {
         SceneDocument::parse("scene.toml", &text, &registry).expect("a scene");
         assert!(fits(&schema, &json(&text)), "{text}");
     }
+}
+
+/// Each fault of each key is refused by the schema, as it is by the reader; the same scene without it fits where the reader
+/// takes it.
+#[test]
+fn every_fault_is_one_of_the_schema() {
+    let registry = Registry::with_builtin();
+    let schema = json_schema(&registry);
+    let (mut refused, mut taken) = (0, 0);
+    for fault in faults(&registry) {
+        for (scene, name) in SCENES_FOR_FAULTS {
+            let (text, _) = fault.within(scene, name);
+            assert!(!fits(&schema, &json(&text)), "{text}");
+            refused += 1;
+            let (text, _) = fault.mended(scene, name);
+            if SceneDocument::parse("scene.toml", &text, &registry).is_ok() {
+                assert!(fits(&schema, &json(&text)), "{text}");
+                taken += 1;
+            }
+        }
+    }
+    assert!(taken > 100 && refused > taken, "{refused}, {taken}");
 }
 
 /// The paths of a value's parts, those within the parameters of parts left out: a part may ask for truth values.

@@ -56,7 +56,7 @@ families! {
     steps_of_any_size_are_solved_or_refused: "steps",
     states_of_any_size_give_numbers_or_errors: "sizes",
     what_is_not_a_number_is_refused: "not-numbers",
-    no_field_of_a_scene_takes_what_is_not_a_number: "scene-fields",
+    no_key_of_a_scene_takes_a_fault: "scene-fields",
     stiff_parameters_are_solved_or_refused: "stiff",
     an_orbit_that_underflows_stays_positive: "underflow",
     high_orders_agree_with_closed_forms: "orders",

@@ -212,10 +212,14 @@ pub unsafe extern "C" fn leafwise_scene_run(
             row_stride,
             stride: column_stride,
         };
-        target.check("samples", samples.is_null(), scene.run.plan.coordinates)?;
+        target.check(
+            "samples",
+            samples.is_null(),
+            scene.run.plan.layout.coordinates(),
+        )?;
         let made = samples::samples(&scene, rows, every)?;
         // SAFETY: as the caller's.
-        unsafe { target.write("samples", &made, scene.run.plan.coordinates) }
+        unsafe { target.write("samples", &made, scene.run.plan.layout.coordinates()) }
     })
 }
 
@@ -253,7 +257,7 @@ pub unsafe extern "C" fn leafwise_scene_vjp(
             stride: column_stride,
         };
         // SAFETY: as the caller's.
-        let cotangents = unsafe { source.read("cotangents", scene.run.plan.coordinates) }?;
+        let cotangents = unsafe { source.read("cotangents", scene.run.plan.layout.coordinates()) }?;
         let shape = scene.shape();
         out(by_initial, d, by_initial_stride).check("by_initial", shape.coordinates)?;
         let target = out(by_parameters, m, by_parameters_stride);
@@ -449,6 +453,6 @@ unsafe fn from(
         stride,
     };
     // SAFETY: as the caller's.
-    let initial = unsafe { initial.read("initial", scene.run.plan.coordinates) }?;
+    let initial = unsafe { initial.read("initial", scene.run.plan.layout.coordinates()) }?;
     Ok(Arc::new(scene.from(&initial)?))
 }

@@ -27,12 +27,11 @@ impl Integrator {
             code: LeafwiseCode::LEAFWISE_UNSUPPORTED,
             message: acts.to_string(),
         })?;
-        let paced = run.extension.as_ref().filter(|_| run.pace().is_some());
         let invariants = run.invariants().map_err(Failure::from)?;
         Ok(Self {
             walk: run.walk(),
-            coordinates: run.plan.coordinates,
-            clock: paced.map(|extension| extension.coordinates),
+            coordinates: run.plan.layout.coordinates(),
+            clock: run.time_place(),
             values: vec![0.0; 1 + run.system.casimir_names().len()],
             invariants,
         })

@@ -22,7 +22,7 @@ fn plan(rows: usize, every: u64) -> Result<Plan, CallError> {
 
 /// Refuses samples, those that are stepped and those that are handed out, that find no memory.
 fn has_room(scene: &Scene, rows: usize) -> Result<(), CallError> {
-    let width = 2 * scene.run.plan.initial.len();
+    let width = 2 * scene.run.plan.layout.dimension();
     let room = with_room(rows as u64, width).map(drop);
     room.map_err(|no_room| CallError {
         code: LeafwiseCode::LEAFWISE_NO_MEMORY,
@@ -66,7 +66,7 @@ pub(crate) fn pull(
     cotangents: &[f64],
     by_parameters: bool,
 ) -> Result<Gradient, CallError> {
-    let rows = cotangents.len() / scene.run.plan.coordinates;
+    let rows = cotangents.len() / scene.run.plan.layout.coordinates();
     let plan = plan(rows, every)?;
     has_room(scene, rows)?;
     let cotangents = scene.run.whole_rows(cotangents);

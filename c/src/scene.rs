@@ -131,7 +131,7 @@ impl Scene {
 
     pub(crate) fn shape(&self) -> LeafwiseShape {
         LeafwiseShape {
-            coordinates: self.run.plan.coordinates,
+            coordinates: self.run.plan.layout.coordinates(),
             parameters: self.run.system.parameters().len(),
             casimirs: self.run.system.casimir_names().len(),
             steps: self.run.plan.steps,

@@ -17,10 +17,6 @@ pub trait DynamicApproximation: Send + Sync + std::fmt::Debug {
     fn properties(&self) -> DynamicsProperties;
     /// One line for reports: name and order.
     fn describe(&self) -> String;
-    /// The length |εh| of the only steps that its map holds for; `None` where all are made, as by default.
-    fn time_step(&self) -> Option<f64> {
-        None
-    }
     /// The bisection for this system and realization.
     ///
     /// # Errors
@@ -33,7 +29,7 @@ pub trait DynamicApproximation: Send + Sync + std::fmt::Debug {
 }
 
 /// Properties of a [`DynamicApproximation`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DynamicsProperties {
     /// m.
     pub order: usize,
@@ -48,10 +44,12 @@ pub struct DynamicsProperties {
     pub serves_lifts: bool,
     /// Whether y ↦ L(y) is solved for β̂(L(y)) = x, or taken at y = x.
     pub correction: Correction,
+    /// The length |εh| of the only steps that its map holds for; `None` where all are made.
+    pub time_step: Option<f64>,
 }
 
 impl DynamicsProperties {
-    /// Those of a Lagrangian bisection of order m that is solved for, of systems without forces over maps α̂ and β̂.
+    /// Those of a Lagrangian bisection of order m that is solved for, of steps of any length, of systems without forces over maps α̂ and β̂.
     pub fn of_order(order: usize, self_adjoint: Option<bool>) -> Self {
         Self {
             order,
@@ -60,6 +58,7 @@ impl DynamicsProperties {
             takes_forces: false,
             serves_lifts: false,
             correction: Correction::Bisection,
+            time_step: None,
         }
     }
 }

@@ -504,7 +504,7 @@ impl StepMap for Method {
             None => stepper,
             Some(walls) => Checked::boxed(stepper, Arc::clone(walls).make(lanes, parameters)),
         };
-        match self.dynamics.time_step() {
+        match self.dynamics.properties().time_step {
             None => stepper,
             Some(length) => of_one_length(stepper, THE_FUNCTION, length, epsilon * h),
         }

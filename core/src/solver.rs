@@ -13,6 +13,6 @@ pub use leafwise_solver::{
     elimination_operations, judge, product, substitution_operations,
 };
 pub(crate) use leafwise_solver::{
-    Checked, Crossing, NumericSolver, Solved, StartCode, Uncoupled, add, by_parameters, looks,
-    one_step,
+    Checked, Crossing, NumericSolver, Progress, Solve, Solved, StartCode, Uncoupled, add,
+    by_parameters, looks, one_step,
 };

@@ -159,13 +159,13 @@ impl Map {
     fn has_room(&self, plan: Plan, tangents: usize) -> PyResult<()> {
         let rows = (plan.steps / plan.every).saturating_add(1);
         // The states that are stepped, and beside them the scene's own coordinates that are handed out.
-        let width = 2 * self.run.plan.initial.len() * (1 + tangents);
+        let width = 2 * self.run.plan.layout.dimension() * (1 + tangents);
         let room = with_room(rows, width).map(drop);
         room.map_err(|no_room| no_memory(&no_room))
     }
 
     fn dimension(&self) -> usize {
-        self.run.plan.coordinates
+        self.run.plan.layout.coordinates()
     }
 }
 
@@ -180,7 +180,7 @@ impl Map {
     /// How many coordinates are stepped: two more than d where the system names the time.
     #[getter]
     fn width(&self) -> usize {
-        self.run.plan.initial.len()
+        self.run.plan.layout.dimension()
     }
 
     /// The time of a step.

@@ -31,11 +31,10 @@ pub(crate) struct Integrator {
 
 impl Integrator {
     pub fn new(run: &ComposedRun, functions: Option<Functions>) -> Self {
-        let paced = run.extension.as_ref().filter(|_| run.pace().is_some());
         Self {
             own: Mutex::new(run.walk()),
-            coordinates: run.plan.coordinates,
-            clock: paced.map(|extension| extension.coordinates),
+            coordinates: run.plan.layout.coordinates(),
+            clock: run.time_place(),
             functions,
         }
     }

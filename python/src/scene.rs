@@ -422,7 +422,7 @@ impl Scene {
     fn retraced(&self, py: Python<'_>) -> PyResult<Option<Retraced>> {
         py.detach(|| {
             let (read, run) = self.composed(&Vec::new(), &Vec::new())?;
-            let dimension = run.plan.coordinates;
+            let dimension = run.plan.layout.coordinates();
             let states = States::of(run).filter(|_| read.functions.is_none());
             Ok(states.map(|states| Retraced::new(states, dimension)))
         })

@@ -60,7 +60,7 @@ pub use linear::{
 use nalgebra::DMatrix;
 use nalgebra::linalg::balancing::{balance_parlett_reinsch, unbalance};
 pub use newton::{NewtonKernel, NewtonStepper, StartCode, Uncoupled};
-pub use numeric::NumericSolver;
+pub use numeric::{NumericSolver, Progress, Solve};
 pub use properties::{MapProperties, Pieces, Structure};
 pub use statistics::SolverStatistics;
 use stepper::one_by_one;

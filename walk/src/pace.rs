@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::functions::{FunctionValues, StateFunctions};
+use crate::layout::Clock;
 use crate::step::{LastStep, StepEnd};
 
 /// g = dt/dτ, where steps are of a fictitious time τ and the time is a coordinate.
@@ -13,8 +14,8 @@ use crate::step::{LastStep, StepEnd};
 pub struct Pace {
     /// The formula as it is written.
     pub text: String,
-    /// Where t stands in a state; e, its energy, stands behind it.
-    pub time: usize,
+    /// Where t and its energy stand in a state.
+    pub clock: Clock,
     /// g and H + e.
     pub watched: StateFunctions,
     /// The system of K = (H + e) g.
@@ -155,7 +156,7 @@ const SHOWN: usize = 6;
 impl Pace {
     /// t of a state.
     pub fn time_at(&self, state: &[f64]) -> f64 {
-        state[self.time]
+        state[self.clock.time]
     }
 }
 
@@ -180,7 +181,7 @@ impl<'a> PaceWatch<'a> {
 
     /// Takes in the last of so many steps; why the walk cannot go on from there, if it cannot.
     pub fn take(&mut self, last: &LastStep<'_>, end: &StepEnd<'_>, steps: u64) -> Option<NoPace> {
-        let t = self.pace.time;
+        let t = self.pace.clock.time;
         let time = last.start.state[t];
         let values = self.watched.at(&end.state);
         let (value, balance) = (values[0], values[1]);
@@ -244,7 +245,7 @@ impl<'a> PaceWatch<'a> {
     ///
     /// The gradient ∇g is taken by central differences. An error of the balance below [`NEGLIGIBLE`] is not looked at.
     fn is_lost(&mut self, state: &[f64], balance: f64) -> bool {
-        let energy = state[self.pace.time + 1].abs();
+        let energy = state[self.pace.clock.energy].abs();
         if balance.abs() <= NEGLIGIBLE * energy {
             return false;
         }
@@ -315,7 +316,7 @@ impl<'a> PaceWatch<'a> {
         end: &StepEnd<'_>,
         time: f64,
     ) -> Result<Vec<f64>, StepError> {
-        let t = self.pace.time;
+        let t = self.pace.clock.time;
         let (state, low) = (&last.start.state, &last.start.compensation);
         let wanted = (time - state[t]) - low[t];
         let whole = last.advance(end, t);

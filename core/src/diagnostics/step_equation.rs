@@ -6,13 +6,10 @@ use crate::error::{BuildError, StepError};
 use crate::evaluator::Evaluator;
 use crate::method::{Method, MethodEvaluators};
 use crate::realization::Ends;
-use crate::solver::DenseFactors;
+use crate::solver::{CorrectionMethod, Progress, Solve};
 
 /// Newton iterations from one start.
 const ITERATIONS: usize = 40;
-
-/// Corrections below this part of the solution end the iteration.
-const CONVERGED: f64 = 1e-12;
 
 /// Solutions nearer than this part of the state's size are one.
 const SAME: f64 = 1e-6;
@@ -77,21 +74,17 @@ impl StepEquation {
     /// [`StepError`]: an iterate left the chart, or the iteration does not converge.
     pub fn solve(&mut self, x: &[f64], start: &[f64]) -> Result<StepSolution, StepError> {
         let (d, space) = (self.dimension, self.space);
-        let mut y = match self.correction {
-            Correction::Bisection => start.to_vec(),
-            Correction::None => x.to_vec(),
-        };
+        let mut is_solved = self.correction == Correction::None;
+        let mut solve = Solve::new(CorrectionMethod::Newton, d);
+        solve.begin_at(x, if is_solved { x } else { start }, ITERATIONS);
+        let low = vec![0.0; d];
         let mut point = vec![0.0; space];
         let mut values = vec![0.0; 3 * d];
         let mut tangent = vec![0.0; space * d];
         let mut tangents = vec![0.0; 2 * d * space];
         let mut matrix = vec![0.0; d * d];
-        let mut factors = DenseFactors::new(d);
-        let mut correction = f64::INFINITY;
-        for _ in 0..ITERATIONS {
-            self.points.values(&y, &mut point)?;
-            let is_solved =
-                self.correction == Correction::None || correction <= CONVERGED * size(&y);
+        loop {
+            self.points.values(&solve.y, &mut point)?;
             values.fill(f64::NAN);
             let outcome = self.maps.values(&point, &mut values);
             let ends = Ends::of(&values);
@@ -105,13 +98,13 @@ impl StepEquation {
             if is_solved {
                 let chart = self.chart.as_mut();
                 return Ok(StepSolution {
-                    y,
+                    y: solve.y,
                     increment: ends.increment.to_vec(),
                     chart_ratio: chart.and_then(|chart| chart.at(&point)),
                     point,
                 });
             }
-            self.points.jacobians(&y, &mut tangent)?;
+            self.points.jacobians(&solve.y, &mut tangent)?;
             self.maps.jacobians(&point, &mut tangents)?;
             for i in 0..d {
                 for j in 0..d {
@@ -120,24 +113,9 @@ impl StepEquation {
                         .sum();
                 }
             }
-            let mut change: Vec<f64> = (0..d)
-                .map(|i| (x[i] - ends.base[i]) - ends.offset[i])
-                .collect();
-            if !factors.factor(&matrix) {
-                return Err(StepError::NonFinite {
-                    what: "a Newton correction",
-                });
-            }
-            factors.solve(&mut change);
-            correction = size(&change);
-            y.iter_mut()
-                .zip(&change)
-                .for_each(|(y, change)| *y += change);
+            let progress = solve.take((x, &low), (&values, true), &matrix)?;
+            is_solved = progress == Progress::Solved;
         }
-        Err(StepError::NoConvergence {
-            evaluations: ITERATIONS,
-            correction,
-        })
     }
 
     /// Further solutions inside the chart, beside the one that Newton's method finds from x. The method starts from

@@ -96,15 +96,14 @@ impl Written {
 
 impl DynamicApproximation for Written {
     fn properties(&self) -> DynamicsProperties {
-        DynamicsProperties::of_order(self.order, Some(true))
+        DynamicsProperties {
+            time_step: self.time_step,
+            ..DynamicsProperties::of_order(self.order, Some(true))
+        }
     }
 
     fn describe(&self) -> String {
         self.with(Vec::new()).describe()
-    }
-
-    fn time_step(&self) -> Option<f64> {
-        self.time_step
     }
 
     fn bisection(

@@ -27,6 +27,7 @@
 //! - `watch`: states that the method is judged at, whatever is recorded;
 //! - `sampled`: the method judged by a run that has ended, for warnings;
 //! - `summary`: `report.html` from what the directory holds;
+//! - `level_set`: the way of a state onto a level set of functions;
 //! - `round_off`: values of formulas with a bound on their rounding;
 //! - `progress`: progress of a run, as a program shows it;
 //! - `outcome`, `error`: how a run ends.
@@ -45,6 +46,7 @@ mod error;
 mod execute;
 mod invariants;
 mod job;
+mod level_set;
 mod ordered;
 mod outcome;
 mod perform;

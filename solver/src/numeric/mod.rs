@@ -10,7 +10,8 @@ mod evaluation;
 mod solve;
 
 use evaluation::{By, Evaluation};
-use solve::{Progress, Solve};
+use solve::MOST_EVALUATIONS;
+pub use solve::{Progress, Solve};
 
 use super::judge::all_finite;
 use super::{Branch, CorrectionMethod, StepReport, Trajectories};
@@ -155,7 +156,7 @@ impl NumericSolver {
             let solved = solved.map(|()| &own.y[..]);
             match self.branch.settle(state, state, solved, spent, evaluate) {
                 Ok(true) => return,
-                Ok(false) => own.begin_at(state, self.branch.end()),
+                Ok(false) => own.begin_at(state, self.branch.end(), MOST_EVALUATIONS),
                 Err(error) => {
                     taken[at].outcome = Err(error);
                     return;
@@ -165,7 +166,7 @@ impl NumericSolver {
             taken[at].outcome = solved;
             return;
         } else {
-            own.begin_at(state, state);
+            own.begin_at(state, state, MOST_EVALUATIONS);
         }
         self.active.clear();
         self.active.push(at);

@@ -7,20 +7,21 @@ use crate::linear::{DenseFactors, elimination_operations, substitution_operation
 use crate::{CorrectionMethod, Extrapolation, Iteration};
 
 /// Budget of one step.
-const MOST_EVALUATIONS: usize = 100;
+pub(super) const MOST_EVALUATIONS: usize = 100;
 
 /// Where a solve stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Progress {
+pub enum Progress {
     /// Both maps are wanted at y once more.
     Iterates,
     /// y is found.
     Solved,
 }
 
-/// One trajectory's solve.
-pub(super) struct Solve {
-    pub(super) y: Vec<f64>,
+/// The solve of β̂(L(y)) = x for one state, by corrections that [`Iteration`] judges; the caller evaluates both maps.
+pub struct Solve {
+    /// The iterate, at the end the solution.
+    pub y: Vec<f64>,
     /// Whether y is found, and the ends there are wanted.
     pub(super) is_last: bool,
     pub(super) extrapolation: Extrapolation,
@@ -35,7 +36,8 @@ pub(super) struct Solve {
 }
 
 impl Solve {
-    pub(super) fn new(method: CorrectionMethod, dimension: usize) -> Self {
+    /// Of `dimension` coordinates.
+    pub fn new(method: CorrectionMethod, dimension: usize) -> Self {
         let d = dimension;
         Self {
             y: vec![0.0; d],
@@ -55,24 +57,24 @@ impl Solve {
         self.iteration.begin_step();
         self.extrapolation
             .predict(self.displacement.as_chunks_mut().0);
-        self.begin_at_displacement(x);
+        self.begin_at_displacement(x, MOST_EVALUATIONS);
     }
 
-    /// Begins anew at a point.
-    pub(super) fn begin_at(&mut self, x: &[f64], y: &[f64]) {
+    /// Begins anew at a point, with a budget of evaluations.
+    pub fn begin_at(&mut self, x: &[f64], y: &[f64], most: usize) {
         for (i, displacement) in self.displacement.iter_mut().enumerate() {
             *displacement = y[i] - x[i];
         }
-        self.begin_at_displacement(x);
+        self.begin_at_displacement(x, most);
     }
 
-    fn begin_at_displacement(&mut self, x: &[f64]) {
+    fn begin_at_displacement(&mut self, x: &[f64], most: usize) {
         for (i, y) in self.y.iter_mut().enumerate() {
             *y = x[i] + self.displacement[i];
         }
         let displacement = &self.displacement;
         let size = |row: usize| x[row].abs() + displacement[row].abs();
-        self.iteration.begin(MOST_EVALUATIONS, size);
+        self.iteration.begin(most, size);
         self.is_last = false;
     }
 
@@ -85,7 +87,7 @@ impl Solve {
     ///
     /// # Errors
     /// [`StepError::NoConvergence`], [`StepError::NonFinite`].
-    pub(super) fn take(
+    pub fn take(
         &mut self,
         (x, low): (&[f64], &[f64]),
         (ends, is_exact): (&[f64], bool),

@@ -187,7 +187,7 @@ impl<'a> Watched<'a> {
         if let Some(pace) = &course.pace {
             // H + e is measured from e at the beginning.
             let lanes = self.walk.lanes();
-            let origins = &state[(pace.time + 1) * lanes..][..lanes];
+            let origins = &state[pace.clock.energy * lanes..][..lanes];
             self.invariants.measure_from(origins);
         }
         if course.looks_between() {
@@ -238,7 +238,7 @@ impl<'a> Watched<'a> {
     pub fn time(&self, lane: usize) -> f64 {
         match &self.course.pace {
             None => self.walk.time(),
-            Some(pace) => self.walk.state()[pace.time * self.walk.lanes() + lane],
+            Some(pace) => self.walk.state()[pace.clock.time * self.walk.lanes() + lane],
         }
     }
 

@@ -121,7 +121,7 @@ pub fn execute(
         return Err(Failure::usage(
             format!(
                 "a lattice of {} coordinates is not evaluated at a point",
-                run.plan.coordinates
+                run.plan.layout.coordinates()
             ),
             format!(
                 "shorten it with {}",
@@ -147,13 +147,16 @@ pub fn execute(
     }
     let d = run.system.dimension();
     // Behind the coordinates stand parameters of sites.
-    let own = run.plan.coordinates;
+    let own = run.plan.layout.coordinates();
     let behind = |given: Vec<Rational>, rest: &[f64]| -> Vec<Rational> {
         let rest = rest.iter().filter_map(|x| Rational::from_f64(*x));
         given.into_iter().chain(rest).collect()
     };
     let x = match &arguments.x {
-        Some(text) => behind(numbers(text, "--x", own)?, &run.plan.initial[own..]),
+        Some(text) => behind(
+            numbers(text, "--x", own)?,
+            &run.plan.initial[run.plan.layout.beside()],
+        ),
         None => run
             .plan
             .initial
@@ -162,7 +165,10 @@ pub fn execute(
             .collect(),
     };
     let p = match &arguments.p {
-        Some(text) => behind(numbers(text, "--p", own)?, &vec![0.0; d - own]),
+        Some(text) => behind(
+            numbers(text, "--p", own)?,
+            &vec![0.0; run.plan.layout.beside().len()],
+        ),
         None => vec![Rational::zero(); d],
     };
     let values = evaluate(&run, method, &x, &p).and_then(Values::finite);

@@ -89,8 +89,8 @@ pub fn explain(
 
 /// d, and the coordinates that a step moves beside.
 fn dimension(run: &ComposedRun) -> String {
-    let own = run.own(&run.plan.initial).len();
-    match &run.extension {
+    let own = run.plan.layout.coordinates();
+    match run.plan.layout.clock() {
         None => own.to_string(),
         Some(_) => format!("{own}, and the time with its energy"),
     }

@@ -8,6 +8,7 @@ pub mod evaluate;
 pub mod explain;
 pub mod explain_word;
 pub mod find;
+mod fitted;
 pub mod import;
 pub mod learn;
 pub mod list;

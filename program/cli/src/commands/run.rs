@@ -291,7 +291,7 @@ fn states_line(composed: &ComposedRun) -> Option<String> {
             grouped(states.width() as u64)
         ));
     }
-    if states.is_chosen || composed.plan.coordinates <= WIDEST_STATE {
+    if states.is_chosen || composed.plan.layout.coordinates() <= WIDEST_STATE {
         return None;
     }
     let lattice = composed.method.lattice();

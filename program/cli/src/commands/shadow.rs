@@ -98,9 +98,9 @@ pub fn execute(
     }
     let mut variables = run.system.variables().to_vec();
     // Behind the time stands its conjugate, which no formula of a scene names.
-    let names_the_time = run.extension.is_some();
-    if names_the_time && let Some(conjugate) = variables.last_mut() {
-        CONJUGATE.clone_into(conjugate);
+    let clock = run.plan.layout.clock();
+    if let Some(clock) = clock {
+        CONJUGATE.clone_into(&mut variables[clock.energy]);
     }
     let parameters = run.system.parameters().iter();
     let parameters: Vec<String> = parameters.map(|parameter| parameter.name.clone()).collect();
@@ -123,7 +123,7 @@ pub fn execute(
         });
         return Ok(exit::DONE);
     }
-    let step = if names_the_time { "h" } else { "t" };
+    let step = if clock.is_some() { "h" } else { "t" };
     let powers = terms.iter().map(|(k, _)| match k {
         1 => "F_1".to_owned(),
         2 => format!("{step} F_2"),
@@ -143,7 +143,7 @@ pub fn execute(
     for line in words(&rows) {
         console.result(&line);
     }
-    if names_the_time {
+    if clock.is_some() {
         console.result("");
         console.result("e is conjugate to the time: e' = -dH/dt, and H + e is constant");
     }

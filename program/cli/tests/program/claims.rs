@@ -82,7 +82,7 @@ fn extremes_are_listed_and_unknown_ones_refused() {
     let here = Place::new();
     let said = here.leafwise(&["stress", "--list"]);
     assert_eq!(said.code, Some(0));
-    assert!(said.out.contains("scene-fields/numbers"), "{}", said.out);
+    assert!(said.out.contains("scene-fields/keys"), "{}", said.out);
     for name in ["nothing", "", "trivial/", "trivial/nothing", "nan"] {
         // Before any case is run.
         let said = here.leafwise(&["stress", "trivial", name]);

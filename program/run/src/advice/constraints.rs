@@ -1,19 +1,15 @@
 //! A start off the constraints: Dirac's bracket keeps each at the value that it begins with, and that is meant to be 0.
 
-use leafwise_core::solver::DenseFactors;
 use leafwise_core::system::Casimir;
-use leafwise_core::{Evaluator, PoissonSystem};
 use leafwise_scene::compose::ComposedRun;
 use leafwise_scene::document::{BracketSpec, InitialSpec, SceneDocument};
 
 use super::{Advice, AdviceKind, number};
+use crate::level_set::WayOntoLevel;
 use crate::round_off::round_off;
 
 /// Units of round-off in a coordinate that was written with all its digits, or computed.
 const DIGITS: f64 = 4.0;
-
-/// Corrections of a start: each doubles the digits of one that is near the constraints.
-const CORRECTIONS: usize = 50;
 
 /// Warning where a constraint has another value than 0 at `initial`, by more than the round-off of computing it from
 /// rounded coordinates. In the message `whose` tells whose initial state it is: nothing, or a member of an ensemble.
@@ -81,49 +77,20 @@ fn is_off(run: &ComposedRun, constraint: &Casimir, x: &[f64]) -> bool {
 
 /// A state near x on all constraints: Gauss and Newton's corrections of the least size.
 fn on(run: &ComposedRun, constraints: &[&Casimir], x: &[f64]) -> Option<Vec<f64>> {
-    let formulas = run.system.expressions()?;
-    let parameters = run.system.parameter_values();
-    let gradients: Option<Vec<_>> = (constraints.iter())
-        .map(|constraint| {
-            let system = formulas.with_hamiltonian(constraint.expression.clone());
-            PoissonSystem::from(system.ok()?).gradient_values().ok()
-        })
-        .collect();
-    let gradients = gradients?;
-    let mut evaluators: Vec<_> = (gradients.iter())
-        .map(|gradient| gradient.evaluator(&parameters, 1.0, 1.0))
-        .collect();
-    let (mut x, count) = (x.to_vec(), constraints.len());
-    for _ in 0..CORRECTIONS {
-        if !constraints
-            .iter()
-            .any(|constraint| is_off(run, constraint, &x))
-        {
-            return Some(x);
-        }
-        let mut slopes = vec![vec![0.0; x.len()]; count];
-        for (evaluator, row) in evaluators.iter_mut().zip(&mut slopes) {
-            evaluator.values(&x, row).ok()?;
-        }
-        // J Jᵀ λ = φ, and x − Jᵀ λ.
-        let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let rows = slopes.iter();
-        let matrix: Vec<f64> = rows
-            .flat_map(|a| slopes.iter().map(move |b| product(a, b)))
-            .collect();
-        let mut factors = DenseFactors::new(count);
-        if !factors.factor(&matrix) {
-            return None;
-        }
-        let values = constraints.iter();
-        let values = values.map(|constraint| constraint.expression.evaluate(&x, &parameters));
-        let mut multipliers: Vec<f64> = values.collect();
-        factors.solve(&mut multipliers);
-        for (row, multiplier) in slopes.iter().zip(&multipliers) {
-            for (x, slope) in x.iter_mut().zip(row) {
-                *x -= multiplier * slope;
-            }
-        }
+    let map = run.system.invariants_map().ok()?;
+    if !map.has_jacobian() {
+        return None;
     }
-    None
+    let names = run.system.casimir_names();
+    // The energy is the first output.
+    let place = |constraint: &&Casimir| {
+        let at = names.iter().position(|name| *name == constraint.name);
+        at.map(|at| at + 1)
+    };
+    let which: Option<Vec<usize>> = constraints.iter().map(place).collect();
+    let mut way = WayOntoLevel::new(&map, which?, &run.system.parameter_values());
+    let mut x = x.to_vec();
+    way.go(&mut x)?;
+    let is_on = |constraint: &&Casimir| !is_off(run, constraint, &x);
+    constraints.iter().all(is_on).then_some(x)
 }

@@ -63,7 +63,7 @@ fn by_energy(run: &ComposedRun) -> Option<Vec<(usize, usize)>> {
         .filter(|_| run.near.len() <= LARGEST)?;
     let gradient = run.system.gradient_values().ok()?;
     let tensor = system.tensor();
-    let own = |i: usize| i < run.plan.coordinates;
+    let own = |i: usize| run.plan.layout.own().contains(&i);
     let is_alone = |i: usize| tensor.keys().filter(|(a, b)| *a == i || *b == i).count() == 1;
     let is_constant = |entry: &Expression| entry.variables().is_empty();
     let pairs = tensor.iter().filter(|((a, b), entry)| {

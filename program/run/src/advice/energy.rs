@@ -147,10 +147,7 @@ fn of_coordinates(run: &ComposedRun, parameters: &[f64], states: &[Vec<f64>]) ->
     if states.iter().any(|x| x.len() != d) {
         return None;
     }
-    let time = run
-        .extension
-        .as_ref()
-        .map(|extension| extension.coordinates);
+    let time = run.plan.layout.clock().map(|clock| clock.time);
     let half = |i: usize| {
         let values = states.iter().map(|x| x[i]);
         let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {

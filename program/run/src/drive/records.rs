@@ -62,8 +62,8 @@ impl<'a> Records<'a> {
     ) -> Result<Self, RunError> {
         let parameters = run.system.parameter_values();
         let mut invariants = course.invariants.values(1, &parameters)?;
-        if let Some(pace) = &course.pace {
-            invariants.measure_from(&[run.plan.initial[pace.time + 1]]);
+        if let Some(origin) = run.origin(&run.plan.initial) {
+            invariants.measure_from(&[origin]);
         }
         let mut columns = Vec::with_capacity(run.plan.observables.len());
         let mut formula = 0;

@@ -1,84 +1,9 @@
-//! The way of drawn states onto the symplectic leaf of their center.
+//! The Casimirs by which drawn states go onto the symplectic leaf of their center.
 
 use leafwise_core::Evaluator;
-use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
-use leafwise_core::solver::judge::Verdict;
-use leafwise_core::solver::{CorrectionMethod, DenseFactors, Iteration};
+use leafwise_core::runge_kutta::SmoothMap;
 use leafwise_scene::compose::{ComposedRun, Refusal};
 use leafwise_scene::document::{EnsembleSection, Located, SceneDocument};
-
-/// Budget of the way onto a leaf.
-const MOST_EVALUATIONS: usize = 50;
-
-/// Newton's method along the Casimirs' gradients, x ← x − DCᵀ(DC DCᵀ)⁻¹(C(x) − C(c)), one member after the other.
-pub(super) struct WayOntoLeaf {
-    /// The energy, then the Casimirs.
-    map: SmoothMapEvaluator,
-    wanted: Vec<f64>,
-    values: Vec<f64>,
-    rows: Vec<f64>,
-    gram: Vec<f64>,
-    multipliers: Vec<f64>,
-    factors: DenseFactors,
-    /// Judged as a whole too: a coordinate may be the round-off of others.
-    iteration: Iteration,
-}
-
-impl WayOntoLeaf {
-    pub(super) fn new(invariants: &SmoothMap, parameters: &[f64]) -> Self {
-        let (outputs, count) = (invariants.outputs(), invariants.outputs() - 1);
-        Self {
-            map: invariants.evaluator(parameters, 1.0, 1.0),
-            wanted: vec![0.0; outputs],
-            values: vec![0.0; outputs],
-            rows: vec![0.0; outputs * invariants.inputs()],
-            gram: vec![0.0; count * count],
-            multipliers: vec![0.0; count],
-            factors: DenseFactors::new(count),
-            iteration: Iteration::new(CorrectionMethod::Residual, 0),
-        }
-    }
-
-    /// Moves a state onto the leaf of the center at these parameters; `None` where no way leads there.
-    pub(super) fn go(
-        &mut self,
-        parameters: &[f64],
-        center: &[f64],
-        state: &mut [f64],
-    ) -> Option<()> {
-        let (d, count) = (state.len(), self.multipliers.len());
-        self.map.set_parameters(parameters);
-        self.map.values(center, &mut self.wanted).ok()?;
-        self.iteration.begin(MOST_EVALUATIONS, |_| 0.0);
-        loop {
-            self.map.values(state, &mut self.values).ok()?;
-            self.map.jacobians(state, &mut self.rows).ok()?;
-            let rows = &self.rows[d..];
-            for (at, entry) in self.gram.iter_mut().enumerate() {
-                let (a, b) = (&rows[at / count * d..][..d], &rows[at % count * d..][..d]);
-                *entry = a.iter().zip(b).map(|(a, b)| a * b).sum();
-            }
-            let missing = self.wanted.iter().zip(&self.values).skip(1);
-            for (multiplier, (wanted, value)) in self.multipliers.iter_mut().zip(missing) {
-                *multiplier = wanted - value;
-            }
-            if !self.factors.factor(&self.gram) {
-                return None;
-            }
-            self.factors.solve(&mut self.multipliers);
-            let scale = state.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-            for (i, x) in state.iter_mut().enumerate() {
-                let slopes = rows.iter().skip(i).step_by(d);
-                let change: f64 = slopes.zip(&self.multipliers).map(|(v, m)| v * m).sum();
-                self.iteration.take(change, scale);
-                *x += change;
-            }
-            if self.iteration.judge().ok()? == Verdict::Converged {
-                return state.iter().all(|x| x.is_finite()).then_some(());
-            }
-        }
-    }
-}
 
 /// The corank of Π at a point, and how many of the declared Casimirs are independent there; `None` where
 /// they have no value.

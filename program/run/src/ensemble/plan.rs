@@ -197,9 +197,7 @@ impl ComposedEnsemble {
 
     /// Origin that H + e is measured from: e at an initial state, beside a pace; `None` without a pace.
     pub(super) fn origin(&self, initial: &[f64]) -> Option<f64> {
-        self.run.pace()?;
-        let extension = self.run.extension.as_ref()?;
-        Some(extension.origin(initial))
+        self.run.origin(initial)
     }
 
     /// The time at the end.

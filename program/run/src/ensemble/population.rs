@@ -8,13 +8,15 @@ use leafwise_core::runge_kutta::SmoothMap;
 use sha2::{Digest, Sha256};
 use thiserror::Error;
 
-use super::leaf::{WayOntoLeaf, leaves};
+use super::leaf::leaves;
 use super::states::Members;
+use crate::level_set::WayOntoLevel;
 use leafwise_scene::compose::{ComposedRun, Extension, NoStart, Refusal, state_beside};
 use leafwise_scene::document::{
     Distribution, EnsembleSection, InitialDraw, Located, ParameterDraw, SceneDocument,
 };
 use leafwise_scene::input::read_text;
+use leafwise_walk::StateLayout;
 
 /// Members by number: each one's initial state and parameters follow from the scene, the seed and the
 /// number alone.
@@ -22,8 +24,7 @@ pub struct Population {
     members: u64,
     seed: u64,
     center: Vec<f64>,
-    /// The scene's own coordinates, the first of a state.
-    own: usize,
+    layout: StateLayout,
     start: Start,
     parameters: Vec<f64>,
     /// Parameters that differ, by place, in the order of the scene.
@@ -65,7 +66,7 @@ pub enum NoMember {
 pub(super) struct Drawing {
     pub state: Vec<f64>,
     pub parameters: Vec<f64>,
-    way: Option<WayOntoLeaf>,
+    way: Option<WayOntoLevel>,
 }
 
 impl Population {
@@ -80,7 +81,7 @@ impl Population {
         directory: &Path,
         given: Option<&Members>,
     ) -> Result<Self, Refusal> {
-        let own = run.own(&run.plan.initial).len();
+        let layout = run.plan.layout;
         let mut center = run.plan.initial.clone();
         let mut invariants = None;
         let mut members = given.cloned().unwrap_or_default();
@@ -93,8 +94,8 @@ impl Population {
                 center: given,
             }) => {
                 if let Some(given) = given {
-                    let given = state_beside(document, given, &center[..own])?;
-                    center[..own].copy_from_slice(&given);
+                    let given = state_beside(document, given, run.own(&center))?;
+                    center[layout.own()].copy_from_slice(&given);
                 }
                 if matches!(distribution, Distribution::Leaf(_)) {
                     invariants = Some(leaves(document, ensemble, run, &center)?);
@@ -108,7 +109,7 @@ impl Population {
                 Start::Same
             }
         };
-        let rows = rows(document, ensemble, &members, own)?;
+        let rows = rows(document, ensemble, &members, layout.coordinates())?;
         let fingerprint = rows.map(|_| digest(&members));
         if let Some(states) = members.states.take() {
             start = Start::Rows(states);
@@ -145,7 +146,7 @@ impl Population {
             members: count,
             seed: ensemble.seed,
             center,
-            own,
+            layout,
             start,
             parameters: run.system.parameter_values(),
             draws,
@@ -234,17 +235,25 @@ impl Population {
         match &self.start {
             Start::Same => {}
             Start::Drawn(distribution) => {
-                let center = &self.center[..self.own];
-                displace(center, distribution, &mut random, &mut state[..self.own]);
+                let own = self.layout.own();
+                displace(
+                    &self.center[own.clone()],
+                    distribution,
+                    &mut random,
+                    &mut state[own],
+                );
             }
             Start::Rows(rows) => {
-                state[..self.own].copy_from_slice(&rows[row * self.own..][..self.own]);
+                let own = self.layout.coordinates();
+                state[self.layout.own()].copy_from_slice(&rows[row * own..][..own]);
             }
         }
         if let Some(invariants) = &self.invariants {
-            let way = way.get_or_insert_with(|| WayOntoLeaf::new(invariants, parameters));
-            let found = way.go(parameters, &self.center, state);
-            found.ok_or(NoMember::NoLeaf)?;
+            let casimirs = || (1..invariants.outputs()).collect();
+            let way =
+                way.get_or_insert_with(|| WayOntoLevel::new(invariants, casimirs(), parameters));
+            let leaf = way.take_level(parameters, &self.center);
+            leaf.and_then(|()| way.go(state)).ok_or(NoMember::NoLeaf)?;
         }
         if let Some(extension) = &self.extension {
             extension.begin(state, parameters)?;

@@ -89,7 +89,7 @@ impl FinalStore {
             return Ok(());
         };
         let varied = ensemble.population.varied();
-        let own = ensemble.run.own(&ensemble.run.plan.initial).len();
+        let own = ensemble.run.plan.layout.coordinates();
         let mut rows = Table::default();
         let has_times = ensemble.run.plan.events.stop.is_some();
         let end = ensemble.end();

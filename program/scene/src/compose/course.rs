@@ -23,8 +23,8 @@ impl ComposedRun {
     pub fn invariants(&self) -> Result<Observer, BuildError> {
         let functions = self.invariant_functions()?;
         let mut values = functions.values(1, &self.system.parameter_values())?;
-        if let Some(extension) = self.extension.as_ref().filter(|_| self.pace().is_some()) {
-            values.measure_from(&[extension.origin(&self.plan.initial)]);
+        if let Some(origin) = self.origin(&self.plan.initial) {
+            values.measure_from(&[origin]);
         }
         Ok(values.into())
     }
@@ -150,7 +150,7 @@ impl ComposedRun {
         let pace = match (self.pace(), &self.extension) {
             (Some(pace), Some(extension)) => Some(Pace {
                 text: pace.text.clone(),
-                time: extension.coordinates,
+                clock: extension.clock,
                 watched: self
                     .observables(&[&pace.formula, extension.energy()])?
                     .into(),
@@ -181,13 +181,11 @@ impl ComposedRun {
         if count == 0 {
             return None;
         }
-        // e and the scale of a contact form are the last coordinates. e moves others by its part of K = (H + e) g alone.
-        let beside = [self.extension.is_some(), self.contact.is_some()];
-        let measured = self.dimension() - beside.map(usize::from).iter().sum::<usize>();
         Some(Indicators {
             which,
             directions: self.leaf_directions(count),
-            measured,
+            // e moves others by its part of K = (H + e) g alone.
+            measured: self.plan.layout.moving().end,
             has_feedback: self.pace().is_some(),
         })
     }
@@ -224,7 +222,7 @@ impl ComposedRun {
     /// Whether H, entries of the tensor, forces or the pace name the time, or the tensor has no entries and may name it.
     fn knows_time(&self, extension: &Extension) -> bool {
         self.system.expressions().is_none_or(|formulas| {
-            let names_it = |part: &Expression| part.variables().contains(&extension.coordinates);
+            let names_it = |part: &Expression| part.variables().contains(&extension.clock.time);
             formulas.tensor().is_empty() || formulas.parts().any(names_it)
         })
     }

@@ -16,6 +16,7 @@
 use leafwise_core::lattice::LatticeGeometry;
 use leafwise_expression::Expression;
 use leafwise_expression::syntax::Scope;
+use leafwise_walk::Clock;
 use thiserror::Error;
 
 use super::Refusal;
@@ -31,8 +32,8 @@ const ENERGY: &str = "-H";
 /// The two coordinates behind a scene's own.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Extension {
-    /// d, the number of the scene's own coordinates and parameters of sites: t is x_d, e is x_{d+1}, counted from 0.
-    pub coordinates: usize,
+    /// Where t and e stand in a state: behind the scene's own coordinates and parameters of sites.
+    pub clock: Clock,
     /// dt/dτ, where steps are of a fictitious time τ.
     pub pace: Option<PaceFormula>,
     /// H + e.
@@ -84,18 +85,18 @@ impl Extension {
         if wants_time(document).is_none() {
             return Ok(None);
         }
-        let coordinates = document.system.dimension();
+        let clock = Clock::behind(document.system.dimension());
         let pace = &document.method.pace;
         if !declares_time(document) {
-            *scope = definitions::scope(document, lattice, Some(coordinates))?;
+            *scope = definitions::scope(document, lattice, Some(clock.time))?;
         }
         Ok(Some(Self {
-            coordinates,
+            clock,
             pace: pace
                 .as_ref()
                 .map(|text| read_pace(document, scope, text))
                 .transpose()?,
-            energy: Expression::Variable(coordinates + 1),
+            energy: Expression::Variable(clock.energy),
         }))
     }
 
@@ -107,7 +108,7 @@ impl Extension {
         bracket: &mut Entries,
         hamiltonian: &mut Expression,
     ) {
-        let (t, e) = (self.coordinates, self.coordinates + 1);
+        let Clock { time: t, energy: e } = self.clock;
         names.extend([TIME.to_owned(), ENERGY.to_owned()]);
         // t' = 1 under x' = {K, x} asks for {e, t} = 1, under x' = {x, K} for {t, e} = 1.
         let one = Expression::from(1);
@@ -167,7 +168,7 @@ impl Extension {
         let Some(pace) = &self.pace else {
             return Ok(());
         };
-        let e = self.coordinates + 1;
+        let e = self.clock.energy;
         state[e] = 0.0;
         let energy = self.energy.evaluate(state, parameters);
         if !energy.is_finite() {
@@ -179,11 +180,6 @@ impl Extension {
             true => Ok(()),
             false => Err(NoStart::Pace { value }),
         }
-    }
-
-    /// e_0, by which H + e is more than the balance H − ∫ ∂H/∂t dt.
-    pub fn origin(&self, initial: &[f64]) -> f64 {
-        initial[self.coordinates + 1]
     }
 
     /// H + e, whose motion is that of the time itself.

@@ -5,6 +5,7 @@ use leafwise_core::system::{Casimir, FormError};
 use leafwise_core::{BuildError, PoissonSystem, SystemFormulas};
 use leafwise_expression::Expression;
 use leafwise_expression::syntax::Scope;
+use leafwise_walk::Clock;
 
 use super::Refusal;
 use super::extended::Extension;
@@ -113,7 +114,7 @@ pub(super) fn forms(
 impl Forms {
     /// The forms of the phase space with (t, e) behind its coordinates: ϑ + e dt, by which t' = 1 for K = H + e.
     pub(super) fn extend(&mut self, extension: &Extension) {
-        let (t, e) = (extension.coordinates, extension.coordinates + 1);
+        let Clock { time: t, energy: e } = extension.clock;
         match &mut self.form {
             // {t, e} is an entry beside them.
             Form::None | Form::Sum(_) => {}

@@ -5,6 +5,7 @@ use leafwise_core::lattice::LatticeGeometry;
 use leafwise_core::system::{Casimir, Forces, Metric, Parameter};
 use leafwise_core::{BuildError, PoissonSystem, SystemFormulas};
 use leafwise_expression::Expression;
+use leafwise_walk::Clock;
 
 use super::Refusal;
 use super::channels::{Channel, channels};
@@ -89,7 +90,8 @@ pub fn instantiate(
         true => Events::default(),
         false => events(document, &scope)?,
     };
-    let scale = names.len() + extension.as_ref().map_or(0, |_| 2);
+    let clock = extension.as_ref().map(|extension| extension.clock);
+    let scale = clock.map_or(names.len(), Clock::end);
     let named = (names.as_slice(), scale);
     let contact = Contact::of(document, named, &mut bracket, &mut hamiltonian)?;
     if let Some(extension) = &mut extension {

@@ -84,7 +84,7 @@ impl Motion {
             _ => None,
         };
         let Some((geometry, site)) = lattice else {
-            let coordinates: Vec<usize> = (0..run.plan.coordinates).collect();
+            let coordinates: Vec<usize> = run.plan.layout.own().collect();
             let names = system.variables();
             let of = (system, run.contact.as_ref());
             return Self::Formulas(formulas(of, &run.near, code, &coordinates, names));

@@ -11,7 +11,7 @@ use leafwise_core::{
     WithoutPoles,
 };
 use leafwise_expression::{Expression, TableFunction};
-use leafwise_walk::{Direction, Indicator, SampleTimes, Section};
+use leafwise_walk::{Direction, Indicator, SampleTimes, Section, StateLayout};
 
 use super::Refusal;
 use super::bodies::many_bodies;
@@ -52,8 +52,7 @@ pub struct RunPlan {
     pub until: Option<f64>,
     /// When samples are kept.
     pub samples: SampleTimes,
-    /// x_0, with parameters of sites behind it, then the time and its energy where there is an
-    /// [`extension`](ComposedRun::extension).
+    /// x_0, as its [`layout`](Self::layout) has it.
     pub initial: Vec<f64>,
     /// Observables that a sample holds beside time and state.
     pub observables: Vec<Observable>,
@@ -63,9 +62,8 @@ pub struct RunPlan {
     pub indicators: Vec<Indicator>,
     /// Events watched between the steps.
     pub events: Events,
-    /// The number of the scene's own coordinates, the first of a state: behind them stand parameters of sites, the time
-    /// and its energy.
-    pub coordinates: usize,
+    /// Layout of a state that is stepped.
+    pub layout: StateLayout,
     /// Files that values of sites and tables are read from.
     pub files: Vec<String>,
     /// The tables that formulas call.
@@ -261,6 +259,7 @@ fn compose_at_its_values(
             Some(help.to_owned()),
         )));
     }
+    let layout = composed.layout(document);
     let states = recorded_states(document)?;
     check_axes(document, &states, &composed.observables)?;
     let plan = RunPlan {
@@ -271,7 +270,7 @@ fn compose_at_its_values(
         until: document.run.until.as_ref().map(|until| until.value.value),
         samples: sample_times(document),
         initial: composed.initial,
-        coordinates: document.system.coordinates(),
+        layout,
         files: document.files(),
         tables: tables(document)?,
         matrices: numbers_of_matrices(document)?,
@@ -452,12 +451,12 @@ impl ComposedRun {
 
     /// The scene's own coordinates of a state that is stepped: all but parameters of sites, the time and its energy.
     pub fn own<'a>(&self, state: &'a [f64]) -> &'a [f64] {
-        &state[..self.plan.coordinates]
+        &state[self.plan.layout.own()]
     }
 
     /// Whether the state that is stepped holds more than the scene's own coordinates.
     pub fn is_extended(&self) -> bool {
-        self.dimension() > self.plan.coordinates
+        !self.plan.layout.beside().is_empty()
     }
 
     /// A surface of its scene, `left = right`, beside the one that it may have itself.
@@ -474,6 +473,18 @@ impl ComposedRun {
         let is_long = self.method.lattice().is_some();
         let start = (self.plan.initial.as_slice(), parameters.as_slice());
         section_of(document, is_long, start, text, direction)
+    }
+
+    /// Where t stands in a state, where steps are of a fictitious time τ.
+    pub fn time_place(&self) -> Option<usize> {
+        self.pace()?;
+        self.plan.layout.clock().map(|clock| clock.time)
+    }
+
+    /// e at an initial state, from which H + e is measured, where steps are of a fictitious time τ.
+    pub fn origin(&self, initial: &[f64]) -> Option<f64> {
+        self.pace()?;
+        self.plan.layout.clock().map(|clock| initial[clock.energy])
     }
 
     /// dt/dτ, where steps are of a fictitious time τ.
@@ -546,10 +557,10 @@ impl ComposedRun {
         match self.method.lattice() {
             None => {
                 let mut names = self.system.variables().to_vec();
-                names.truncate(self.plan.coordinates);
+                names.truncate(self.plan.layout.coordinates());
                 names
             }
-            Some(geometry) => (0..self.plan.coordinates)
+            Some(geometry) => (self.plan.layout.own())
                 .map(|coordinate| geometry.name(coordinate))
                 .collect(),
         }

@@ -49,10 +49,8 @@ pub fn tensor_shape(system: &PoissonSystem) -> TensorShape {
 impl ComposedRun {
     /// The shape of the tensor of the scene's own coordinates.
     pub fn tensor_shape(&self) -> TensorShape {
-        match &self.extension {
-            Some(extension) => shape_of(&self.system, extension.coordinates),
-            None => tensor_shape(&self.system),
-        }
+        let before = self.plan.layout.clock().map(|clock| clock.time);
+        shape_of(&self.system, before.unwrap_or(self.system.dimension()))
     }
 }
 

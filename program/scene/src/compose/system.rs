@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use leafwise_core::PoissonSystem;
 use leafwise_core::lattice::LatticeSource;
+use leafwise_walk::StateLayout;
 
 use super::Refusal;
 use super::channels::Channel;
@@ -172,6 +173,35 @@ fn names_behind(
     Ok(found)
 }
 
+impl ComposedSystem {
+    /// Layout of a state that is stepped.
+    pub fn layout(&self, document: &SceneDocument) -> StateLayout {
+        let system = &document.system;
+        let sites = system.dimension() - system.coordinates();
+        StateLayout::new(system.coordinates(), sites)
+            .with_clock(self.extension.is_some())
+            .with_scale(self.contact.is_some())
+    }
+}
+
+/// An initial state with what is stepped beside it: the time with its energy, and the scale of a contact form.
+///
+/// # Errors
+/// Those of a pace that is not positive there, and of an energy that is not finite.
+pub(super) fn with_beside(
+    document: &SceneDocument,
+    initial: Vec<f64>,
+    (extension, contact): (Option<&Extension>, Option<&Contact>),
+    parameters: &[f64],
+) -> Result<Vec<f64>, Refusal> {
+    let mut initial = match extension {
+        Some(extension) => extension.state(document, &initial, parameters)?,
+        None => initial,
+    };
+    initial.extend(contact.map(|_| 1.0));
+    Ok(initial)
+}
+
 /// The system with its families written out at their true lengths.
 ///
 /// # Errors
@@ -193,13 +223,15 @@ pub(super) fn written_out(document: &SceneDocument) -> Result<ComposedSystem, Re
         )
     })?;
     let initial = initial_state(document)?;
-    let initial = match &extension {
-        Some(extension) => extension.state(document, &initial, &system.parameter_values())?,
-        None => initial,
-    };
-    let initial = [initial, vec![1.0; usize::from(contact.is_some())]].concat();
+    let stepped_beside = (extension.as_ref(), contact.as_ref());
+    let initial = with_beside(
+        document,
+        initial,
+        stepped_beside,
+        &system.parameter_values(),
+    )?;
     if let Some(extension) = &extension {
-        check_begin(document, &system, &initial, extension.coordinates)?;
+        check_begin(document, &system, &initial, extension.clock.time)?;
     }
     events.check(document, &initial, &system.parameter_values())?;
     events.look_at_tensor(document, &system, &initial);

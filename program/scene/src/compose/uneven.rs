@@ -69,22 +69,22 @@ impl ComposedRun {
     /// The state that is stepped from the scene's own coordinates: the time and its energy are those of the initial state.
     pub fn whole(&self, own: &[f64]) -> Vec<f64> {
         let mut whole = self.plan.initial.clone();
-        whole[..own.len()].copy_from_slice(own);
+        whole[self.plan.layout.own()].copy_from_slice(own);
         whole
     }
 
     /// Rows of tangents or covectors of the scene's own coordinates, with zeros for what is stepped beside these.
     pub fn whole_rows(&self, rows: &[f64]) -> Vec<f64> {
-        let beside = vec![0.0; self.plan.initial.len() - self.plan.coordinates];
+        let beside = vec![0.0; self.plan.layout.beside().len()];
         let whole = |own: &[f64]| [own, &beside].concat();
-        rows.chunks_exact(self.plan.coordinates)
+        rows.chunks_exact(self.plan.layout.coordinates())
             .flat_map(whole)
             .collect()
     }
 
     /// The scene's own coordinates of rows of states that are stepped.
     pub fn own_rows(&self, rows: &[f64]) -> Vec<f64> {
-        rows.chunks_exact(self.plan.initial.len())
+        rows.chunks_exact(self.plan.layout.dimension())
             .flat_map(|row| self.own(row).iter().copied())
             .collect()
     }

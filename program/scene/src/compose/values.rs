@@ -5,7 +5,7 @@ use super::forces::check_forces;
 use super::initial::initial_state;
 use super::run::{ComposedRun, check_times};
 use super::sample_times::sample_times;
-use super::system::check_contradictions;
+use super::system::{check_contradictions, with_beside};
 use crate::document::SceneDocument;
 
 /// Keys whose values no part of a method is made of.
@@ -52,12 +52,9 @@ impl ComposedRun {
         };
         check_contradictions(document)?;
         check_times(document)?;
-        let own = initial_state(document)?;
-        let initial = match &self.extension {
-            Some(extension) => extension.state(document, &own, &parameters)?,
-            None => own,
-        };
-        let initial = [initial, vec![1.0; usize::from(self.contact.is_some())]].concat();
+        let stepped_beside = (self.extension.as_ref(), self.contact.as_ref());
+        let initial = initial_state(document)?;
+        let initial = with_beside(document, initial, stepped_beside, &parameters)?;
         self.plan.events.check(document, &initial, &parameters)?;
         check_forces(document, &system, &initial)?;
         let mut run = self.clone();

@@ -320,17 +320,18 @@ fn read_parameter(item: &Item<'_>, problems: &mut Problems) -> Option<Located<Pa
     let chosen = one_of(&table, &WAYS, "uniform = [0.9, 1.1]", problems)?;
     let numbers = chosen.list_of("a list of numbers", problems, Item::number)?;
     let values: Vec<f64> = numbers.iter().map(|number| number.value.value).collect();
-    let mut refuse = |expected: &str| {
+    let mut refuse_at = |place: Place, expected: &str| {
         problems.push(
             SceneProblemCause::Shape {
                 what: chosen.title.clone(),
                 found: format!("{values:?}"),
                 expected: expected.to_owned(),
             },
-            chosen.place(),
+            place,
         );
         None
     };
+    let mut refuse = |expected: &str| refuse_at(chosen.place(), expected);
     let draw = match (chosen.key.value.as_str(), &values[..]) {
         ("uniform", &[from, to]) if from <= to => ParameterDraw::Uniform(from, to),
         ("uniform", _) => return refuse("[from, to], the smaller first"),
@@ -342,7 +343,8 @@ fn read_parameter(item: &Item<'_>, problems: &mut Problems) -> Option<Located<Pa
             ParameterDraw::Range(from, to, count as u64)
         }
         ("range", &[_, _, _]) => {
-            return refuse("[from, to, count], count a whole number of at least 2");
+            let expected = "[from, to, count], count a whole number of at least 2";
+            return refuse_at(numbers[2].place(), expected);
         }
         ("range", _) => return refuse("[from, to, count]"),
         (_, []) => return refuse("at least one value"),

@@ -8,7 +8,7 @@ use super::schema::ROOT;
 use super::shape::{Default, Keys, Shape};
 
 /// The JSON Schema (draft 2020-12) of a scene with the parts and systems of a registry. It accepts every scene that the
-/// reader does, but for spaces within words; what formulas say, and how many numbers a list has, it does not know. Parts
+/// reader does, but for spaces within words; what formulas say, and how many numbers a vector has, it does not know. Parts
 /// of plugins, with a `/` in their names, may have any parameters where they are not in the registry.
 pub fn json_schema(registry: &Registry) -> Value {
     let mut schema = of_shape(&ROOT, registry);
@@ -65,6 +65,11 @@ fn of_shape(shape: &Shape, registry: &Registry) -> Value {
         Shape::Anything => json!({}),
         Shape::Words(words) => json!({ "enum": words }),
         Shape::List(entry) => json!({ "type": "array", "items": nested(entry) }),
+        Shape::Entries(entries) => {
+            let each: Vec<Value> = entries.iter().map(nested).collect();
+            let count = each.len();
+            json!({ "type": "array", "prefixItems": each, "minItems": count, "maxItems": count })
+        }
         Shape::Table(table) => of_table(table, registry),
         Shape::Names(each) => json!({ "type": "object", "additionalProperties": nested(each) }),
         Shape::Pairs(each) => json!({

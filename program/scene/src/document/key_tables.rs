@@ -171,6 +171,10 @@ fn value(shape: &Shape, sections: &[Section]) -> String {
             Shape::Number => "list of numbers".to_owned(),
             each => format!("list, each {}", nested(each)),
         },
+        Shape::Entries(entries) => {
+            let entries: Vec<String> = entries.iter().map(nested).collect();
+            format!("list of {} entries: {}", entries.len(), entries.join(", "))
+        }
         Shape::Table(table) => match place_of(table, sections) {
             Some(section) => format!("[table](#{})", section.anchor()),
             None => "table".to_owned(),

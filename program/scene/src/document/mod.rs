@@ -16,6 +16,7 @@
 //! - `assign`: values that no part is made of, set without reading the text again;
 //! - `schema`: every key that a scene may have, with the shape of its value;
 //! - `json_schema`, `key_tables`: the same for editors, and for the guide;
+//! - `faults`: values with one fault each, from the shape of every key;
 //! - `contradictions`: keys of different tables that do not stand beside one another;
 //! - `error`, `suggest`: the errors of the text, and the nearest valid name;
 //! - `reader`: typed access to parsed TOML.
@@ -28,6 +29,7 @@ mod ensemble;
 mod equations;
 mod error;
 mod families;
+mod faults;
 mod field;
 mod forces;
 mod json_schema;
@@ -65,6 +67,7 @@ pub(crate) use equations::{asking_for_casimirs, no_casimirs};
 pub use equations::{equations_of, with_casimirs, with_hamiltonian, with_plain_run, with_system};
 pub use error::{SceneErrors, SceneProblem, SceneProblemCause};
 pub use families::DENSE_LIMIT;
+pub use faults::{Fault, faults};
 pub use field::FieldSpec;
 pub use forces::{ByCoordinate, DampingSpec, ForcesSpec, MetricSpec, OneFormSpec, TorqueSpec};
 pub use json_schema::json_schema;

@@ -3,7 +3,7 @@
 
 use leafwise_core::PartKind;
 
-use super::shape::{Beside, FORMULAS, Key, NUMBERS, Shape, choice, key, table};
+use super::shape::{Beside, ENDS, FORMULAS, Key, NUMBERS, RANGE, Shape, choice, key, table};
 use super::system_schema::{FIELDS, SYSTEM};
 
 /// The scene.
@@ -413,8 +413,8 @@ pub(super) static DRAWS: [Key; 7] = [
 
 /// Ways to draw a parameter.
 pub(super) static WAYS: [Key; 4] = [
-    choice("uniform", NUMBERS, "[from, to]"),
-    choice("normal", NUMBERS, "[mean, standard deviation]"),
+    choice("uniform", ENDS, "[from, to]"),
+    choice("normal", ENDS, "[mean, standard deviation]"),
     choice(
         "values",
         NUMBERS,
@@ -422,7 +422,7 @@ pub(super) static WAYS: [Key; 4] = [
     ),
     choice(
         "range",
-        NUMBERS,
+        RANGE,
         "[from, to, count], equidistant: a direction of a grid",
     ),
 ];
@@ -505,11 +505,11 @@ pub(super) static SWEEP_RECORD: [Key; 1] = [key(
 
 /// Ways to write many values.
 pub(super) static GRID_RANGES: [Key; 2] = [
-    key("range", NUMBERS, "[from, to, count], equidistant")
+    key("range", RANGE, "[from, to, count], equidistant")
         .not_beside(&[Beside::Note("`logarithmic`")]),
     key(
         "logarithmic",
-        NUMBERS,
+        RANGE,
         "[from, to, count], of equal ratios; positive",
     )
     .not_beside(&[Beside::Note("`range`")]),
@@ -526,7 +526,7 @@ pub(super) static PLUGIN: [Key; 2] = [
 
 /// Paths of the keys, as `run.record.every`, which a test of every field has to cover. A `*` in a path stands for a
 /// name that the scene chooses. Such names are left out where they are all that a table holds, as the values of
-/// parameters, or the parameters of a part. Left out too are the keys of entries of lists.
+/// parameters, or the parameters of a part. Entries of lists have no name: `system.noise.strength`.
 pub fn scene_keys() -> Vec<String> {
     each_key().into_iter().map(|(path, _)| path).collect()
 }
@@ -566,6 +566,7 @@ fn of_shape(path: &str, shape: &'static Shape, all: &mut Vec<(String, &'static K
     match shape {
         Shape::Table(table) => of_keys(&format!("{path}."), table.keys, all),
         Shape::Names(each) => of_shape(&format!("{path}.*"), each, all),
+        Shape::List(each) | Shape::Pairs(each) => of_shape(path, each, all),
         Shape::Either(shapes) => shapes.iter().for_each(|shape| of_shape(path, shape, all)),
         _ => {}
     }

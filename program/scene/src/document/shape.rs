@@ -105,6 +105,8 @@ pub(super) enum Shape {
     Anything,
     Words(&'static [&'static str]),
     List(&'static Shape),
+    /// A list of as many entries, each of its own shape.
+    Entries(&'static [Shape]),
     Table(Keys),
     /// A table of names that the scene chooses.
     Names(&'static Shape),
@@ -234,5 +236,9 @@ pub(super) const fn table(
     Shape::Table(Keys { keys, needs })
 }
 
+/// The two ends of something.
+pub(super) const ENDS: Shape = Shape::Entries(&[Shape::Number, Shape::Number]);
+/// The two ends of equidistant numbers, and how many there are.
+pub(super) const RANGE: Shape = Shape::Entries(&[Shape::Number, Shape::Number, Shape::Whole(2)]);
 pub(super) const NUMBERS: Shape = Shape::List(&Shape::Number);
 pub(super) const FORMULAS: Shape = Shape::Names(&Shape::Formula);

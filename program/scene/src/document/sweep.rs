@@ -222,28 +222,27 @@ fn read_range(item: &Item<'_>, problems: &mut Problems) -> Option<Vec<Located<St
     };
     let numbers = chosen.list_of("[from, to, count]", problems, Item::number)?;
     let is_logarithmic = chosen.key.value == "logarithmic";
-    let mut refuse = |expected: &str| {
+    let mut refuse = |place: Place, expected: &str| {
         problems.push(
             SceneProblemCause::Shape {
                 what: chosen.title.clone(),
                 found: chosen.written().to_owned(),
                 expected: expected.to_owned(),
             },
-            chosen.place(),
+            place,
         );
         None
     };
-    let [from, to, count] = numbers.as_slice() else {
-        return refuse("[from, to, count]");
+    let [from, to, number] = numbers.as_slice() else {
+        return refuse(chosen.place(), "[from, to, count]");
     };
-    let (ends, count) = ([from, to].map(|end| end.value.value), count.value.value);
+    let (ends, count) = ([from, to].map(|end| end.value.value), number.value.value);
     if !(2.0..=MOST_SETTINGS as f64).contains(&count) || libm::floor(count) != count {
-        return refuse(&format!(
-            "[from, to, count], count a whole number from 2 to {MOST_SETTINGS}"
-        ));
+        let expected = format!("[from, to, count], count a whole number from 2 to {MOST_SETTINGS}");
+        return refuse(number.place(), &expected);
     }
     if is_logarithmic && ends.iter().any(|end| *end <= 0.0) {
-        return refuse("positive ends");
+        return refuse(chosen.place(), "positive ends");
     }
     let is_whole = |literal: &str| !literal.contains(['.', 'e', 'E']);
     let are_whole = is_whole(&from.value.literal) && is_whole(&to.value.literal);

@@ -242,7 +242,7 @@ pub(super) static LOOKUP: [Key; 6] = [
     .otherwise("the only one"),
     key(
         "axes",
-        Shape::Names(&Shape::List(&CONSTANT)),
+        Shape::Names(&Shape::Entries(&[CONSTANT, CONSTANT])),
         "The first and the last node of each axis, one to three in the order of the arguments; nodes stand at equal \
          distances",
     ),
@@ -430,7 +430,12 @@ pub(super) static LIE_ALGEBRA: [Key; 3] = [
     ]),
     key(
         "structure",
-        Shape::List(&NUMBERS),
+        Shape::List(&Shape::Entries(&[
+            Shape::Whole(1),
+            Shape::Whole(1),
+            Shape::Whole(1),
+            CONSTANT,
+        ])),
         "Structure constants [i, j, k, c] for [e_i, e_j] = ... + c e_k + ..., i < j: {x_i, \
          x_j} = -c x_k",
     ),

@@ -29,7 +29,7 @@ mod underflow;
 mod zeros;
 
 pub use case::{Case, Outcome, StressError, StressOptions};
-pub use fields::SCENES_WITH_EVERY_KEY;
+pub use fields::SCENES_FOR_FAULTS;
 
 /// Every case, family by family.
 pub fn cases() -> impl Iterator<Item = &'static Case> {

@@ -20,12 +20,6 @@ pub(super) fn walk(run: &ComposedRun, epsilon: f64, h: f64) -> Walk {
     Walk::new(run.method.map(), &values, epsilon, h, &run.plan.initial)
 }
 
-/// Where t stands in a state, of a run with a pace.
-pub(super) fn time_place(run: &ComposedRun) -> Option<usize> {
-    run.pace()?;
-    run.extension.as_ref().map(|of| of.coordinates)
-}
-
 /// The state at `time` near a state of a paced run: the end of one more step of its method, forwards or backwards, and the
 /// length of that step. Its length follows from dt/dτ = g by Newton's method.
 pub(super) fn arrive(
@@ -34,7 +28,7 @@ pub(super) fn arrive(
     state: &[f64],
     time: f64,
 ) -> Result<(f64, Vec<f64>), StepError> {
-    let (Some(pace), Some(place)) = (run.pace(), time_place(run)) else {
+    let (Some(pace), Some(place)) = (run.pace(), run.time_place()) else {
         return Ok((0.0, state.to_vec()));
     };
     let parameters = run.system.parameter_values();
@@ -56,12 +50,16 @@ pub(super) fn arrive(
     })
 }
 
-/// How far a paced scene goes by its own method: t at the end, and τ. It ends at `time`, where that is given.
+/// How far a paced scene goes by its own method: t, which stands at `place`, at the end, and τ. It ends at `time`, where that is
+/// given.
 ///
 /// # Errors
 /// [`TradeError::NoReference`] where a step fails, [`TradeError::TooLong`] where the time does not come in 2²⁴ steps.
-pub(super) fn way(run: &ComposedRun, time: Option<f64>) -> Result<(f64, f64), TradeError> {
-    let place = time_place(run).unwrap_or(run.plan.coordinates);
+pub(super) fn way(
+    run: &ComposedRun,
+    place: usize,
+    time: Option<f64>,
+) -> Result<(f64, f64), TradeError> {
     let (epsilon, h) = (run.plan.epsilon, run.plan.h);
     let failed = |error: StepError| TradeError::NoReference {
         reasons: vec![format!("the scene's own method: {error}")],

@@ -67,12 +67,12 @@ impl<'a> Bench<'a> {
             return Err(TradeError::OneLength { length });
         }
         let step = own.plan.epsilon * own.plan.h;
-        let (time, extent) = match own.pace() {
+        let (time, extent) = match own.time_place() {
             None => {
                 let time = time.unwrap_or(own.plan.steps as f64 * step);
                 (time, time)
             }
-            Some(_) => way(&own, time.or(own.plan.until))?,
+            Some(place) => way(&own, place, time.or(own.plan.until))?,
         };
         if !time.is_finite() || time == 0.0 {
             return Err(TradeError::NoTime { time });

@@ -4,7 +4,6 @@ use leafwise_core::Walk;
 use leafwise_core::solver::judge::larger;
 use leafwise_scene::ComposedRun;
 
-use super::arrival::time_place;
 use super::norm::{distance, norm};
 
 /// x*(t) from 0 to the end time: states at equal steps, and the polynomial of degree 11 through the twelve nearest
@@ -53,8 +52,8 @@ impl Curve {
         wanted: f64,
         budget: u64,
     ) -> Result<Self, String> {
-        let is_paced = time_place(run).is_some();
-        let d = (run.own(&run.plan.initial).len() + usize::from(is_paced)).max(1);
+        let is_paced = run.time_place().is_some();
+        let d = (run.plan.layout.coordinates() + usize::from(is_paced)).max(1);
         let most = (MOST_NUMBERS / d).max(4 * NODES);
         let mut count = usize::try_from(steps)
             .unwrap_or(most)
@@ -176,7 +175,7 @@ fn states(
     let initial = &run.plan.initial;
     let mut walk = Walk::new(run.method.map(), &values, 1.0, step, initial);
     let mut states = Vec::with_capacity((count + 1) * initial.len());
-    let place = time_place(run);
+    let place = run.time_place();
     let mut keep = |state: &[f64]| {
         states.extend_from_slice(run.own(state));
         states.extend(place.map(|place| state[place]));

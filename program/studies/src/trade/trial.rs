@@ -10,7 +10,7 @@ use leafwise_scene::ComposedRun;
 use leafwise_scene::compose::Stepping;
 use serde::Serialize;
 
-use super::arrival::{arrive, time_place, walk};
+use super::arrival::{arrive, walk};
 use super::candidate::Bench;
 use super::curve::Curve;
 
@@ -123,13 +123,13 @@ pub(super) fn run_counted(
     };
     let mut observer = run.invariants().map_err(unfit)?;
     let mut walk = walk(run, epsilon, h);
-    let place = time_place(run);
+    let place = run.time_place();
     let count = observer.observables();
     let (mut initial, mut now) = (vec![0.0; count], vec![0.0; count]);
     observer.evaluate(walk.state(), &mut initial);
     let mut drift = vec![0.0_f64; count];
     let before = *spent;
-    let own = run.own(&run.plan.initial).len();
+    let own = run.plan.layout.coordinates();
     let (mut largest_error, mut buffer) = (0.0, vec![0.0; own + 1]);
     let ended = walk.watch_until(steps, |walk| {
         let (taken, own) = (walk.steps(), walk.statistics().cost());

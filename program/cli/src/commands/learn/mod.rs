@@ -1,32 +1,24 @@
 //! `leafwise learn`: a Poisson map from pairs of states one step apart, by least squares.
 
 use leafwise::core::Walk;
-use leafwise::generating_function::{NAME as DYNAMICS, TIME_STEP};
-use leafwise::learn::{
-    FunctionFamily, LearnAdvice, LearnError, LearnOptions, Learned, StatePairs, learn,
-};
+use leafwise::learn::{FunctionFamily, LearnAdvice, LearnOptions, Learned, StatePairs, learn};
+use leafwise::scene::ComposedRun;
 use leafwise::scene::compose::{compose, refuse_noise};
 use leafwise::scene::pairs::{read_pairs, read_weights};
-use leafwise::scene::{
-    ComposedRun, MethodParts, MethodTable, PartUse, SceneDocument, with_hamiltonian, with_system,
-};
 
-mod basis;
 mod json;
 mod text;
 
-pub(super) use self::basis::{axes, degree};
 use self::json::json;
 use self::text::lines;
 use super::find::write_scene;
+use super::fitted::{again, axes, degree, learned_scene, refused, with_chart};
 use crate::arguments::{LearnArguments, PluginArguments};
 use crate::bar::while_building;
 use crate::console::Console;
 use crate::failure::{Failure, exit};
 use crate::files::refuse_existing;
 use crate::plugins::Parts;
-use crate::pulse::Shown;
-use crate::scene::SceneText;
 
 /// Steps of the learned map that are looked at for whether they leave the pairs.
 const MOST_STEPS: u64 = 1000;
@@ -49,10 +41,8 @@ pub fn execute(
     let mut parts = Parts::new(plugins)?;
     let document = parts.scene(&arguments.scene)?;
     let shown = console.shown(false);
-    let base = arguments.scene.scene.parent();
-    let base = base.unwrap_or(std::path::Path::new(".")).to_owned();
     refuse_noise(&document, "no map is learned", "take the noise out")?;
-    let (document, run) = with_chart(&mut parts, &document, &base, shown)?;
+    let (document, run) = with_chart(&mut parts, &document, shown)?;
     let Some(method) = run.method.written() else {
         return Err(Failure::usage(
             "a lattice that is not written out has no map to learn",
@@ -65,7 +55,7 @@ pub fn execute(
             "take method.pace out of the scene",
         ));
     }
-    if run.extension.is_some() || run.plan.coordinates != run.system.dimension() {
+    if run.is_extended() {
         return Err(Failure::usage(
             "a system whose Hamiltonian or bracket names the time, or parameters of sites, has no map of its states alone to learn",
             "give a scene without them",
@@ -95,7 +85,7 @@ pub fn execute(
     });
     let mut learned = learned.map_err(|error| refused(error, "learn"))?;
     let text = learned_scene(&document, &run, &learned, (epsilon * h, false))?;
-    let written = parts.document(SceneText::again(&document, text.clone()), &base)?;
+    let written = again(&mut parts, &document, text.clone())?;
     let composed = while_building(shown, || compose(&written, &parts.registry))?;
     let mut warnings: Vec<String> = learned.advice.iter().map(ToString::to_string).collect();
     warnings.extend(far(&mut learned, &composed));
@@ -128,75 +118,6 @@ pub fn execute(
         true => exit::CHECK_FAILED,
         false => exit::DONE,
     })
-}
-
-/// The scene over a realization with a chart: its own where it names one, else the one that fits the tensor.
-pub(super) fn with_chart(
-    parts: &mut Parts,
-    document: &SceneDocument,
-    base: &std::path::Path,
-    shown: Shown,
-) -> Result<(SceneDocument, ComposedRun), Failure> {
-    let run = while_building(shown, || compose(document, &parts.registry))?;
-    if run.system.has_forces() {
-        return Err(Failure::usage(
-            "a motion with forces is the flow of no Hamiltonian, and no generating function makes it",
-            "take the forces out of the scene, and out of the data",
-        ));
-    }
-    let own = run.method.written().filter(|method| {
-        let abilities = method.realization().abilities();
-        abilities.ends.is_some() && abilities.lift.is_none()
-    });
-    let named = MethodTable::of_choices(&run.plan.parts).and_then(|table| match table.parts {
-        MethodParts::Pair { realization, .. } if own.is_some() => Some(realization),
-        _ => None,
-    });
-    let realization = named.unwrap_or_else(|| PartUse::named("auto"));
-    let table = MethodTable::pair(realization, PartUse::named(DYNAMICS).with("order", 2_i64));
-    let text = table.write_into(
-        &document.text,
-        run.plan.epsilon * run.plan.h,
-        run.plan.steps,
-    );
-    let text = text.map_err(unwritten)?;
-    let document = parts.document(SceneText::again(document, text), base)?;
-    let run = while_building(shown, || compose(&document, &parts.registry))?;
-    Ok((document, run))
-}
-
-/// The scene of the learned map of this time step: H, and Ŝ by S_1 = H and what is beside it. A table holds for this step alone.
-pub(super) fn learned_scene(
-    document: &SceneDocument,
-    run: &ComposedRun,
-    learned: &Learned,
-    (time_step, is_table): (f64, bool),
-) -> Result<String, Failure> {
-    let text = match with_hamiltonian(&document.text, &learned.hamiltonian).map_err(unwritten)? {
-        Some(text) => text,
-        None => {
-            let system = run.system.formulas("learning")?;
-            let fragment = with_hamiltonian(&system.fragment(), &learned.hamiltonian);
-            let fragment = fragment.map_err(unwritten)?.unwrap_or_default();
-            with_system(&document.text, &fragment).map_err(unwritten)?
-        }
-    };
-    let coefficients: Vec<&str> = std::iter::once("H")
-        .chain(learned.further.as_deref())
-        .collect();
-    let mut table = MethodTable::of_choices(&run.plan.parts)
-        .ok_or_else(|| Failure::usage("a stepper has no map to learn", "name a realization"))?;
-    if let MethodParts::Pair { dynamics, .. } = &mut table.parts {
-        *dynamics = PartUse::named(DYNAMICS)
-            .with("S", coefficients.join("; ").as_str())
-            .with("order", 2_i64);
-        if is_table {
-            *dynamics = dynamics.clone().with(TIME_STEP, time_step.abs());
-        }
-    }
-    table
-        .write_into(&text, time_step, run.plan.steps)
-        .map_err(unwritten)
 }
 
 /// Where the learned map leaves the states of the pairs, from the scene's initial state on.
@@ -236,22 +157,4 @@ fn far(learned: &mut Learned, run: &ComposedRun) -> Option<String> {
 
 fn unread(reason: String) -> Failure {
     Failure::usage(reason, "`leafwise explain learn` shows files of pairs")
-}
-
-pub(super) fn unwritten(error: leafwise::scene::RewriteError) -> Failure {
-    Failure::usage(
-        error.to_string(),
-        "name a scene with [system], [method] and [run]",
-    )
-}
-
-/// A refusal whose help names the page of the command.
-pub(super) fn refused(error: LearnError, command: &str) -> Failure {
-    match error {
-        LearnError::Build(error) => error.into(),
-        error => Failure::usage(
-            error.to_string(),
-            format!("`leafwise explain {command}` says what is fitted to pairs"),
-        ),
-    }
 }

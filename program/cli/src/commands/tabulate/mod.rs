@@ -14,7 +14,7 @@ mod text;
 
 use self::cost::Cost;
 use super::find::write_scene;
-use super::learn::{axes, degree, learned_scene, refused, unwritten, with_chart};
+use super::fitted::{again, axes, degree, learned_scene, refused, unwritten, with_chart};
 use crate::arguments::{PluginArguments, TabulateArguments};
 use crate::bar::while_building;
 use crate::console::Console;
@@ -22,7 +22,6 @@ use crate::failure::{Failure, exit};
 use crate::files::refuse_existing;
 use crate::plugins::Parts;
 use crate::pulse::Shown;
-use crate::scene::SceneText;
 use crate::table::short;
 
 /// Steps of the scene's own orbit that are looked at for its range.
@@ -30,9 +29,6 @@ const MOST_STEPS: u64 = 10_000;
 
 /// The part of a motion that times of a period, rounded, may change of it.
 const ROUNDED: f64 = 1e-10;
-
-/// Coordinates of the time and its energy.
-const TIME: usize = 2;
 
 /// Makes a table and prints what it is worth; returns the exit code.
 ///
@@ -49,8 +45,6 @@ pub fn execute(
     let mut parts = Parts::new(plugins)?;
     let document = parts.scene(&arguments.scene)?;
     let shown = console.shown(false);
-    let base = arguments.scene.scene.parent();
-    let base = base.unwrap_or(std::path::Path::new(".")).to_owned();
     refuse_noise(&document, "no table is made", "take the noise out")?;
     refuse_acts(
         &document,
@@ -60,7 +54,7 @@ pub fn execute(
     let run = while_building(shown, || compose(&document, &parts.registry))?;
     refuse(&document, &run)?;
     let (table_document, table_run) =
-        of_states_alone(&mut parts, &document, &run, arguments.steps, &base, shown)?;
+        of_states_alone(&mut parts, &document, &run, arguments.steps, shown)?;
     let Some(method) = table_run.method.written() else {
         return Err(Failure::usage(
             "the method of this scene has no realization with a generating function, and no table",
@@ -74,7 +68,7 @@ pub fn execute(
         parameters: &parameters,
         step: (run.plan.epsilon, run.plan.h),
         count: arguments.steps,
-        beside: &run.plan.initial[names.len()..],
+        beside: &run.plan.initial[run.plan.layout.beside()],
     };
     let region = match &arguments.states {
         Some(file) => Region::States(read_states(file, &names).map_err(|reason| {
@@ -113,7 +107,7 @@ pub fn execute(
         &table.learned,
         (steps.duration(), true),
     )?;
-    let written = parts.document(SceneText::again(&document, text.clone()), &base)?;
+    let written = again(&mut parts, &document, text.clone())?;
     while_building(shown, || compose(&written, &parts.registry))?;
     let cost = while_building(shown, || Cost::of(&table, &steps));
     let mut warnings = warnings(&table, &cost, &steps);
@@ -173,8 +167,7 @@ fn refuse(document: &SceneDocument, run: &ComposedRun) -> Result<(), Failure> {
             "take the forces out of the scene",
         ));
     }
-    let beside = if run.extension.is_some() { TIME } else { 0 };
-    if run.plan.coordinates + beside != run.system.dimension() {
+    if !run.plan.layout.sites().is_empty() {
         return Err(Failure::usage(
             "parameters of sites are no coordinates of a table",
             "give a scene without them",
@@ -189,7 +182,6 @@ fn of_states_alone(
     document: &SceneDocument,
     run: &ComposedRun,
     steps: u64,
-    base: &std::path::Path,
     shown: Shown,
 ) -> Result<(SceneDocument, ComposedRun), Failure> {
     let own = run.system.parameters().iter();
@@ -216,8 +208,8 @@ fn of_states_alone(
     };
     let steps = (run.plan.steps / steps).max(1);
     let text = with_plain_run(&text, Some(&parameters), steps).map_err(unwritten)?;
-    let document = parts.document(SceneText::again(document, text), base)?;
-    with_chart(parts, &document, base, shown)
+    let document = again(parts, document, text)?;
+    with_chart(parts, &document, shown)
 }
 
 /// The box of `--box`, and where it names no range that of the scene's own orbit.
