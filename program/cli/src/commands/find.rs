@@ -207,6 +207,12 @@ fn casimirs(
     })?;
     let shown = console.shown(false);
     let composed = while_building(shown, || compose(&document, &parts.registry))?;
+    if composed.contact.is_some() {
+        return Err(Failure::usage(
+            "a contact bracket is no Poisson bracket, and has no Casimirs",
+            "leafwise find -e \"q' = p\" -e \"p' = -q - 0.2*p\" looks for constants of the motion",
+        ));
+    }
     let system = composed.system.formulas("the search for Casimirs")?;
     let degree = arguments.degree.map_or(CASIMIR_DEGREE, usize::from);
     let rows = while_building(shown, || named_casimirs_of(system, degree)).map_err(refused)?;

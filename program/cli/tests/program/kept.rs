@@ -160,6 +160,14 @@ fn contact_systems_are_verified() {
     let here = Place::with(OSCILLATOR);
     let done = here.leafwise(&["verify", "scene.toml"]);
     assert_eq!(done.code, Some(0), "{}{}", done.out, done.err);
+    // Methods for the scene itself have no tensor to be measured by, and the bracket has no Casimirs.
+    let compared = said(&here, &["compare", "scene.toml", "--json"]).json();
+    let points = compared["points"].as_array().expect("points");
+    assert!(points.len() > 10);
+    assert!(points.iter().all(|point| point["tensor_defect"].is_null()));
+    let found = here.leafwise(&["find", "scene.toml"]);
+    assert_eq!(found.code, Some(2));
+    assert!(found.err.contains("has no Casimirs"), "{}", found.err);
 }
 
 /// q' = ∂H/∂p, p' = −∂H/∂q − p ∂H/∂s, s' = p ∂H/∂p − H, of either convention.

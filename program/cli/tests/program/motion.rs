@@ -286,6 +286,47 @@ fn hamiltons_equations_that_run_backwards_are_reported() {
     }
 }
 
+/// Oscillators whose Hamiltonian is a square of the position alone: names and canonical pairs are Hamilton's, whatever H looks like.
+#[test]
+fn a_square_of_the_position_makes_no_momentum_of_it() {
+    let of = |variables: &str, bracket: &str, energy: &str| {
+        format!(
+            "[system]\nvariables = {variables}\nbracket = {bracket}\nhamiltonian = \"{energy}\"\n[method]\nstepper = \"implicit-midpoint\"\n\
+             time-step = 0.1\n[run]\ninitial = [0.4, 0.3]\nsteps = 5\n"
+        )
+    };
+    for (variables, bracket, energy) in [
+        ("[\"q\", \"p\"]", "\"canonical\"", "sqrt(1 + p^2) + q^2/2"),
+        (
+            "[\"a\", \"b\"]",
+            "{ canonical = [[\"a\", \"b\"]] }",
+            "sqrt(1 + b^2) + a^2/2",
+        ),
+        (
+            "[\"q\", \"p\"]",
+            "{ \"q,p\" = -1 }",
+            "sqrt(1 + p^2) + q^2/2",
+        ),
+        ("[\"x\", \"v\"]", "{ \"x,v\" = -1 }", "v^4/4 + x^2/2"),
+        (
+            "[\"q\", \"p\"]",
+            "{ one-form = [\"p\", \"0\"] }",
+            "sqrt(1 + p^2) + q^2/2",
+        ),
+    ] {
+        let here = Place::with(&of(variables, bracket, energy));
+        let said = here.leafwise(&["check", "scene.toml"]);
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        assert!(!said.err.contains("backwards"), "{bracket}: {}", said.err);
+        let (q, p) = (&variables[2..3], &variables[7..8]);
+        assert!(
+            said.out.contains(&format!("{p}'  = -{q}")),
+            "{bracket}: {}",
+            said.out
+        );
+    }
+}
+
 const TORQUE: &str = r#"[system]
 library = "attitude"
 torque = ["0.1", "0", "0.3*cos(t)"]

@@ -10,8 +10,8 @@ use leafwise_scene::document::SceneDocument;
 use super::{Advice, AdviceKind, LARGEST};
 
 /// A position q and its momentum p with q' = −∂H/∂p: the bracket's sign is that of the other convention. Their names
-/// tell which is which, as q and p, x and px or x and v do. Where the scene names no convention, H tells it too, as a
-/// square of the momentum and none of the position.
+/// tell which is which, as q and p, x and px or x and v do. Of other names, where the scene names no convention, H tells it, as
+/// a square of the momentum and none of the position.
 pub(super) fn advice(document: &SceneDocument, run: &ComposedRun) -> Option<Advice> {
     let system = run.system.expressions()?;
     let names = system.variables();
@@ -24,8 +24,10 @@ pub(super) fn advice(document: &SceneDocument, run: &ComposedRun) -> Option<Advi
         if q < p { value > 0.0 } else { value < 0.0 }
     };
     let mut found: Vec<(usize, usize)> = by_name.collect();
-    if !document.system.names_convention && document.system.library.is_none() {
-        found.extend(by_energy(run).unwrap_or_default());
+    if !document.system.tells_sign && document.system.library.is_none() {
+        let named: Vec<usize> = found.iter().flat_map(|(q, p)| [*q, *p]).collect();
+        let by_energy = by_energy(run).unwrap_or_default().into_iter();
+        found.extend(by_energy.filter(|(q, p)| !named.contains(q) && !named.contains(p)));
     }
     let (q, p) = found.into_iter().find(is_reversed)?;
     let (sign, convention, other, definition) = match system.convention() {

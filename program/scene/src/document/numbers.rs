@@ -167,7 +167,7 @@ fn section(id: &Located<String>, system: PoissonSystem, given: PartParameters) -
         bracket: Located::new(BracketSpec::Entries(Vec::new()), id.place()),
         boundary: None,
         convention: Convention::default(),
-        names_convention: false,
+        tells_sign: false,
         hamiltonian: here(""),
         forces: ForcesSpec::default(),
         noise: Vec::new(),

@@ -200,6 +200,12 @@ impl<'a> Item<'a> {
         self.value.is_table()
     }
 
+    /// Whether the value is a table with an entry of this name.
+    pub fn has_key(&self, name: &str) -> bool {
+        let table = self.value.as_table();
+        table.is_some_and(|table| table.keys().any(|key| key.get_ref() == name))
+    }
+
     /// Whether the value is a number.
     pub fn is_number(&self) -> bool {
         matches!(self.value, DeValue::Integer(_) | DeValue::Float(_))

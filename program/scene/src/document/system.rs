@@ -370,7 +370,13 @@ fn read_inline(
         Some(item) => boundaries(item, problems).map(Some),
         None => Some(None),
     };
-    let names_convention = table.get("convention").is_some();
+    let is_paired = |item: &Item<'_>| {
+        ["canonical", "contact"]
+            .into_iter()
+            .any(|kind| item.is_word(kind) || item.has_key(kind))
+    };
+    let tells_sign =
+        table.get("convention").is_some() || table.get("bracket").is_some_and(is_paired);
     let convention = match table.get("convention") {
         Some(item) => {
             let words = [
@@ -435,7 +441,7 @@ fn read_inline(
         constraints: constraints?,
         boundary: boundary?,
         convention: convention?,
-        names_convention,
+        tells_sign,
         hamiltonian: hamiltonian?,
         casimirs: casimirs?,
         forces: forces?,

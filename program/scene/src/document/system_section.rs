@@ -69,8 +69,8 @@ pub struct SystemSection {
     pub boundary: Option<Located<Vec<Boundary>>>,
     /// The sign convention.
     pub convention: Convention,
-    /// Whether the scene names it.
-    pub names_convention: bool,
+    /// Whether the scene names it, or has pairs that are Hamilton's under either.
+    pub tells_sign: bool,
     /// The Hamiltonian's formula.
     pub hamiltonian: Located<String>,
     /// Claimed Casimirs by name.

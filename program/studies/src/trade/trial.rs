@@ -226,10 +226,11 @@ pub fn time_run(
 const LARGEST_TANGENT: usize = 128;
 
 /// ‖DΦ Π DΦᵀ − Π∘Φ‖, the tensor defect of one cold step, relative to the tensor and the stretch of DΦ: the largest over
-/// the states. Returns `None` where the map offers no tangent or a step fails, on a lattice, and above dimension 128.
+/// the states. Returns `None` where the map offers no tangent or a step fails, in contact scenes, on a lattice, and above dimension 128.
 pub fn tensor_defect(run: &ComposedRun, time_step: f64, states: &[&[f64]]) -> Option<f64> {
     let is_dense = !matches!(run.method, Stepping::Lattice(_));
-    if !is_dense || run.dimension() > LARGEST_TANGENT {
+    // The tensor of a contact scene is that of its homogeneous system.
+    if !is_dense || run.contact.is_some() || run.dimension() > LARGEST_TANGENT {
         return None;
     }
     let values = run.system.parameter_values();
