@@ -323,7 +323,7 @@ impl Expression {
     }
 
     /// Calls `inspect` with every part, of what is shared once.
-    fn visit(&self, inspect: &mut impl FnMut(&Expression)) {
+    pub(crate) fn visit(&self, inspect: &mut impl FnMut(&Expression)) {
         self.visit_new(inspect, &mut Known::default());
     }
 

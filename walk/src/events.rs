@@ -4,8 +4,9 @@ use leafwise_expression::Expression;
 use serde::{Deserialize, Serialize};
 
 use crate::fault::Fault;
+use crate::functions::FunctionValues;
 use crate::step::{Between, CLOSE, LastStep};
-use crate::turns::{Past, is_off, largest};
+use crate::turns::{Past, corners, is_off, largest};
 
 /// A condition that ends a walk, as `q > 1 or t >= 10`.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,6 +18,13 @@ pub struct Stop {
 }
 
 impl Stop {
+    /// The difference, then its [corners](Expression::corners).
+    pub fn formulas(&self) -> Vec<Expression> {
+        let mut formulas = vec![self.difference.clone()];
+        formulas.extend(self.difference.corners());
+        formulas
+    }
+
     /// Whether the condition holds where the difference has this value.
     pub fn holds(&self, difference: f64) -> bool {
         difference > 0.0
@@ -47,13 +55,19 @@ pub struct Section {
 }
 
 impl Event {
-    /// Left − right, then the values that coordinates take.
-    pub fn formulas(&self) -> Vec<&Expression> {
+    /// Left − right, then the values that coordinates take, then the [corners](Expression::corners) of the first.
+    pub fn formulas(&self) -> Vec<Expression> {
         let set = self.act.iter().flat_map(|act| &act.set);
-        let set = set.map(|(_, value)| value);
-        std::iter::once(&self.section.difference)
+        let set = set.map(|(_, value)| value.clone());
+        std::iter::once(self.section.difference.clone())
             .chain(set)
+            .chain(self.section.difference.corners())
             .collect()
+    }
+
+    /// How many of the formulas are no corners.
+    pub(crate) fn first_corner(&self) -> usize {
+        1 + self.act.as_ref().map_or(0, |act| act.set.len())
     }
 }
 
@@ -101,7 +115,7 @@ pub struct Event {
 /// far as values `past` show. Its difference has this `value` at the state `after` the step.
 pub(crate) fn end(
     stop: &Stop,
-    difference: &mut dyn FnMut(&[f64]) -> f64,
+    values: &mut FunctionValues,
     last: &mut LastStep<'_>,
     after: &[f64],
     (past, value): (Past, f64),
@@ -109,10 +123,12 @@ pub(crate) fn end(
     if value.is_nan() {
         return Err(Fault::Undefined(stop.text.clone()));
     }
-    let begins = difference(&last.start.state);
+    let begins = values.at(&last.start.state)[0];
     let mut ends = last.ends(after, [begins, value]);
-    if !past.shows_all(value) {
-        let mut points = past.points(last, ends.clone(), difference);
+    let corners = corners(last, &ends, values, 1);
+    let difference = &mut |state: &[f64]| values.at(state)[0];
+    if !corners.is_empty() || !past.shows_all(value) {
+        let mut points = past.points(last, (ends.clone(), corners), difference);
         let largest = largest(&points);
         let inner = 1..points.len() - 1;
         let is_it =
@@ -268,18 +284,22 @@ fn round_off(steps: u64) -> f64 {
 /// crosses nothing. Of a step that begins and ends on the section the side is that of its middle, and it crosses where
 /// it begins.
 pub(crate) fn crossings(
-    section: &Section,
-    difference: &mut dyn FnMut(&[f64]) -> f64,
+    event: &Event,
+    values: &mut FunctionValues,
     last: &mut LastStep<'_>,
     after: &[f64],
     (side, value, steps): (Side, f64, u64),
 ) -> Result<(Side, Vec<Between>), Fault> {
+    let section = &event.section;
     if value.is_nan() {
         return Err(Fault::Undefined(section.text.clone()));
     }
-    if let Some(side) = side.stays(value, steps) {
+    let ends = last.ends(after, [side.past.value(), value]);
+    let corners = corners(last, &ends, values, event.first_corner());
+    if let (true, Some(side)) = (corners.is_empty(), side.stays(value, steps)) {
         return Ok((side, Vec::new()));
     }
+    let difference = &mut |state: &[f64]| values.at(state)[0];
     if side.may_begin_and_end_there(value) {
         let middle = last.part(0.5).map_err(Fault::Step)?;
         let inside = difference(&middle);
@@ -296,11 +316,11 @@ pub(crate) fn crossings(
             return Ok((found, Vec::from_iter(crosses.then_some(begin))));
         }
     }
-    let ends = last.ends(after, [side.past.value(), value]);
-    let mut changes = match side.past.shows_all(value) {
+    let is_smooth = corners.is_empty();
+    let mut changes = match is_smooth && side.past.shows_all(value) {
         true => Vec::new(),
         false => {
-            let points = side.past.points(last, ends.clone(), difference);
+            let points = side.past.points(last, (ends.clone(), corners), difference);
             changes(&points, side.sign)
         }
     };
@@ -309,7 +329,8 @@ pub(crate) fn crossings(
     // One change from the side before the step to that after it is between its ends. Where the step begins next to the surface,
     // only points within it tell a change from the beginning.
     let begins_off = is_off(side.past.value(), largest(&ends));
-    let is_whole = changes.is_empty() || changes.len() == 1 && value != 0.0 && begins_off;
+    let is_whole =
+        is_smooth && changes.is_empty() || changes.len() == 1 && value != 0.0 && begins_off;
     if is_whole && other.is_changed {
         changes = vec![(ends, other.sign)];
     }

@@ -6,6 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::functions::FunctionValues;
 use crate::step::{Between, LastStep, MOST_TRIED};
 
 /// How much more a function may bend within a step than over the steps around it.
@@ -97,15 +98,18 @@ impl Past {
     }
 
     /// The beginning and the end of the next step, and states between them where it turns: from one to the next there is one
-    /// change of sign at most.
+    /// change of sign at most. `corners` are both sides of the places where it is not smooth.
     pub(crate) fn points(
         &self,
         last: &mut LastStep<'_>,
-        ends: [Between; 2],
+        ([begin, end], corners): ([Between; 2], Vec<[Between; 2]>),
         difference: &mut dyn FnMut(&[f64]) -> f64,
     ) -> Vec<Between> {
-        let [begin, end] = ends;
-        let most = self.most_bent(end.value);
+        // Steps before say nothing of what is beside a corner.
+        let most = match corners.is_empty() {
+            true => self.most_bent(end.value),
+            false => f64::INFINITY,
+        };
         let mut points = Points {
             last,
             difference,
@@ -113,9 +117,57 @@ impl Past {
             found: vec![begin],
             tried: 0,
         };
+        for [before, behind] in corners {
+            points.up_to(before, most);
+            points.found.push(behind);
+        }
         points.up_to(end, most);
         points.found
     }
+}
+
+/// Both sides of each place in the last step where a function changes its sign, of those from number `first` on, in the order of
+/// the places, with the values of the first function there.
+pub(crate) fn corners(
+    last: &mut LastStep<'_>,
+    ends: &[Between; 2],
+    values: &mut FunctionValues,
+    first: usize,
+) -> Vec<[Between; 2]> {
+    let at_end = values.at(&ends[1].state).to_vec();
+    if at_end.len() <= first {
+        return Vec::new();
+    }
+    let at_begin = values.at(&ends[0].state).to_vec();
+    let mut found: Vec<[Between; 2]> = Vec::new();
+    for number in first..at_end.len() {
+        let (begins, sign) = (at_begin[number], 1.0_f64.copysign(at_end[number]));
+        // Written so that nothing is looked for from a value that is no number.
+        if !(begins * at_end[number] < 0.0) {
+            continue;
+        }
+        let [begin, end] = ends.clone();
+        let places = [
+            Between {
+                value: begins * sign,
+                ..begin
+            },
+            Between {
+                value: at_end[number] * sign,
+                ..end
+            },
+        ];
+        let mut rising = |_: &[f64], state: &[f64]| values.at(state)[number] * sign;
+        // Where a part of the step cannot be taken, its ends show what is known.
+        if let Ok(bracket) = last.enclose(places, &|value| value >= 0.0, None, &mut rising) {
+            found.push([bracket.before, bracket.behind]);
+        }
+    }
+    for place in found.iter_mut().flatten() {
+        place.value = values.at(&place.state)[0];
+    }
+    found.sort_by(|[one, _], [other, _]| one.part.total_cmp(&other.part));
+    found
 }
 
 /// Whether values at the two ends of a step show every change of sign in it.

@@ -13,7 +13,7 @@ pub const EQUAL_MARGIN: f64 = f64::from_bits(23 << 52);
 
 impl Formula {
     /// A number that is positive where a [condition](Formula::parse_condition) holds, and negative where it does not. Of
-    /// `a < b` it is b − a, of `a == b` −|a − b|, and where that is 0 it is [`EQUAL_MARGIN`] with the sign that tells. Of
+    /// `a < b` it is b − a, or of its sign where a root of squares is compared, of `a == b` −|a − b|, and where that is 0 it is [`EQUAL_MARGIN`] with the sign that tells. Of
     /// `and` it is the smaller one, of `or` the larger.
     ///
     /// # Errors
@@ -51,10 +51,10 @@ impl Resolver<'_> {
                 let right = self.expression(&pair[1], bound)?;
                 let size = |difference| Expression::Apply(Function::Abs, Box::new(difference));
                 let (margin, is_closed) = match relation {
-                    Relation::Less => (right - left, false),
-                    Relation::LessOrEqual => (right - left, true),
-                    Relation::Greater => (left - right, false),
-                    Relation::GreaterOrEqual => (left - right, true),
+                    Relation::Less => (difference(right, left), false),
+                    Relation::LessOrEqual => (difference(right, left), true),
+                    Relation::Greater => (difference(left, right), false),
+                    Relation::GreaterOrEqual => (difference(left, right), true),
                     Relation::Equal => (-size(left - right), true),
                     Relation::NotEqual => (size(left - right), false),
                 };
@@ -73,6 +73,11 @@ impl Resolver<'_> {
             _ => self.expression(node, bound),
         }
     }
+}
+
+/// A function of the sign of left − right.
+fn difference(left: Expression, right: Expression) -> Expression {
+    Expression::compared_magnitude(&left, &right).unwrap_or_else(|| left - right)
 }
 
 /// m where it is not 0, and there a number that is positive where the comparison holds. NaN where m is.

@@ -53,16 +53,16 @@ impl Watched<'_> {
         let mut latest = None;
         for _ in 0..MOST {
             let side = self.events[at].sides[lane];
-            if let Some(side) = side.stays(value, steps) {
+            let is_smooth = self.events[at].is_smooth;
+            if let (true, Some(side)) = (is_smooth, side.stays(value, steps)) {
                 self.events[at].sides[lane] = side;
                 return Ok(());
             }
             let after = StepEnd::of(&self.walk, lane);
             let alone = self.alones.at(lane, &self.start)?;
             let (values, last) = (&mut alone.events[at], &mut alone.last);
-            let mut difference = |state: &[f64]| values.at(state)[0];
             let sides = (side, value, steps);
-            let found = crossings(&event.section, &mut difference, last, &after.state, sides);
+            let found = crossings(event, values, last, &after.state, sides);
             let (crossed, between) = match found {
                 Ok((crossed, found)) => match found.into_iter().next() {
                     Some(between) => (crossed, between),
@@ -98,7 +98,7 @@ impl Watched<'_> {
                 return Ok(());
             }
             let alone = self.alones.at(lane, &self.start)?;
-            let own = alone.events[at].at(&between.state)[1..].to_vec();
+            let own = alone.events[at].at(&between.state)[1..event.first_corner()].to_vec();
             let mut state = between.state;
             let set = event.act.iter().flat_map(|act| &act.set);
             for ((coordinate, _), value) in set.zip(&own) {
@@ -238,13 +238,11 @@ impl Watched<'_> {
             return Ok(false);
         }
         let alone = self.alones.at(lane, &self.start)?;
-        let own = &mut alone.stop;
-        let mut difference = |state: &[f64]| own.as_mut().map_or(f64::NAN, |own| own.at(state)[0]);
-        let seen = (past, difference(&between.state));
-        let last = &mut alone.last;
-        let found = last.within(part, |last| {
-            end(stop, &mut difference, last, &between.state, seen)
-        });
+        let (Some(values), last) = (&mut alone.stop, &mut alone.last) else {
+            return Ok(false);
+        };
+        let seen = (past, values.at(&between.state)[0]);
+        let found = last.within(part, |last| end(stop, values, last, &between.state, seen));
         match found {
             Err(fault) => self.fail(lane, fault, steps),
             Ok(None) => return Ok(false),
@@ -281,12 +279,11 @@ impl Watched<'_> {
             let alone = self.alones.at(lane, &self.start)?;
             let (values, last) = (&mut alone.events[at], &mut alone.last);
             let value = values.at(&between.state)[0];
-            let mut difference = |state: &[f64]| values.at(state)[0];
             let seen = (side, value, steps);
-            let section = &own.event.section;
+            let event = own.event;
             let found = match part > 0.0 {
                 true => last.within(part, |last| {
-                    crossings(section, &mut difference, last, &between.state, seen)
+                    crossings(event, values, last, &between.state, seen)
                 }),
                 false => Ok((side, Vec::new())),
             };

@@ -134,7 +134,7 @@ impl Watched<'_> {
             if !self.walk.lives(lane) || past.has_seen(steps) {
                 continue;
             }
-            if looks(*value) || !past.shows_all(*value) {
+            if !self.stop_is_smooth || looks(*value) || !past.shows_all(*value) {
                 asked.push((lane, *value));
             } else {
                 *past = past.then(*value);
@@ -144,11 +144,10 @@ impl Watched<'_> {
             let past = self.stop_past[lane];
             let after = self.present(lane);
             let alone = self.alones.at(lane, &self.start)?;
-            let own = &mut alone.stop;
-            let mut difference =
-                |state: &[f64]| own.as_mut().map_or(f64::NAN, |own| own.at(state)[0]);
-            let last = &mut alone.last;
-            match end(stop, &mut difference, last, &after, (past, value)) {
+            let (Some(values), last) = (&mut alone.stop, &mut alone.last) else {
+                continue;
+            };
+            match end(stop, values, last, &after, (past, value)) {
                 Err(fault) => self.fail(lane, fault, steps),
                 Ok(None) => self.stop_past[lane] = past.then(value),
                 Ok(Some(between)) => {
@@ -174,17 +173,16 @@ impl Watched<'_> {
             }
             let steps = self.walk.last(lane).0 + 1;
             let alone = self.alones.at(lane, &self.start)?;
-            let own = &mut alone.stop;
-            let mut difference =
-                |state: &[f64]| own.as_mut().map_or(f64::NAN, |own| own.at(state)[0]);
-            let last = &mut alone.last;
-            let found = last.reached(|state| stop.holds(difference(state)));
+            let (Some(values), last) = (&mut alone.stop, &mut alone.last) else {
+                continue;
+            };
+            let found = last.reached(|state| stop.holds(values.at(state)[0]));
             let Some((part, after)) = found else {
                 continue;
             };
-            let value = difference(&after);
+            let value = values.at(&after)[0];
             let seen = (self.stop_past[lane], value);
-            let within = last.within(part, |last| end(stop, &mut difference, last, &after, seen));
+            let within = last.within(part, |last| end(stop, values, last, &after, seen));
             if let Ok(Some(between)) = within {
                 let between = Between {
                     part: part * between.part,
@@ -261,22 +259,15 @@ impl Watched<'_> {
                 continue;
             }
             let (side, value) = (own.sides[lane], own.values.last()[lane]);
-            if let Some(side) = side.stays(value, steps) {
+            if let (true, Some(side)) = (own.is_smooth, side.stays(value, steps)) {
                 own.sides[lane] = side;
                 continue;
             }
             let after = StepEnd::of(&self.walk, lane);
             let alone = self.alones.at(lane, &self.start)?;
             let values = &mut alone.events[at];
-            let mut difference = |state: &[f64]| values.at(state)[0];
             let last = &mut alone.last;
-            let outcome = crossings(
-                &own.event.section,
-                &mut difference,
-                last,
-                &after.state,
-                (side, value, steps),
-            );
+            let outcome = crossings(own.event, values, last, &after.state, (side, value, steps));
             match outcome {
                 Ok((after, found)) => {
                     let pace = self.course.pace.as_ref();

@@ -28,6 +28,8 @@ pub struct Watched<'a> {
     start: StepStart,
     invariants: FunctionValues,
     stop: Option<FunctionValues>,
+    /// Whether the condition's difference has no corners.
+    stop_is_smooth: bool,
     /// Values of the condition's difference after the last steps, for each lane.
     stop_past: Vec<Past>,
     events: Vec<EventLanes<'a>>,
@@ -59,6 +61,8 @@ pub struct Watched<'a> {
 struct EventLanes<'a> {
     event: &'a Event,
     values: FunctionValues,
+    /// Whether left − right has no corners.
+    is_smooth: bool,
     /// Where each lane stands beside the surface after the last step.
     sides: Vec<Side>,
     /// How often each has crossed it.
@@ -107,6 +111,7 @@ impl<'a> Watched<'a> {
             Ok::<_, BuildError>(EventLanes {
                 event,
                 values: of.values(lanes, parameters)?,
+                is_smooth: of.count() == event.first_corner(),
                 sides: vec![Side::default(); lanes],
                 counts: vec![0; lanes],
             })
@@ -119,6 +124,7 @@ impl<'a> Watched<'a> {
             stop: stop
                 .map(|(_, of)| of.values(lanes, parameters))
                 .transpose()?,
+            stop_is_smooth: stop.is_none_or(|(_, of)| of.count() == 1),
             stop_past: vec![Past::default(); lanes],
             events,
             paced: vec![PacedSteps::default(); lanes],

@@ -2,6 +2,7 @@
 
 mod acts;
 mod between;
+mod corners;
 mod damage;
 mod directories;
 mod in_memory;

@@ -128,14 +128,15 @@ impl ComposedRun {
     /// [`BuildError::Algebra`] where a formula has no code.
     pub fn course(&self, events: &[Event]) -> Result<Course, BuildError> {
         let plan = &self.plan;
-        let code = |formulas: &[&Expression]| -> Result<StateFunctions, BuildError> {
+        let code = |formulas: &[Expression]| -> Result<StateFunctions, BuildError> {
+            let formulas: Vec<&Expression> = formulas.iter().collect();
             match self.method.lattice() {
-                Some(_) => of_coordinates(formulas, self.system.parameters().len()),
-                None => Ok(self.observables(formulas)?.into()),
+                Some(_) => of_coordinates(&formulas, self.system.parameters().len()),
+                None => Ok(self.observables(&formulas)?.into()),
             }
         };
         let stop = plan.events.stop.clone().map(|stop| {
-            let difference = code(&[&stop.difference])?;
+            let difference = code(&stop.formulas())?;
             Ok::<_, BuildError>((stop, difference))
         });
         let section = plan.events.section.iter().map(|section| Event {

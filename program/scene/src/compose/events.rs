@@ -250,7 +250,7 @@ fn margin(
     Ok(margin)
 }
 
-/// Left − right of a surface.
+/// Left − right of a surface, or a function of its sign where a root of squares is compared.
 fn difference(
     document: &SceneDocument,
     scope: &Scope,
@@ -288,7 +288,11 @@ fn difference(
     let left = side(text, whole[..start].to_owned());
     let right = side(text, " ".repeat(end) + &whole[end..]);
     let left = function(document, scope, &left)?;
-    let right = Expression::Negate(Box::new(function(document, scope, &right)?));
+    let right = function(document, scope, &right)?;
+    if let Some(difference) = Expression::compared_magnitude(&left, &right) {
+        return Ok(difference);
+    }
+    let right = Expression::Negate(Box::new(right));
     Ok(Expression::Sum(vec![left, right]))
 }
 
