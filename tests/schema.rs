@@ -5,7 +5,7 @@ use std::path::Path;
 
 use leafwise::core::Registry;
 use leafwise::prelude::SceneDocument;
-use leafwise::scene::document::{faults, json_schema};
+use leafwise::scene::document::{Fault, faults, json_schema};
 use leafwise::stress::SCENES_FOR_FAULTS;
 use serde_json::Value;
 
@@ -148,7 +148,12 @@ fn every_fault_is_one_of_the_schema() {
     let registry = Registry::with_builtin();
     let schema = json_schema(&registry);
     let (mut refused, mut taken) = (0, 0);
-    for fault in faults(&registry) {
+    // JSON has no number that is not finite.
+    let is_of_json = |fault: &Fault| {
+        let number = fault.written.parse::<f64>();
+        !number.is_ok_and(|number| !number.is_finite())
+    };
+    for fault in faults(&registry).into_iter().filter(is_of_json) {
         for (scene, name) in SCENES_FOR_FAULTS {
             let (text, _) = fault.within(scene, name);
             assert!(!fits(&schema, &json(&text)), "{text}");

@@ -29,8 +29,8 @@ pub(super) struct ForeignFunction {
 }
 
 impl ForeignFunction {
-    /// Evaluates one of both at all points, with `outputs` numbers each.
-    fn evaluate(
+    /// Evaluates a function of the same points at all of them, with `outputs` numbers each.
+    pub fn call(
         &mut self,
         (name, function): Named,
         points: &[f64],
@@ -55,7 +55,7 @@ impl ForeignFunction {
 
 impl Evaluator for ForeignFunction {
     fn values(&mut self, points: &[f64], values: &mut [f64]) -> Result<(), StepError> {
-        self.evaluate(self.values, points, (values, self.outputs))
+        self.call(self.values, points, (values, self.outputs))
     }
 
     fn jacobians(&mut self, points: &[f64], jacobians: &mut [f64]) -> Result<(), StepError> {
@@ -63,7 +63,7 @@ impl Evaluator for ForeignFunction {
             return Err(StepError::NoTangent);
         }
         let entries = self.outputs * self.inputs;
-        self.evaluate(self.jacobians, points, (jacobians, entries))
+        self.call(self.jacobians, points, (jacobians, entries))
     }
 
     /// The library does not count them.

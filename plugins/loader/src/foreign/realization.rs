@@ -13,7 +13,7 @@ use leafwise_plugin_abi::LwRealization;
 use super::batch::{Input, Output};
 use super::callee::{Callee, Idle};
 use super::failure::CallFailure;
-use super::function::ForeignFunction;
+use super::function::{ForeignFunction, Named};
 use super::instance::{Call, Instance};
 use super::making::{HostObjects, Making};
 use super::part::{ForeignPart, Properties};
@@ -174,12 +174,18 @@ impl RealizationData for ForeignRealization {
         let (d, space) = (self.dimension(), self.space);
         let callee = self.callees();
         let ends = move |parameters: &[f64], epsilon: f64| -> Box<dyn Evaluator> {
-            Box::new(ForeignEvaluator {
-                callee: callee(parameters),
+            Box::new(ForeignEnds {
+                function: ForeignFunction {
+                    callee: callee(parameters),
+                    step_sizes: (epsilon, 0.0),
+                    values: ("ends", table.ends),
+                    jacobians: ("ends_jacobian", table.ends_jacobian),
+                    inputs: space,
+                    outputs: 3 * d,
+                    is_of_pairs: false,
+                },
                 table,
                 dimension: d,
-                space,
-                epsilon,
                 first: Vec::with_capacity(d + d * space),
                 second: Vec::with_capacity(d * space),
             })
@@ -237,33 +243,43 @@ fn has_jacobian(table: &LwRealization) -> bool {
     table.ends_jacobian.is_some() || is_apart
 }
 
-struct ForeignEvaluator {
-    callee: Callee,
+/// β̂, its offset and α̂ − β̂ by calls: of functions for all at once where the library has these, else of β̂ and α̂.
+struct ForeignEnds {
+    function: ForeignFunction,
     table: LwRealization,
     dimension: usize,
-    space: usize,
-    epsilon: f64,
-    /// Scratch space for ends and their derivatives that are put together here, where the library
-    /// has no functions of its own for that.
+    /// Scratch space for ends and their derivatives that are put together here.
     first: Vec<f64>,
     second: Vec<f64>,
 }
 
-impl Evaluator for ForeignEvaluator {
-    fn values(&mut self, z: &[f64], ends: &mut [f64]) -> Result<(), StepError> {
-        let (d, count) = (self.dimension, z.len() / self.space);
-        let call = Call::at(count, self.epsilon, 0.0, Input::points(z, self.space));
-        let (table, callee) = (&self.table, &mut self.callee);
-        if table.ends.is_some() {
-            let output = Output::points(ends, 3 * d);
-            return callee.evaluate("ends", table.ends, &call, output);
+impl ForeignEnds {
+    /// Calls a function for each end at all points, with so many numbers each.
+    fn call_both(
+        &mut self,
+        functions: [Named; 2],
+        z: &[f64],
+        outputs: [usize; 2],
+    ) -> Result<(), StepError> {
+        let count = z.len() / self.function.inputs;
+        let rooms = [&mut self.first, &mut self.second].into_iter().zip(outputs);
+        for ((room, outputs), function) in rooms.zip(functions) {
+            room.resize(count * outputs, 0.0);
+            self.function.call(function, z, (room, outputs))?;
         }
-        self.first.resize(count * d, 0.0);
-        self.second.resize(count * d, 0.0);
-        let (beta, alpha) = (&mut self.first[..], &mut self.second[..]);
-        callee.evaluate("beta", table.beta, &call, Output::points(beta, d))?;
-        callee.evaluate("alpha", table.alpha, &call, Output::points(alpha, d))?;
-        let both = beta.chunks_exact(d).zip(alpha.chunks_exact(d));
+        Ok(())
+    }
+}
+
+impl Evaluator for ForeignEnds {
+    fn values(&mut self, z: &[f64], ends: &mut [f64]) -> Result<(), StepError> {
+        let (d, table) = (self.dimension, self.table);
+        if table.ends.is_some() {
+            return self.function.values(z, ends);
+        }
+        let functions = [("beta", table.beta), ("alpha", table.alpha)];
+        self.call_both(functions, z, [d, d])?;
+        let both = (self.first.chunks_exact(d)).zip(self.second.chunks_exact(d));
         for (ends, (beta, alpha)) in ends.chunks_exact_mut(3 * d).zip(both) {
             for i in 0..d {
                 ends[i] = beta[i];
@@ -278,25 +294,19 @@ impl Evaluator for ForeignEvaluator {
         if !has_jacobian(&self.table) {
             return Err(StepError::NoTangent);
         }
-        let (d, count) = (self.dimension, z.len() / self.space);
-        let entries = d * self.space;
-        let call = Call::at(count, self.epsilon, 0.0, Input::points(z, self.space));
-        let (table, callee) = (&self.table, &mut self.callee);
+        let (d, table) = (self.dimension, self.table);
+        let entries = d * self.function.inputs;
         if table.ends_jacobian.is_some() {
-            let output = Output::points(tangents, 2 * entries);
-            return callee.evaluate("ends_jacobian", table.ends_jacobian, &call, output);
+            let both = self.function.jacobians;
+            return self.function.call(both, z, (tangents, 2 * entries));
         }
-        self.first.resize(count * (d + entries), 0.0);
-        self.second.resize(count * entries, 0.0);
-        let (beta, alpha) = (&mut self.first[..], &mut self.second[..]);
-        let function = table.beta_with_jacobian;
-        let output = Output::points(beta, d + entries);
-        callee.evaluate("beta_with_jacobian", function, &call, output)?;
-        let output = Output::points(alpha, entries);
-        callee.evaluate("alpha_jacobian", table.alpha_jacobian, &call, output)?;
-        let both = beta
-            .chunks_exact(d + entries)
-            .zip(alpha.chunks_exact(entries));
+        let functions = [
+            ("beta_with_jacobian", table.beta_with_jacobian),
+            ("alpha_jacobian", table.alpha_jacobian),
+        ];
+        self.call_both(functions, z, [d + entries, entries])?;
+        let beta = self.first.chunks_exact(d + entries);
+        let both = beta.zip(self.second.chunks_exact(entries));
         for (tangents, (beta, alpha)) in tangents.chunks_exact_mut(2 * entries).zip(both) {
             let (target, increment) = tangents.split_at_mut(entries);
             target.copy_from_slice(&beta[d..]);

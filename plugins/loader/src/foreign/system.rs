@@ -213,7 +213,7 @@ impl ForeignNumbers {
         }
         let making = (0, settings);
         let lend = || Ok(HostObjects::default());
-        Box::new(ForeignEvaluator {
+        Box::new(ForeignValues {
             callee: Callee::new(&self.part, &self.idle, parameters, making, lend),
             table: self.table,
             dimension: self.dimension,
@@ -222,14 +222,14 @@ impl ForeignNumbers {
     }
 }
 
-struct ForeignEvaluator {
+struct ForeignValues {
     callee: Callee,
     table: LwSystem,
     dimension: usize,
     casimirs: usize,
 }
 
-impl SystemEvaluator for ForeignEvaluator {
+impl SystemEvaluator for ForeignValues {
     fn evaluate(
         &mut self,
         function: SystemFunction<'_>,

@@ -7,7 +7,7 @@ use leafwise_core::{PartKind, Registry};
 use toml::{Table, Value};
 
 use super::schema::{ROOT, SCENE};
-use super::shape::{Key, Keys, Shape, alternatives};
+use super::shape::{Key, Keys, Shape, alternatives, word_of};
 
 /// A value of a key with one fault in it.
 #[derive(Clone, Debug)]
@@ -260,7 +260,7 @@ fn sound(shape: &Shape) -> String {
         Shape::Formula | Shape::Number | Shape::Anything => "1".to_owned(),
         Shape::Whole(least) => (*least).max(1).to_string(),
         Shape::Words(words) => format!("\"{}\"", words[0]),
-        Shape::Part(_) => "\"auto\"".to_owned(),
+        Shape::Part(kind) => format!("\"{}\"", word_of(*kind)),
         Shape::List(entry) => format!("[{}]", sound(entry)),
         Shape::Entries(entries) => {
             let entries: Vec<String> = entries.iter().map(sound).collect();

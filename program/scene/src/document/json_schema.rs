@@ -5,7 +5,7 @@ use leafwise_core::{PartKind, Registry};
 use serde_json::{Map, Value, json};
 
 use super::schema::ROOT;
-use super::shape::{Default, Keys, Shape};
+use super::shape::{Default, Keys, Shape, word_of};
 
 /// The JSON Schema (draft 2020-12) of a scene with the parts and systems of a registry. It accepts every scene that the
 /// reader does, but for spaces within words; what formulas say, and how many numbers a vector has, it does not know. Parts
@@ -107,10 +107,11 @@ fn foreign() -> Value {
 }
 
 fn of_parts(kind: PartKind, registry: &Registry) -> Value {
-    let word = match kind {
-        PartKind::Composition => json!({ "const": "none", "description": "steps as they are" }),
-        _ => json!({ "const": "auto", "description": "the part that fits best" }),
+    let about = match kind {
+        PartKind::Composition => "steps as they are",
+        _ => "the part that fits best",
     };
+    let word = json!({ "const": word_of(kind), "description": about });
     let mut each: Vec<Value> = infos(kind, registry).map(named).collect();
     each.extend([word.clone(), foreign()]);
     for info in infos(kind, registry) {

@@ -122,6 +122,14 @@ pub(super) enum Shape {
 /// A parameter of a part.
 static PARAMETER: Shape = Shape::Either(&[Shape::Text, Shape::List(&Shape::Formula)]);
 
+/// The word of a scene that names no part of a kind.
+pub(super) fn word_of(kind: PartKind) -> &'static str {
+    match kind {
+        PartKind::Composition => "none",
+        _ => "auto",
+    }
+}
+
 /// Shape that a key leads to, if any.
 pub(super) enum Inner<'a> {
     Known(&'a Shape),
