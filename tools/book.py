@@ -182,7 +182,7 @@ class Book:
     def headings(self, body: str) -> list[tuple[str, str]]:
         """Headings of a page: of the second level, and of the third where most are of that one."""
         plain = [(level, mark, re.sub(r"</?(?:a|img)\b[^>]*>", "", text)) for level, mark, text in re.findall(r'<h([23]) id="([^"]*)">(.*?)</h', body, re.S)]
-        most = "3" if len(plain) > 12 * sum(level == "2" for level, _, _ in plain) else "2"
+        most = "3" if len(plain) > 8 * sum(level == "2" for level, _, _ in plain) else "2"
         return [(mark, text) for level, mark, text in plain if level <= most]
 
     def write(self) -> None:

@@ -23,3 +23,7 @@ for (const field of document.querySelectorAll('nav input[type="search"]')) {
     }));
   });
 }
+
+// The current page, and its headings, are in sight.
+document.querySelector("nav.side .within:last-of-type, nav.side [aria-current]")?.scrollIntoView({ block: "nearest" });
+document.querySelector("nav.side [aria-current]")?.scrollIntoView({ block: "nearest" });
