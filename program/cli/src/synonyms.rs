@@ -29,7 +29,7 @@ const fn leads(
 }
 
 /// A word may stand in several rows: all parts are printed.
-const SYNONYMS: [Synonym; 26] = [
+const SYNONYMS: [Synonym; 28] = [
     leads(
         &["plot", "figure", "figures", "pdf"],
         "read-the-report",
@@ -40,6 +40,33 @@ const SYNONYMS: [Synonym; 26] = [
         &["orbit", "orbits", "periodic", "floquet"],
         "orbits",
         "periodic orbits",
+        "Newton",
+    ),
+    leads(
+        &[
+            "continuation",
+            "bifurcation",
+            "bifurcations",
+            "branch",
+            "fold",
+            "family",
+            "halo",
+        ],
+        "orbits",
+        "families",
+        "tangent",
+    ),
+    leads(
+        &[
+            "equilibrium",
+            "equilibria",
+            "fixed",
+            "stability",
+            "stable",
+            "unstable",
+        ],
+        "orbits",
+        "equilibria",
         "Newton",
     ),
     leads(
