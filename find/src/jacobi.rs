@@ -18,9 +18,6 @@ const MOST_NEAR: usize = 40;
 /// Iterations in which the sum of squares halves at least.
 const PATIENCE: usize = 8;
 
-/// Solutions in doubles that are rounded, until one of them is rational.
-const MOST_ROUNDED: usize = 3;
-
 /// The largest denominator of a coefficient that is rounded.
 const MOST_DENOMINATOR: i64 = 1 << 20;
 
@@ -280,7 +277,6 @@ pub(crate) fn sparse_solution(
     let doubles = Doubles::of(space);
     let p = space.directions.len();
     let mut phase = 0.25_f64;
-    let mut rounded = 0;
     for start in 0..if p == 0 { 1 } else { starts } {
         let t = match start {
             // The smallest c.
@@ -292,13 +288,8 @@ pub(crate) fn sparse_solution(
                 })
                 .collect(),
         };
-        let Some(c) = solve(identity, &doubles, t, MOST_ITERATIONS) else {
-            continue;
-        };
-        let found = simplified(identity, space.clone(), c);
-        rounded += 1;
-        if found.is_some() || rounded == MOST_ROUNDED {
-            return found;
+        if let Some(c) = solve(identity, &doubles, t, MOST_ITERATIONS) {
+            return simplified(identity, space.clone(), c);
         }
     }
     None

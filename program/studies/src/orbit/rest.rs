@@ -191,7 +191,8 @@ pub fn rest(run: &ComposedRun) -> Result<Rest, RestError> {
     let speed = largest(&found.at.right[..d]);
     let rows = &found.at.found[..d];
     let rate = SingularValues::of(&transposed(rows, d)).values[0];
-    if !(speed <= RESTS * (rate * size_of(&state)).max(f64::MIN_POSITIVE)) {
+    let most = RESTS * (rate * size_of(&state)).max(f64::MIN_POSITIVE);
+    if speed.is_nan() || speed > most {
         return Err(RestError::Moves {
             iterations: found.corrections,
             speed,

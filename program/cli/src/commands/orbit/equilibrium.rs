@@ -1,14 +1,16 @@
 //! `leafwise orbit --equilibrium`: an equilibrium in the initial state's leaf, and its stability.
 
-use leafwise::orbit::{Rest, RestError, Verdict, rest};
+use leafwise::orbit::{Complex, Rest, RestError, Verdict, rest};
 use leafwise::scene::compose::ComposedRun;
 use leafwise::scene::json::object;
 use serde::Serialize;
 
-use super::written;
 use crate::console::Console;
 use crate::failure::{Failure, exit};
 use crate::table::words;
+
+/// The part of a number that is not printed.
+const ROUND_OFF: f64 = 1e-13;
 
 /// The object of `orbit --equilibrium --json`.
 #[derive(Serialize)]
@@ -96,6 +98,16 @@ fn rows(found: &Rest, names: &[String], casimirs: &[&str]) -> Vec<Vec<String>> {
     let curvatures: Vec<String> = curvatures.collect();
     rows.push(row("curvatures", curvatures.join(", ")));
     rows
+}
+
+/// A number without the part that is round-off.
+fn written(number: Complex) -> String {
+    let least = ROUND_OFF * number.modulus();
+    match (number.re.abs() <= least, number.im.abs() <= least) {
+        (_, true) => format!("{:.12}", number.re),
+        (true, false) => format!("{:.12}i", number.im),
+        (false, false) => format!("{:.12} {:+.12}i", number.re, number.im),
+    }
 }
 
 /// A word, and a sentence.
