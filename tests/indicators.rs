@@ -5,10 +5,12 @@
     reason = "measured numbers, read with --nocapture"
 )]
 
+use leafwise::core::gradient::{Plan, Trajectory};
 use leafwise::core::{BuildError, Registry};
 use leafwise::scene::{ComposedRun, SceneDocument, compose};
 use leafwise::walk::{Ended, Fault, Look, Watched, Why};
 use leafwise_tests::scenes::composed;
+use nalgebra::DMatrix;
 use proptest::prelude::*;
 
 /// Indicators after a number of steps, one after the other as they are recorded.
@@ -402,4 +404,100 @@ fn a_definition_of_the_same_name_is_the_scenes_own() {
     let document = SceneDocument::parse("own.toml", &text, &registry).expect("a scene");
     let run = compose(&document, &registry).expect("a method");
     assert!(run.plan.indicators.is_empty());
+}
+
+/// Ten million steps of the free body and of Kepler's motion.
+#[test]
+#[ignore = "minutes"]
+fn integrable_motions_stay_at_two_for_ten_million_steps() {
+    for scene in [BODY, KEPLER] {
+        let steps = 10_000_000;
+        let rows = alone(&with(scene, steps, "\"megno\""), steps);
+        let megno = rows[0].1[0];
+        println!("MEGNO {megno}");
+        assert!((megno - 2.0).abs() < 0.01, "{megno}");
+    }
+}
+
+/// The regular part of a thousand starts on the section q1 = 0, drawn evenly from its area, at three energies. A start is decided
+/// where MEGNO is at most 2.2 or above 4; both computations then say the same of all but few, and their parts differ by no more.
+#[test]
+#[ignore = "minutes"]
+fn a_thousand_orbits_of_henon_and_heiles_are_as_regular_apart() {
+    let run = composed(&with(HENON_HEILES, 10_000, "\"megno\""));
+    for energy in [1.0 / 12.0, 1.0 / 8.0, 1.0 / 6.0 - 1e-9] {
+        let mut phase = [0.5_f64, 0.5];
+        let mut starts = Vec::new();
+        while starts.len() < 1000 {
+            // Additive steps of the plastic number's powers fill the square evenly.
+            for (phase, step) in phase
+                .iter_mut()
+                .zip([0.754_877_666_246_7, 0.569_840_290_998])
+            {
+                *phase = (*phase + step) % 1.0;
+            }
+            let (q2, p2) = (1.6 * phase[0] - 0.55, 1.2 * phase[1] - 0.6);
+            let left = 2.0 * energy - p2 * p2 - q2 * q2 + 2.0 * q2 * q2 * q2 / 3.0;
+            if left > 0.0 && q2 < 1.0 {
+                starts.push(vec![0.0, q2, libm::sqrt(left), p2]);
+            }
+        }
+        let (rows, ends) = followed(&run, &starts, 10_000);
+        assert!(ends.iter().all(|end| end.why == Why::Done));
+        let (mut own, mut other, mut undecided, mut apart) = (0, 0, 0, 0);
+        for (start, rows) in starts.iter().zip(&rows) {
+            let pair = [rows[0].1[0], megno_apart(start)];
+            own += i32::from(pair[0] <= 3.0);
+            other += i32::from(pair[1] <= 3.0);
+            let is_decided = |megno: f64| !(2.2..=4.0).contains(&megno);
+            match is_decided(pair[0]) && is_decided(pair[1]) {
+                true => apart += i32::from((pair[0] > 4.0) != (pair[1] > 4.0)),
+                false => undecided += 1,
+            }
+        }
+        println!(
+            "E {energy}: regular {own} and {other} of 1000, {undecided} undecided, {apart} apart"
+        );
+        assert!((own - other).abs() <= undecided + apart);
+        assert!(undecided <= 250 && apart <= 20);
+    }
+}
+
+/// The spectrum over a time: ln σ/T of the singular values of DΦᴺ, here in canonical coordinates, comes in pairs (λ, −λ). The flow's
+/// direction and the energy's have zeros, up to ln T/T.
+#[test]
+fn the_spectrum_comes_in_pairs() {
+    let text = HENON_HEILES.replace("[0, 0.1, 0.3, 0.1]", "[0, 0.1, 0.49057, 0.1]");
+    let steps = 1000;
+    let run = composed(&with(&text, steps, "\"energy\""));
+    let trajectory = Trajectory {
+        map: run.method.map(),
+        parameters: &run.system.parameter_values(),
+        epsilon: run.plan.epsilon,
+        h: run.plan.h,
+        goes_on: &|| true,
+    };
+    let unit = DMatrix::<f64>::identity(4, 4);
+    let plan = Plan {
+        steps,
+        every: steps,
+    };
+    let pushed = trajectory.push(&run.plan.initial, (unit.as_slice(), &[]), plan);
+    let tangents = pushed.expect("a run").tangents;
+    let values = DMatrix::from_column_slice(4, 4, &tangents[16..]).singular_values();
+    let mut values: Vec<f64> = values.iter().copied().collect();
+    values.sort_by(f64::total_cmp);
+    let time = steps as f64 * 0.1;
+    let exponents: Vec<f64> = values
+        .iter()
+        .map(|value| libm::log(*value) / time)
+        .collect();
+    println!("{exponents:?}");
+    // Small singular values are known to ε σ_max.
+    let known = f64::EPSILON * values[3] / values[0] / time;
+    assert!(known < 1e-6, "{known}");
+    for (low, high) in [(0, 3), (1, 2)] {
+        assert!((exponents[low] + exponents[high]).abs() < 1e-6);
+    }
+    assert!(exponents[2].abs() < (libm::log(time) + 4.0) / time);
 }

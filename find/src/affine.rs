@@ -6,6 +6,7 @@ use leafwise_expression::algebra::relations;
 use leafwise_expression::{AlgebraError, Arithmetic, Polynomial, Rational};
 
 use crate::constant::{members, pairs};
+use crate::energy::{columns, hamiltonian};
 use crate::error::FindError;
 use crate::field::RingField;
 use crate::identity::Identity;
@@ -47,22 +48,18 @@ pub(crate) fn affine(
     let units: Vec<Vec<Rational>> = (0..integrals.len()).map(unit).collect();
     let identity = Identity::of(d);
     let mut solvable = 0;
-    for choice in members(&units).into_iter().take(MOST_HAMILTONIANS) {
-        let hamiltonian = combination(&mut field.ring, &choice, integrals);
-        let Some(space) = tensors(field, &hamiltonian)? else {
-            continue;
-        };
-        solvable += 1;
-        if let Some(c) = sparse_solution(&identity, &space, STARTS) {
-            return Ok(Attempt::Found(Box::new(TensorCandidate {
-                kind: Kind::Affine,
-                tensor: entries(field, &c),
-                hamiltonian,
-                family: space.directions.len() + 1,
-                energy: None,
-                casimirs: Vec::new(),
-            })));
+    let simple = members(&units).into_iter().take(MOST_HAMILTONIANS);
+    for choice in simple {
+        match of_combination(field, (integrals, &choice), &identity)? {
+            Some(Attempt::Found(found)) => return Ok(Attempt::Found(found)),
+            Some(_) => solvable += 1,
+            None => {}
         }
+    }
+    if let Some(choice) = hamiltonian(field, integrals, &identity)?
+        && let Some(Attempt::Found(found)) = of_combination(field, (integrals, &choice), &identity)?
+    {
+        return Ok(Attempt::Found(found));
     }
     Ok(Attempt::none(match solvable {
         0 => "no combination of the first integrals that was tried has an affine Π with Π ∇H = f",
@@ -70,24 +67,32 @@ pub(crate) fn affine(
     }))
 }
 
+/// A tensor with a combination of integrals for H; `None` where Π ∇H = f has no affine solution.
+fn of_combination(
+    field: &mut RingField,
+    (integrals, choice): (&[Polynomial], &[Rational]),
+    identity: &Identity,
+) -> Result<Option<Attempt>, FindError> {
+    let hamiltonian = combination(&mut field.ring, choice, integrals);
+    let Some(space) = tensors(field, &hamiltonian)? else {
+        return Ok(None);
+    };
+    let Some(c) = sparse_solution(identity, &space, STARTS) else {
+        return Ok(Some(Attempt::none("Jacobi's identity was not solved")));
+    };
+    Ok(Some(Attempt::Found(Box::new(TensorCandidate {
+        kind: Kind::Affine,
+        tensor: entries(field, &c),
+        hamiltonian,
+        family: space.directions.len() + 1,
+        energy: None,
+        casimirs: Vec::new(),
+    }))))
+}
+
 /// All affine Π with Π ∇H = f.
 fn tensors(field: &mut RingField, hamiltonian: &Polynomial) -> Result<Option<Space>, AlgebraError> {
-    let d = field.dimension();
-    let gradient = field.ring.gradient(hamiltonian)?;
-    let mut columns = Vec::new();
-    for (i, j) in pairs(d) {
-        for m in 0..=d {
-            let factor = match m {
-                0 => field.ring.one(),
-                m => field.ring.variable(m - 1),
-            };
-            let mut column = vec![Polynomial::zero(); d];
-            column[i] = field.ring.multiply(&factor, &gradient[j]);
-            let other = field.ring.multiply(&factor, &gradient[i]);
-            column[j] = field.ring.negate(&other);
-            columns.push(column);
-        }
-    }
+    let columns = columns(field, hamiltonian)?;
     let solutions = relations(&columns, &field.f).solutions();
     Ok(solutions.map(|solutions| Space {
         origin: solutions.particular,

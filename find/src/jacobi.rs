@@ -172,22 +172,56 @@ fn eliminate(mut rows: Vec<Vec<f64>>) -> Option<Vec<f64>> {
     x.iter().all(|v| v.is_finite()).then_some(x)
 }
 
-/// c with B(c, c) = 0 from a start t, by Levenberg and Marquardt with a damping in proportion to the residual.
+/// c with B(c, c) = 0 from a start t.
 fn solve(
     identity: &Identity,
     space: &Doubles,
     start: Vec<f64>,
     iterations: usize,
 ) -> Option<Vec<f64>> {
-    let p = space.directions.len();
+    let residual = |t: &[f64]| {
+        let (c, mut r) = (space.at(t), Vec::new());
+        identity.bilinear(&c, &c, &mut r);
+        r
+    };
+    let slopes = |t: &[f64]| {
+        let c = space.at(t);
+        let (mut left, mut right) = (Vec::new(), Vec::new());
+        let slope = |direction: &Vec<f64>| -> Vec<f64> {
+            identity.bilinear(&c, direction, &mut left);
+            identity.bilinear(direction, &c, &mut right);
+            left.iter().zip(&right).map(|(a, b)| a + b).collect()
+        };
+        space.directions.iter().map(slope).collect()
+    };
+    let scale = |t: &[f64]| norm(&space.at(t));
+    let t = least_squares(start, iterations, (&residual, &slopes, &scale))?;
+    let c = space.at(&t);
+    Some(c.iter().map(|entry| space.scale * entry).collect())
+}
+
+fn norm(r: &[f64]) -> f64 {
+    r.iter().map(|v| v * v).sum()
+}
+
+/// Quadratic equations: their values, their columns of derivatives, and the square of the unknowns' size, all at unknowns t.
+pub(crate) type Quadratic<'a> = (
+    &'a dyn Fn(&[f64]) -> Vec<f64>,
+    &'a dyn Fn(&[f64]) -> Vec<Vec<f64>>,
+    &'a dyn Fn(&[f64]) -> f64,
+);
+
+/// A zero from a start, by Levenberg and Marquardt with a damping in proportion to the residual.
+pub(crate) fn least_squares(
+    start: Vec<f64>,
+    iterations: usize,
+    (residual, slopes_at, scale): Quadratic<'_>,
+) -> Option<Vec<f64>> {
+    let p = start.len();
     let mut t = start;
-    let mut c = space.at(&t);
-    let mut r = Vec::new();
-    identity.bilinear(&c, &c, &mut r);
-    let norm = |r: &[f64]| r.iter().map(|v| v * v).sum::<f64>();
+    let mut r = residual(&t);
     let mut size = norm(&r);
     let mut damping = 1.0;
-    let (mut left, mut right) = (Vec::new(), Vec::new());
     let mut last = f64::INFINITY;
     for iteration in 1..=iterations {
         if iteration % PATIENCE == 0 {
@@ -196,15 +230,10 @@ fn solve(
             }
             last = size;
         }
-        if size <= square(ROUND_OFF * norm(&c)) {
+        if size <= square(ROUND_OFF * scale(&t)) {
             break;
         }
-        let mut slopes: Vec<Vec<f64>> = Vec::with_capacity(p);
-        for direction in &space.directions {
-            identity.bilinear(&c, direction, &mut left);
-            identity.bilinear(direction, &c, &mut right);
-            slopes.push(left.iter().zip(&right).map(|(a, b)| a + b).collect());
-        }
+        let slopes = slopes_at(&t);
         let mut matrix = vec![vec![0.0; p + 1]; p];
         for k in 0..p {
             for l in 0..=k {
@@ -220,12 +249,10 @@ fn solve(
         }
         let step = eliminate(matrix)?;
         let trial: Vec<f64> = t.iter().zip(&step).map(|(t, s)| t + s).collect();
-        let trial_c = space.at(&trial);
-        identity.bilinear(&trial_c, &trial_c, &mut left);
-        let trial_size = norm(&left);
+        let trial_r = residual(&trial);
+        let trial_size = norm(&trial_r);
         if trial_size < size {
-            (t, c, size) = (trial, trial_c, trial_size);
-            std::mem::swap(&mut r, &mut left);
+            (t, r, size) = (trial, trial_r, trial_size);
             damping *= 0.3;
         } else {
             damping *= 8.0;
@@ -234,8 +261,7 @@ fn solve(
             }
         }
     }
-    let is_solved = size <= square(SOLVED * norm(&c));
-    is_solved.then(|| c.iter().map(|entry| space.scale * entry).collect())
+    (size <= square(SOLVED * scale(&t))).then_some(t)
 }
 
 fn square(v: f64) -> f64 {
@@ -243,9 +269,6 @@ fn square(v: f64) -> f64 {
 }
 
 /// A sparse rational c in the space with B(c, c) = 0, `None` where none is found from `starts` starts.
-///
-/// Coefficients are set to 0 one after the other, the smallest first, as long as the identity can still be solved. Those that
-/// stay free are rounded to simple fractions.
 pub(crate) fn sparse_solution(
     identity: &Identity,
     space: &Space,
@@ -254,8 +277,7 @@ pub(crate) fn sparse_solution(
     let doubles = Doubles::of(space);
     let p = space.directions.len();
     let mut phase = 0.25_f64;
-    let mut found = None;
-    for start in 0..starts {
+    for start in 0..if p == 0 { 1 } else { starts } {
         let t = match start {
             // The smallest c.
             0 => vec![0.0; p],
@@ -266,13 +288,18 @@ pub(crate) fn sparse_solution(
                 })
                 .collect(),
         };
-        found = solve(identity, &doubles, t, MOST_ITERATIONS);
-        if found.is_some() || p == 0 {
-            break;
+        if let Some(c) = solve(identity, &doubles, t, MOST_ITERATIONS) {
+            return simplified(identity, space.clone(), c);
         }
     }
-    let mut c = found?;
-    let mut space = space.clone();
+    None
+}
+
+/// A sparse rational solution near one in doubles.
+///
+/// Coefficients are set to 0 one after the other, the smallest first, as long as the identity can still be solved. Those that
+/// stay free are rounded to simple fractions.
+fn simplified(identity: &Identity, mut space: Space, mut c: Vec<f64>) -> Option<Vec<Rational>> {
     let mut order: Vec<usize> = (0..c.len()).collect();
     order.sort_by(|&a, &b| c[a].abs().total_cmp(&c[b].abs()));
     for at in order {
@@ -309,7 +336,7 @@ fn restricted(
 }
 
 /// Convergents of the continued fraction of v, the simplest first, but one that is v to round-off before all others.
-fn fractions(v: f64) -> Vec<Rational> {
+pub(crate) fn fractions(v: f64) -> Vec<Rational> {
     let mut found = Vec::new();
     let (mut rest, mut last, mut next) = (v, (0_i64, 1_i64), (1_i64, 0_i64));
     for _ in 0..24 {

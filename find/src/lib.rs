@@ -3,7 +3,7 @@
 //! The function [`find`] looks for J and H with ẋ = J ∇H = {x, H} in exact algebra over ℚ.
 //!
 //! - `constant`: J constant in x, or log-canonical.
-//! - `affine`: J affine in x, H among the first integrals.
+//! - `affine`: J affine in x, H among the first integrals; `energy`: H among their combinations.
 //! - `low`: two or three variables, J made of first integrals.
 //! - `integrals`: first integrals, polynomials or products of powers.
 //! - `casimirs`: functions C with J ∇C = 0, of any tensor.
@@ -13,6 +13,7 @@ mod affine;
 mod candidates;
 mod casimirs;
 mod constant;
+mod energy;
 mod equations;
 mod error;
 mod field;

@@ -16,8 +16,8 @@ use leafwise_expression::syntax::{Formula, Scope};
 use leafwise_expression::{Arithmetic, Expression, Polynomial, Rational, Ring};
 use leafwise_find::{Equations, FindError, FoundBracket, Kind, Options, Report, casimirs_of, find};
 use systems::{
-    B5, HEAVY_TOP, HENON_HEILES, KIRCHHOFF, LOTKA_VOLTERRA, MAXWELL_BLOCH, MAY_LEONARD, RESCALED,
-    ROTOR, THREE_WAVE, TODA,
+    B5, HEAVY_TOP, HENON_HEILES, KIRCHHOFF, LAGRANGES_TOP, LOTKA_VOLTERRA, MAXWELL_BLOCH,
+    MAY_LEONARD, RESCALED, ROTOR, THREE_WAVE, TODA,
 };
 
 fn equations(rows: &[(&str, &str)], parameters: &[(&str, Rational)]) -> Equations {
@@ -147,6 +147,7 @@ fn classical_systems_have_brackets() {
         ("columns rescaled", RESCALED, Kind::LogCanonical, 0),
         ("DETEST B5", B5, Kind::Affine, 1),
         ("heavy top", HEAVY_TOP, Kind::Affine, 2),
+        ("Lagrange's top", LAGRANGES_TOP, Kind::Affine, 2),
         ("Kirchhoff", KIRCHHOFF, Kind::Affine, 2),
         ("three waves", THREE_WAVE, Kind::Constant, 0),
         ("Toda", TODA, Kind::Affine, 1),
@@ -220,7 +221,7 @@ fn classical_systems_have_brackets() {
         assert_eq!(bracket.casimirs.len(), *casimirs, "{name}");
         count += 1;
     }
-    assert_eq!(count, 19);
+    assert_eq!(count, 20);
 }
 
 /// Entries and Hamiltonians as they are printed, of systems whose bracket of a kind is unique.

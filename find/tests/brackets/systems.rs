@@ -31,6 +31,15 @@ pub const HEAVY_TOP: Rows = &[
     ("g2", "g3*m1 - g1*m3/2"),
     ("g3", "g1*m2/1.5 - g2*m1"),
 ];
+/// The same with I = (1, 1, 1.5), c = (0, 0, 1): Lagrange's top, with m3 and m3² beside the energy among its integrals.
+pub const LAGRANGES_TOP: Rows = &[
+    ("m1", "m2*m3/1.5 - m3*m2 + g2"),
+    ("m2", "m3*m1 - m1*m3/1.5 - g1"),
+    ("m3", "0"),
+    ("g1", "g2*m3/1.5 - g3*m2"),
+    ("g2", "g3*m1 - g1*m3/1.5"),
+    ("g3", "g1*m2 - g2*m1"),
+];
 /// m' = m × m/I + p × p/M, p' = p × m/I with M = (1, 2, 1.6).
 pub const KIRCHHOFF: Rows = &[
     ("m1", "m2*m3/2 - m3*m2/1.5 + p2*p3/1.6 - p3*p2/2"),

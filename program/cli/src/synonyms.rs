@@ -29,7 +29,7 @@ const fn leads(
 }
 
 /// A word may stand in several rows: all parts are printed. The book's search reads these rows too (`tools/book.py`).
-const SYNONYMS: [Synonym; 42] = [
+const SYNONYMS: [Synonym; 44] = [
     leads(
         &["plot", "figure", "figures", "pdf"],
         "read-the-report",
@@ -40,6 +40,33 @@ const SYNONYMS: [Synonym; 42] = [
         &["orbit", "orbits", "periodic", "floquet"],
         "orbits",
         "periodic orbits",
+        "Newton",
+    ),
+    leads(
+        &[
+            "continuation",
+            "bifurcation",
+            "bifurcations",
+            "branch",
+            "fold",
+            "family",
+            "halo",
+        ],
+        "orbits",
+        "families",
+        "tangent",
+    ),
+    leads(
+        &[
+            "equilibrium",
+            "equilibria",
+            "fixed",
+            "stability",
+            "stable",
+            "unstable",
+        ],
+        "orbits",
+        "equilibria",
         "Newton",
     ),
     leads(

@@ -27,7 +27,7 @@ from ._functions import System
 from ._gradient import Gradient, Tangents, Trajectory, Tried
 from ._leafwise import Growth, Integrator, version as _version
 from ._learn import Learned, Tabulated, learn, tabulate
-from ._orbit import Orbit, orbit
+from ._orbit import EquilibriumPoint, Orbit, OrbitFamily, equilibrium_point, orbit, orbit_family
 from ._parts import closed_form, generating_function
 from ._run import Run
 from ._scene import Scene
@@ -40,6 +40,7 @@ __version__ = _version()
 __all__ = [
     "Comparison",
     "Equilibrium",
+    "EquilibriumPoint",
     "Fit",
     "Found",
     "Gradient",
@@ -51,6 +52,7 @@ __all__ = [
     "LeafwiseWarning",
     "Learned",
     "Orbit",
+    "OrbitFamily",
     "Run",
     "Scene",
     "SceneError",
@@ -66,6 +68,7 @@ __all__ = [
     "closed_form",
     "command",
     "describe",
+    "equilibrium_point",
     "find",
     "generating_function",
     "import_equilibrium",
@@ -73,6 +76,7 @@ __all__ = [
     "learn",
     "load_plugin",
     "orbit",
+    "orbit_family",
     "solve",
     "tabulate",
 ]

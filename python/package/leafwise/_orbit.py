@@ -18,6 +18,7 @@ class Orbit:
 
     Attributes:
         period: the time of a turn.
+        energy: the Hamiltonian on it.
         time_step: that time over the number of steps.
         steps: steps of a turn.
         turns: turns of the orbit in the period that was looked for: more than 1 where that is a multiple of its own.
@@ -31,6 +32,7 @@ class Orbit:
     """
 
     period: float
+    energy: float
     time_step: float
     steps: int
     turns: int
@@ -46,6 +48,101 @@ class Orbit:
     def x(self) -> Array:
         """The state as an array: shape (d,)."""
         return np.array(list(self.state.values()))
+
+
+@dataclass(frozen=True)
+class OrbitFamily:
+    """Periodic orbits along a parameter, the energy or the period.
+
+    Attributes:
+        along: what is continued.
+        ends: where the family ends: ``"reached"`` at the value that was asked for, ``"returned"`` past its beginning by a fold,
+            ``"many"`` at the greatest number of orbits, ``"equilibrium"`` where the orbits shrink to one, ``"lost"`` where no
+            further one closes.
+        reason: why, where it is lost.
+        orbits: the orbits in their order.
+        values: what is continued, of each: shape (n,).
+        marks: what each is beside an orbit: ``"fold"``, ``"branch"``, ``"period-doubling"``, ``"energy-fold"`` or None.
+    """
+
+    along: str
+    ends: str
+    reason: str | None
+    orbits: tuple[Orbit, ...]
+    values: Array
+    marks: tuple[str | None, ...]
+
+    @property
+    def energies(self) -> Array:
+        """The energy of each orbit: shape (n,)."""
+        return np.array([orbit.energy for orbit in self.orbits])
+
+    @property
+    def periods(self) -> Array:
+        """The period of each orbit: shape (n,)."""
+        return np.array([orbit.period for orbit in self.orbits])
+
+    @property
+    def x(self) -> Array:
+        """A state on each orbit: shape (n, d)."""
+        return np.array([orbit.x for orbit in self.orbits])
+
+
+@dataclass(frozen=True)
+class EquilibriumPoint:
+    """A point at rest in its leaf.
+
+    Attributes:
+        state: the state, by the names of the variables.
+        stability: ``"stable"`` where the energy is a strict minimum or maximum in the leaf, ``"spectrally-stable"`` where no
+            neighbour parts exponentially, ``"unstable"``, ``"alone"`` where the leaf is a point, or ``"undecided"``.
+        energy: the Hamiltonian.
+        casimirs: the Casimirs, those of the scene's initial state.
+        multiples: λ with ∇H = Σ λ_c ∇C_c; None where ∇H is no such sum.
+        speed: the largest rate of change of a coordinate.
+        corrections: corrections by Newton's method.
+        leaf: the leaf's dimension.
+        eigenvalues: of the linearized motion in the leaf, the largest first.
+        curvatures: of the energy in the leaf, in an orthonormal basis.
+    """
+
+    state: dict[str, float]
+    stability: str
+    energy: float
+    casimirs: dict[str, float]
+    multiples: Array | None
+    speed: float
+    corrections: int
+    leaf: int
+    eigenvalues: NDArray[np.complex128]
+    curvatures: Array
+
+    @property
+    def x(self) -> Array:
+        """The state as an array: shape (d,)."""
+        return np.array(list(self.state.values()))
+
+
+def _options(period: float | None, steps: int | None, hold_period: bool) -> list[str]:
+    arguments: list[str] = []
+    if period is not None:
+        arguments += ["--period", repr(number("period", period))]
+    if steps is not None:
+        arguments += ["--steps", str(count("steps", steps, 1))]
+    if hold_period:
+        arguments += ["--hold-period"]
+    return arguments
+
+
+def _orbit(report: dict[str, Any]) -> Orbit:
+    report["multipliers"] = np.array([complex(*parts) for parts in report["multipliers"]], dtype=complex)
+    return Orbit(**report)
+
+
+def _scene(scene: Scene) -> Scene:
+    if not isinstance(scene, Scene):
+        raise TypeError(f"scene is of {type(scene).__name__}: give a leafwise.Scene")
+    return scene
 
 
 def orbit(scene: Scene, period: float | None = None, *, steps: int | None = None, hold_period: bool = False) -> Orbit:
@@ -64,15 +161,70 @@ def orbit(scene: Scene, period: float | None = None, *, steps: int | None = None
         LeafwiseError: no orbit closes near here, or the scene has none.
         TypeError, ValueError: an argument is none.
     """
-    if not isinstance(scene, Scene):
-        raise TypeError(f"scene is of {type(scene).__name__}: give a leafwise.Scene")
-    arguments: list[str] = []
-    if period is not None:
-        arguments += ["--period", repr(number("period", period))]
-    if steps is not None:
-        arguments += ["--steps", str(count("steps", steps, 1))]
-    if hold_period:
-        arguments += ["--hold-period"]
-    report: dict[str, Any] = scene.command("orbit", *arguments)
-    report["multipliers"] = np.array([complex(*parts) for parts in report["multipliers"]], dtype=complex)
-    return Orbit(**report)
+    return _orbit(_scene(scene).command("orbit", *_options(period, steps, hold_period)))
+
+
+def orbit_family(
+    scene: Scene,
+    along: str,
+    to: float,
+    period: float | None = None,
+    *,
+    steps: int | None = None,
+    hold_period: bool = False,
+    orbits: int = 200,
+) -> OrbitFamily:
+    """Close a periodic orbit as ``orbit`` does, and follow its family by pseudo-arclength.
+
+    Args:
+        scene: gives the system, the method and the initial state.
+        along: what is continued: ``"energy"``, ``"period"`` or a parameter of the system.
+        to: the value where it ends.
+        period: the period of the first orbit, about; by default the time that the scene's run takes.
+        steps: steps of a turn; by default as many as take no longer than the scene's.
+        hold_period: along a parameter, hold the period in place of the energy.
+        orbits: orbits, at most.
+
+    Returns:
+        The orbits, with folds, branches and doublings of the period located among them.
+
+    Raises:
+        LeafwiseError: no orbit closes near the scene's initial state, or there is no such parameter.
+        TypeError, ValueError: an argument is none.
+    """
+    if not isinstance(along, str):
+        raise TypeError(f"along is of {type(along).__name__}: give \"energy\", \"period\" or the name of a parameter")
+    arguments = _options(period, steps, hold_period)
+    arguments += ["--continue", f"{along}={number('to', to)!r}", "--orbits", str(count("orbits", orbits, 1))]
+    report: dict[str, Any] = _scene(scene).command("orbit", *arguments, accept=(0, 6))
+    values = [member.pop("value") for member in report["orbits"]]
+    marks = [member.pop("mark") for member in report["orbits"]]
+    return OrbitFamily(
+        along=report["along"],
+        ends=report["ends"],
+        reason=report["reason"],
+        orbits=tuple(_orbit(member) for member in report["orbits"]),
+        values=np.array(values),
+        marks=tuple(marks),
+    )
+
+
+def equilibrium_point(scene: Scene) -> EquilibriumPoint:
+    """Find an equilibrium near a scene's initial state by Newton's method, with the Casimirs held, and judge its stability.
+
+    Args:
+        scene: gives the system and the initial state.
+
+    Returns:
+        The equilibrium.
+
+    Raises:
+        LeafwiseError: there is none near, or the scene has none.
+        TypeError: scene is no scene.
+    """
+    report: dict[str, Any] = _scene(scene).command("orbit", "--equilibrium")
+    report["eigenvalues"] = np.array([complex(*parts) for parts in report["eigenvalues"]], dtype=complex)
+    report["curvatures"] = np.array(report["curvatures"])
+    if report["multiples"] is not None:
+        report["multiples"] = np.array(report["multiples"])
+    return EquilibriumPoint(**report)

@@ -325,6 +325,18 @@ pub struct OrbitArguments {
     /// Hold the period in place of the energy
     #[arg(long)]
     pub hold_period: bool,
+    /// Follow the family of the orbit to a value of `energy`, `period` or a parameter, as in --continue mu=0.1
+    #[arg(long = "continue", value_name = "NAME=TO")]
+    pub along: Option<String>,
+    /// Orbits of the family, at most
+    #[arg(long, value_name = "COUNT", default_value_t = 200, requires = "along")]
+    pub orbits: usize,
+    /// Write the family as a table, an object and a figure into a directory
+    #[arg(long, value_name = "DIR", requires = "along")]
+    pub out: Option<PathBuf>,
+    /// Look for an equilibrium in the initial state's leaf in place of an orbit, with its stability
+    #[arg(long, conflicts_with_all = ["period", "steps", "hold_period", "along"])]
+    pub equilibrium: bool,
     /// Print one JSON object on standard output
     #[arg(long)]
     pub json: bool,

@@ -86,6 +86,8 @@ fn exact_energy_is_the_same_everywhere() {
     let here = Place::with(BODY);
     let run = said(&here, &["run", "scene.toml", "--explain"]);
     run.says(&["not a Poisson map"]);
+    let run = said(&here, &["run", "scene.toml"]);
+    run.says(&["as a whole it is no Poisson map"]);
     let end = last(&here, "scene");
     let energy = 0.5 + 9.0 / 1.5 + 9.0 / 2.5;
     assert!(

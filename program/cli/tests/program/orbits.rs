@@ -172,3 +172,114 @@ fn events_that_change_the_state_and_forces_are_refused() {
     assert_eq!(said.code, Some(2), "{}", said.out);
     said.says(&["a motion with forces does not hold the energy"]);
 }
+
+/// Both ends of the family, as text, JSON and files.
+#[test]
+fn a_family_is_followed() {
+    let here = Place::with(PENDULUM);
+    let said = here.leafwise(&["orbit", "scene.toml", "--continue", "energy=0.6"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    for piece in [
+        "A family of periodic orbits of",
+        "largest multiplier",
+        "0.6",
+    ] {
+        assert!(said.out.contains(piece), "{piece} in {}", said.out);
+    }
+    let said = here.leafwise(&[
+        "orbit",
+        "scene.toml",
+        "--continue",
+        "period=9",
+        "--json",
+        "--out",
+        "family",
+    ]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let json = said.json();
+    assert_eq!(json["along"], "period");
+    assert_eq!(json["ends"], "reached");
+    let orbits = json["orbits"].as_array().expect("orbits");
+    let last = orbits.last().expect("one");
+    assert_eq!(last["value"], 9.0);
+    // Of the period 9 = 2π/M(1, cos(A/2)) and the energy −cos A.
+    let half = libm::acos(-last["energy"].as_f64().expect("a number")) / 2.0;
+    let (mut a, mut b) = (1.0_f64, libm::cos(half));
+    for _ in 0..8 {
+        (a, b) = (0.5 * (a + b), libm::sqrt(a * b));
+    }
+    assert!((std::f64::consts::TAU / a - 9.0).abs() < 1e-7);
+    let table = here.read("family/family.csv");
+    assert!(
+        table.starts_with("value,mark,energy,period,largest_multiplier,stable,q,p\n"),
+        "{table}"
+    );
+    assert_eq!(table.lines().count(), orbits.len() + 1);
+    assert!(here.read("family/family.svg").contains("<svg"));
+    assert!(here.read("family/family.json").contains("\"reached\""));
+    // Orbits of the pendulum shrink to its equilibrium of the energy −1.
+    let small = Place::with(&PENDULUM.replace("[2, 0]", "[0.3, 0]"));
+    let said = small.leafwise(&[
+        "orbit",
+        "scene.toml",
+        "--period",
+        "6.3",
+        "--continue",
+        "energy=-2",
+    ]);
+    assert_eq!(said.code, Some(6), "{}", said.out);
+    said.says(&["ends at an equilibrium"]);
+    let said = here.leafwise(&[
+        "orbit",
+        "scene.toml",
+        "--continue",
+        "energy=0.6",
+        "--orbits",
+        "2",
+    ]);
+    assert_eq!(said.code, Some(6));
+    said.says(&["give more --orbits"]);
+    for (given, piece) in [
+        ("energy", "names no value"),
+        ("mass=2", "no parameter `mass`"),
+        ("energy=nan", "another value"),
+    ] {
+        let said = here.leafwise(&["orbit", "scene.toml", "--continue", given]);
+        assert_eq!(said.code, Some(2), "{given}");
+        said.says(&[piece]);
+    }
+}
+
+#[test]
+fn an_equilibrium_is_judged() {
+    let here = Place::with(&PENDULUM.replace("[2, 0]", "[3, 0.1]"));
+    let said = here.leafwise(&["orbit", "scene.toml", "--equilibrium"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    assert!(
+        said.out.contains("unstable: neighbours part exponentially"),
+        "{}",
+        said.out
+    );
+    let json = here
+        .leafwise(&["orbit", "scene.toml", "--equilibrium", "--json"])
+        .json();
+    assert_eq!(json["stability"], "unstable");
+    assert_eq!(json["leaf"], 2);
+    let q = json["state"]["q"].as_f64().expect("a number");
+    assert!((q - std::f64::consts::PI).abs() < 1e-12, "{q}");
+    let down = Place::with(&PENDULUM.replace("[2, 0]", "[0.2, 0.1]"));
+    let json = down
+        .leafwise(&["orbit", "scene.toml", "--equilibrium", "--json"])
+        .json();
+    assert_eq!(json["stability"], "stable");
+    let none = Place::with(
+        &PENDULUM
+            .replace("p^2/2 - cos(q)", "p + q")
+            .replace("[2, 0]", "[1, 1]"),
+    );
+    let said = none.leafwise(&["orbit", "scene.toml", "--equilibrium"]);
+    assert_eq!(said.code, Some(2));
+    said.says(&["no equilibrium near here"]);
+    let both = here.leafwise(&["orbit", "scene.toml", "--equilibrium", "--period", "6"]);
+    assert_eq!(both.code, Some(2));
+}

@@ -93,6 +93,8 @@ pub struct ComposedRun {
     pub contact: Option<Contact>,
     /// The map on `system` whose steps are brought back to scale 1, where the bracket is a contact bracket.
     pub homogeneous: Option<Arc<dyn StepMap>>,
+    /// Whether each step takes multiples of Casimirs of its own, with which it keeps the energy.
+    pub keeps_energy: bool,
     /// The method.
     pub method: Stepping,
     /// From where, how far, what to keep.
@@ -294,6 +296,7 @@ fn compose_at_its_values(
         extension: composed.extension,
         contact: composed.contact,
         homogeneous,
+        keeps_energy: exact.is_some(),
         method,
         plan,
         functions: CompiledFunctions::default(),
@@ -525,8 +528,15 @@ impl ComposedRun {
         })
     }
 
-    /// Work of forces, of noise and of contact motions: how they change the energy and the Casimirs, in words. `None` where there are none.
+    /// Work of forces, of noise and of contact motions: how they change the energy and the Casimirs, in words. What steps that keep
+    /// the energy are. `None` elsewhere.
     pub fn work_of_forces(&self) -> Option<String> {
+        if self.keeps_energy {
+            return Some(
+                "kept to round-off by multiples of Casimirs, each step's own: as a whole it is no Poisson map"
+                    .to_owned(),
+            );
+        }
         if self.contact.is_some() {
             return Some("changes as in every contact motion: dH/dt = -H dH/ds".to_owned());
         }

@@ -3,7 +3,7 @@
 /// A matrix by its columns.
 pub(super) type Columns = Vec<Vec<f64>>;
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
@@ -112,7 +112,7 @@ impl Complex {
         libm::atan2(self.im, self.re)
     }
 
-    fn times(self, b: Self) -> Self {
+    pub(super) fn times(self, b: Self) -> Self {
         Self {
             re: self.re * b.re - self.im * b.im,
             im: self.re * b.im + self.im * b.re,

@@ -1,4 +1,7 @@
-//! `leafwise orbit`: a periodic orbit near a scene's initial state, and what its neighbours do.
+//! `leafwise orbit`: a periodic orbit near a scene's initial state, and what its neighbours do; its family; an equilibrium.
+
+mod equilibrium;
+mod family;
 
 use leafwise::orbit::{Complex, Hold, OrbitError, PeriodicOrbit, close};
 use leafwise::scene::compose::{compose, refuse_acts};
@@ -18,6 +21,7 @@ use crate::table::words;
 #[derive(Serialize)]
 struct OrbitJson {
     period: f64,
+    energy: f64,
     time_step: f64,
     steps: u64,
     /// Turns in the period that was looked for.
@@ -32,6 +36,30 @@ struct OrbitJson {
     /// The real and the imaginary part of each of the others.
     multipliers: Vec<[f64; 2]>,
     pairing: f64,
+}
+
+impl OrbitJson {
+    fn of(orbit: &PeriodicOrbit, names: &[String]) -> Self {
+        let multipliers = orbit.multipliers.iter();
+        Self {
+            period: orbit.period,
+            energy: orbit.energy,
+            time_step: orbit.period / orbit.steps as f64,
+            steps: orbit.steps,
+            turns: orbit.turns,
+            closure: orbit.closure,
+            corrections: orbit.iterations,
+            stable: orbit.is_stable(),
+            trivial: orbit.trivial,
+            multipliers: multipliers.map(|of| [of.re, of.im]).collect(),
+            pairing: orbit.pairing,
+            state: names
+                .iter()
+                .cloned()
+                .zip(orbit.state.iter().copied())
+                .collect(),
+        }
+    }
 }
 
 /// Closes an orbit and prints its period, a state on it, its multipliers and its stability. Returns the exit code.
@@ -55,6 +83,9 @@ pub fn execute(
     while_building(shown, || {
         refuse_no_system(&document, &run.system, &run.near)
     })?;
+    if arguments.equilibrium {
+        return equilibrium::execute(&run, arguments.json, console);
+    }
     let h = run.plan.epsilon * run.plan.h;
     let period = match (arguments.period, run.plan.until) {
         (Some(period), _) => period,
@@ -75,22 +106,14 @@ pub fn execute(
         true => Hold::Period,
         false => Hold::Energy,
     };
+    if arguments.along.is_some() {
+        let called = (arguments, method_line(&run, &parts.registry));
+        return family::execute(called, &run, (period, steps, hold), console);
+    }
     let orbit = while_building(shown, || close(&run, (period, steps), hold)).map_err(refused)?;
     let names = run.names();
     if arguments.json {
-        console.json(&OrbitJson {
-            period: orbit.period,
-            time_step: orbit.period / orbit.steps as f64,
-            steps: orbit.steps,
-            turns: orbit.turns,
-            closure: orbit.closure,
-            corrections: orbit.iterations,
-            stable: orbit.is_stable(),
-            trivial: orbit.trivial,
-            multipliers: orbit.multipliers.iter().map(|of| [of.re, of.im]).collect(),
-            pairing: orbit.pairing,
-            state: names.into_iter().zip(orbit.state).collect(),
-        });
+        console.json(&OrbitJson::of(&orbit, &names));
         return Ok(exit::DONE);
     }
     console.result(&format!(
@@ -110,6 +133,7 @@ fn rows(orbit: &PeriodicOrbit, names: &[String]) -> Vec<Vec<String>> {
     let state: Vec<String> = state.map(|(name, x)| format!("{name} = {x:?}")).collect();
     let mut rows = vec![
         row("period", format!("{:?}", orbit.period)),
+        row("energy", format!("{:?}", orbit.energy)),
         row("state", state.join(", ")),
         row(
             "closes to",
@@ -171,6 +195,9 @@ fn stability(orbit: &PeriodicOrbit) -> String {
 fn refused(error: OrbitError) -> Failure {
     let help = match &error {
         OrbitError::NotOffered { help, .. } => (*help).to_owned(),
+        OrbitError::NoParameter { .. } => {
+            "name `energy`, `period` or a parameter of the system".to_owned()
+        }
         OrbitError::Step(_) => {
             "take more steps, or a method with exact tangents such as hamilton-jacobi".to_owned()
         }
