@@ -369,6 +369,7 @@ mod tests {
         };
         let survey = Survey {
             rows: Vec::new(),
+            sampled: Vec::new(),
             refused: vec![
                 refused("top", "constant + collective", &lacks("constant")),
                 refused("top", "constant + hamilton-jacobi", &lacks("constant")),
