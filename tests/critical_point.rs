@@ -3,6 +3,11 @@
 //!
 //! Binder's cumulant U_L = 1 − ⟨m⁴⟩/3⟨m²⟩² of sizes L falls with T, the steeper the larger L is, and those of two sizes meet at T_c.
 
+#![allow(
+    clippy::print_stdout,
+    reason = "what is measured is read beside what is known"
+)]
+
 use leafwise_tests::scenes::composed;
 
 /// kT_c/J.
