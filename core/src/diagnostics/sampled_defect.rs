@@ -1,8 +1,8 @@
 //! How far a step on many coordinates is from a Poisson map, along a few directions.
 //!
-//! A Poisson map Φ takes leaves to leaves and their symplectic forms to each other: for u = Πa and v = Πb there are
-//! covectors with DΦ u = Π′a′ and DΦ v = Π′b′ at the end, and a′·Π′b′ = a·Πb. So a few random covectors a tell a defect
-//! from none, by derivatives along as many directions, where all entries of DΦ Π DΦᵀ − Π∘Φ take one for each coordinate.
+//! A Poisson map Φ takes leaves to leaves, and their symplectic forms to each other. For u = Πa and v = Πb there are
+//! covectors with DΦ u = Π′a′ and DΦ v = Π′b′ at the end. Then a′·Π′b′ = a·Πb. So a few random covectors tell a defect
+//! from none, by derivatives along as many directions. All entries of DΦ Π DΦᵀ − Π∘Φ take one for each coordinate.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -33,7 +33,7 @@ const LEAST_STEP: f64 = 1.0 / 1024.0;
 
 /// A defect along directions: what is left of u_a·a_b and of DΦ u beside leaves, with bounds on round-off and on the errors
 /// of differences in the same units.
-pub(super) struct Sampled {
+pub(super) struct AlongDirections {
     pub(super) defect: DMatrix<f64>,
     pub(super) bounds: DMatrix<f64>,
     pub(super) floor: DMatrix<f64>,
@@ -49,7 +49,7 @@ pub(super) fn sample(
     stepper: &mut dyn Stepper,
     x: &[f64],
     tensor: &mut TensorMatrix,
-) -> Result<Option<Sampled>, StepError> {
+) -> Result<Option<AlongDirections>, StepError> {
     let d = x.len();
     let mut increment = vec![0.0; d];
     one_step::increment(stepper, x, &mut increment)?;
@@ -94,7 +94,7 @@ pub(super) fn sample(
             floor[(a, COVECTORS + at)] = 2.0 * own.error_sizes[at];
         }
     }
-    Ok(Some(Sampled {
+    Ok(Some(AlongDirections {
         defect,
         bounds,
         floor,
@@ -102,8 +102,8 @@ pub(super) fn sample(
     }))
 }
 
-/// max(|x_i|, |Φ_i|, |Σ_k DΦ_ik σ_k s_k|) over a few random signs σ: what round-off of coordinates of sizes s is
-/// multiplied by on its way into each, but for a factor of the square root of their number.
+/// max(|x_i|, |Φ_i|, |Σ_k DΦ_ik σ_k s_k|) over a few random signs σ. It is what round-off of coordinates of sizes s is
+/// multiplied by on its way into each, but for the square root of their number.
 ///
 /// # Errors
 /// The stepper's [`StepError`].
@@ -162,7 +162,7 @@ fn applied(tensor: &Entries, v: &DVector<f64>) -> DVector<f64> {
 }
 
 /// Coordinates that a tensor couples, its entries in units of theirs, their pseudo-inverse, and whether they have a Casimir.
-struct Block {
+struct CoupledBlock {
     members: Vec<usize>,
     tensor: DMatrix<f64>,
     inverse: DMatrix<f64>,
@@ -171,7 +171,7 @@ struct Block {
 
 /// The blocks of coordinates that a tensor couples, with pseudo-inverses in units of the coordinates.
 struct Leaves {
-    blocks: Vec<Block>,
+    blocks: Vec<CoupledBlock>,
     sizes: Vec<f64>,
 }
 
@@ -221,7 +221,7 @@ impl Leaves {
             let decomposed = own.clone().svd(true, true);
             let least = OF_CASIMIRS * decomposed.singular_values.max();
             let least = least.max(f64::MIN_POSITIVE);
-            blocks.push(Block {
+            blocks.push(CoupledBlock {
                 has_casimir: decomposed.rank(least) < members.len(),
                 inverse: decomposed.pseudo_inverse(least).ok()?,
                 tensor: own,

@@ -8,7 +8,7 @@ use crate::error::BuildError;
 
 /// x(t) = x_0 + x_1 t + … + x_k tᵏ: its coefficients stand one after the other, as families of one longer shape.
 #[derive(Clone, Debug)]
-pub(super) struct Curve {
+pub(super) struct CurveOfSites {
     /// The shape of x.
     pub(super) shape: BodyShape,
     /// k.
@@ -17,7 +17,7 @@ pub(super) struct Curve {
     moving: Vec<bool>,
 }
 
-impl Curve {
+impl CurveOfSites {
     /// A point, the curve of order 0.
     pub(super) fn point(shape: &BodyShape) -> Self {
         Self::new(shape, 0, &[])

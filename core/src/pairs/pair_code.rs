@@ -3,7 +3,7 @@
 use leafwise_expression::{Arithmetic, Graph, Kernel, Side, Term};
 
 use super::BodyShape;
-use super::curve::Curve;
+use super::curve::CurveOfSites;
 use super::function::{BodyFunction, BodySum, Weighted, families_of, is_symmetric};
 use super::matrix::{PairEntry, PairMatrix};
 use crate::error::BuildError;
@@ -45,7 +45,7 @@ impl PairCode {
     /// [`BuildError::Algebra`] where a formula or derivative has no code.
     pub(super) fn of_gradient(
         (function, weighted): (&BodyFunction, &Weighted<'_>),
-        (curve, from): (&Curve, usize),
+        (curve, from): (&CurveOfSites, usize),
         by: &[usize],
         parameters: usize,
     ) -> Result<Option<Self>, BuildError> {
@@ -83,7 +83,7 @@ impl PairCode {
     /// [`BuildError::Algebra`] where a formula has no code.
     pub(super) fn of_sums(
         sums: &[&BodySum],
-        curve: &Curve,
+        curve: &CurveOfSites,
         parameters: usize,
     ) -> Result<Option<Self>, BuildError> {
         let mut pairs = sums.iter().map(|sum| &sum.pair);
@@ -154,7 +154,7 @@ struct PairInputs {
 
 impl PairInputs {
     /// Those along a curve, with so many weights of each order.
-    fn new(curve: &Curve, weights: usize) -> Self {
+    fn new(curve: &CurveOfSites, weights: usize) -> Self {
         let shape = curve.whole();
         let mut graph = Graph::compilable();
         let families = 0..shape.families;
@@ -184,7 +184,7 @@ impl PairInputs {
     /// after the other.
     fn coefficients(
         &mut self,
-        curve: &Curve,
+        curve: &CurveOfSites,
         write: impl FnOnce(&mut Graph, &[Term]) -> Result<Vec<Term>, BuildError>,
     ) -> Result<Vec<Vec<Term>>, BuildError> {
         let (graph, whole) = (&mut self.graph, curve.whole().families);

@@ -33,7 +33,7 @@ struct BodyPoles {
 #[derive(Debug)]
 struct Denominators {
     graph: Graph,
-    /// What has a pole where one of them vanishes.
+    /// Functions that have a pole where one of them vanishes.
     field: Vec<Term>,
     terms: Vec<Term>,
     code: SiteCode,

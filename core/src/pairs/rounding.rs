@@ -19,7 +19,7 @@ struct BoundedField {
     sums: Vec<BodySum>,
     /// Weights as functions of the sums.
     weights: Vec<Expression>,
-    /// What a pair gives to the gradient, and the field at a site with the family of each result.
+    /// Terms of a pair in the gradient, and the field at a site with the family of each result.
     pair: (Graph, Vec<Term>),
     site: (Graph, Vec<Term>),
     families: Vec<usize>,

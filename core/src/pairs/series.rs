@@ -10,7 +10,7 @@ use std::sync::Arc;
 use leafwise_expression::Expression;
 
 use super::bracket::applied;
-use super::curve::Curve;
+use super::curve::CurveOfSites;
 use super::rounding::bounds;
 use super::system::BodySystem;
 use super::values::{Slopes, SlopesCode};
@@ -28,7 +28,7 @@ impl BodySystem {
         let moving = self.moving();
         let is_constant = self.rests(&moving);
         let orders = (0..order).map(|k| {
-            let curve = Curve::new(&self.shape, k, &moving);
+            let curve = CurveOfSites::new(&self.shape, k, &moving);
             // A tensor at rest takes the last coefficient of the gradient alone.
             let from = if is_constant { k } else { 0 };
             let code = SlopesCode::along(

@@ -6,7 +6,7 @@ use leafwise_expression::{Arithmetic, Expression, Graph, Term, Workspace};
 use leafwise_solver::two_sum;
 
 use super::BodyShape;
-use super::curve::Curve;
+use super::curve::CurveOfSites;
 use super::function::{BodyFunction, BodySum, Weighted};
 use super::matrix::{PairEntry, PairMatrix};
 use super::pair_code::PairCode;
@@ -53,7 +53,7 @@ impl SumsCode {
     pub(super) fn new(
         sums: &[&BodySum],
         outers: &[&Expression],
-        curve: &Curve,
+        curve: &CurveOfSites,
         parameters: usize,
     ) -> Result<Self, BuildError> {
         let (shape, orders) = (curve.whole(), curve.order + 1);
@@ -118,7 +118,7 @@ impl SumsCode {
         });
         let outers: Vec<Expression> = outers.collect();
         let outers: Vec<&Expression> = outers.iter().collect();
-        Self::new(&sums, &outers, &Curve::point(shape), parameters)
+        Self::new(&sums, &outers, &CurveOfSites::point(shape), parameters)
     }
 }
 
@@ -241,7 +241,13 @@ impl SlopesCode {
         parameters: usize,
         write: impl FnOnce(&mut Graph, &[Term], &[Term]) -> Result<Vec<(usize, Term)>, BuildError>,
     ) -> Result<Self, BuildError> {
-        Self::along(function, (&Curve::point(shape), 0), by, parameters, write)
+        Self::along(
+            function,
+            (&CurveOfSites::point(shape), 0),
+            by,
+            parameters,
+            write,
+        )
     }
 
     /// The last coefficient of such results along a curve. Coefficients of the gradient that they need are those from an
@@ -251,7 +257,7 @@ impl SlopesCode {
     /// As [`new`](Self::new), and where a function has no series.
     pub(super) fn along(
         function: &BodyFunction,
-        (curve, from): (&Curve, usize),
+        (curve, from): (&CurveOfSites, usize),
         by: &[usize],
         parameters: usize,
         write: impl FnOnce(&mut Graph, &[Term], &[Term]) -> Result<Vec<(usize, Term)>, BuildError>,
