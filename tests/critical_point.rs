@@ -107,7 +107,7 @@ fn measured(length: usize, temperature: f64, (time, step): (f64, f64)) -> [Estim
 
 /// The cumulants of 8³ and 16³ spins meet within 1 % of T_c: below it the larger box has the larger one, above it the smaller
 /// one, and in between both are straight lines. Temperatures are those of the spins, which are that of the bath within 1 %: the
-/// step leaves 0.7 %. Six minutes on one free thread.
+/// step leaves 0.7 %. Minutes.
 #[test]
 #[ignore = "minutes"]
 fn binder_cumulants_of_two_sizes_meet_at_the_critical_temperature() {
