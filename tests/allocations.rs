@@ -188,6 +188,28 @@ fn a_gradient_holds_as_much_for_a_hundred_times_the_steps() {
     }
 }
 
+/// Walks along a long chain and a box of spins take at most 100 bytes a coordinate.
+#[test]
+fn walks_on_long_lattices_take_a_hundred_bytes_a_coordinate() {
+    let chain = "[system]\nfamilies = { q = 200000, p = 200000 }\nbracket = \"canonical\"\n\
+                 hamiltonian = \"sum(i, p[i]^2/2 + (q[i+1] - q[i])^4/4)\"\n[method]\nstepper = \"splitting\"\n\
+                 time-step = 0.05\n[run]\nsteps = 3\ninitial = { \"q[i]\" = \"sin(0.1*i)\", \"p[i]\" = 0 }\n";
+    let spins = "[system]\nfamilies = { s = { components = [\"x\", \"y\", \"z\"], length = [48, 48, 48] } }\n\
+                 bracket = { lie-algebra = \"so3\" }\n\
+                 hamiltonian = \"-sum(i, j, k, dot(s[i,j,k], s[i+1,j,k] + s[i,j+1,k] + s[i,j,k+1]))\"\n\
+                 [method]\nstepper = \"splitting\"\ntime-step = 0.05\n[run]\nsteps = 3\n\
+                 initial = { \"s.x[i,j,k]\" = 0, \"s.y[i,j,k]\" = \"sin(i)\", \"s.z[i,j,k]\" = \"cos(i)\" }\n";
+    for (text, coordinates) in [(chain, 400_000), (spins, 3 * 48 * 48 * 48)] {
+        let run = leafwise_tests::scenes::composed(text);
+        let counted = measure(|| {
+            run.walk().advance(3).expect("steps");
+        });
+        let each = counted.bytes_max as f64 / f64::from(coordinates);
+        // 40 and 46.
+        assert!(each <= 100.0, "{each}");
+    }
+}
+
 #[test]
 fn observers_allocate_nothing() {
     let problem = library("heavy-top");

@@ -3,9 +3,12 @@
 use std::fmt::Write as _;
 
 use leafwise::core::Registry;
+use leafwise::core::StepError;
+use leafwise::core::diagnostics::TensorDefect;
 use leafwise::core::gradient::{Plan, Trajectory, Way};
 use leafwise::scene::ComposedRun;
 use leafwise::scene::compose::compose;
+use leafwise::verify::{Problem, Progress, Refused, Row, SurveyOptions, survey};
 use leafwise_tests::scenes::{composed, document, end};
 
 /// A composed scene whose pairs are in loops: its system is one of numbers.
@@ -40,6 +43,13 @@ fn rings_of_vortices_turn_at_their_rate() {
             leafwise::core::Structure::Exact
         );
         let x = end(&run);
+        let rows = x.split_at(sites as usize);
+        let centre = [rows.0, &rows.1[..sites as usize]].map(|row| row.iter().sum::<f64>());
+        let squares: f64 = x[..2 * sites as usize].iter().map(|x| x * x).sum();
+        assert!(
+            centre.iter().all(|sum| sum.abs() <= 1e-13 * n) && (squares / n - 4.0).abs() <= 1e-13,
+            "{sites}: {centre:?} {squares}"
+        );
         let turned = angle * f64::from(steps);
         let grown = libm::exp(n * turned / 4.0);
         let allowed = 4e-15 * grown * f64::from(steps) + 2.0 * turned * libm::pow(angle, 6.0);
@@ -163,6 +173,123 @@ fn gravity_in_loops_is_gravity_written_out() {
                 "{method} {at}: {found} {expected}"
             );
         }
+    }
+}
+
+const TAYLOR: &str = "stepper = \"taylor\"";
+
+/// Taylor series of 16 bodies in loops: ten steps are those of the system written out by a Gauss method of order 16. Those of 300
+/// bodies are its steps in loops.
+#[test]
+fn taylor_series_in_loops_are_those_written_out() {
+    let reference = "stepper = { name = \"gauss\", stages = 8 }";
+    for (expected, sites) in [
+        (composed(&written_out(16, reference)), 16),
+        (in_loops(&gravity(300, reference)), 300),
+    ] {
+        let (found, expected) = (end(&in_loops(&gravity(sites, TAYLOR))), end(&expected));
+        for (at, (found, expected)) in found.iter().zip(&expected).enumerate() {
+            assert!(
+                (found - expected).abs() <= 1e-13,
+                "{sites} {at}: {found} {expected}"
+            );
+        }
+    }
+}
+
+/// Vortices, whose H does not separate, mean fields, couplings of every pair, and a bracket of the coordinates: a Taylor
+/// series in loops, and a Gauss method of order 16 in steps of a quarter.
+#[test]
+fn taylor_series_take_every_sum_over_pairs() {
+    let vortices = "bracket = { \"x[i],y[i]\" = \"1/g[i]\" }\nparameters = { \"g[i]\" = \"1 + 0.3*sin(i)\" }\n\
+                    hamiltonian = \"-sum(i<j, g[i]*g[j]*ln((x[i] - x[j])^2 + (y[i] - y[j])^2))/(4*pi)\"";
+    let mean = "bracket = { \"x[i],y[i]\" = \"1\" }\n\
+                hamiltonian = \"sum(i, y[i]^2/2) + (N^2 - sum(i, cos(x[i]))^2 - sum(i, sin(x[i]))^2)/(2*N)\"";
+    let coupled = "bracket = { \"x[i],y[i]\" = \"1\" }\nparameters = { \"J[i,j]\" = \"sin(3*i + 5*j)\" }\n\
+                   hamiltonian = \"sum(i, y[i]^2/2) - sum(i<j, J[i,j]*cos(x[i] - x[j]))/N\"";
+    let curved = "bracket = { \"x[i],y[i]\" = \"1 + x[i]^2\" }\n\
+                  hamiltonian = \"sum(i, y[i]^2/2) + sum(i<j, sqrt(1 + (x[i] - x[j])^2 + y[i]^2*y[j]^2))/N\"";
+    for system in [vortices, mean, coupled, curved] {
+        let scene = |method: &str, steps: usize| {
+            let step = 0.5 / steps as f64;
+            format!(
+                "[system]\nfamilies = {{ x = 20, y = 20 }}\n{system}\n[method]\n{method}\ntime-step = {step}\n\
+                 [run]\nsteps = {steps}\ninitial = {{ \"x[i]\" = \"2*cos(2*pi*i/N) + 0.1*sin(3*i)\", \"y[i]\" = \"2*sin(2*pi*i/N) + 0.1*cos(2*i)\" }}\n"
+            )
+        };
+        let reference = "stepper = { name = \"gauss\", stages = 8 }";
+        let (found, expected) = (
+            end(&in_loops(&scene(TAYLOR, 10))),
+            end(&in_loops(&scene(reference, 40))),
+        );
+        for (at, (found, expected)) in found.iter().zip(&expected).enumerate() {
+            assert!(
+                (found - expected).abs() <= 2e-13,
+                "{system} {at}: {found} {expected}"
+            );
+        }
+    }
+}
+
+/// Bodies that start at rest and pull from all sides: the forces nearly cancel, and what is left is round-off of large terms.
+#[test]
+fn taylor_series_begin_at_rest() {
+    let text = gravity(40, TAYLOR);
+    let rest: String = text
+        .lines()
+        .filter(|line| {
+            !["\"u[i]\"", "\"v[i]\"", "\"w[i]\""]
+                .iter()
+                .any(|own| line.starts_with(own))
+        })
+        .fold(String::new(), |text, line| text + line + "\n");
+    let rest = format!("{rest}\"u[i]\" = 0\n\"v[i]\" = 0\n\"w[i]\" = 0\n");
+    let reference = "stepper = { name = \"gauss\", stages = 8 }";
+    let (found, expected) = (
+        end(&in_loops(&rest)),
+        end(&in_loops(&rest.replace(TAYLOR, reference))),
+    );
+    for (found, expected) in found.iter().zip(&expected) {
+        assert!((found - expected).abs() <= 1e-13, "{found} {expected}");
+    }
+}
+
+/// Charges on a line that run into each other: the step that would take one through another is refused, with both names, in
+/// loops as written out. In a plane r² has no sign to change, and nothing is looked at.
+#[test]
+fn steps_through_another_body_are_refused_by_name() {
+    let line = |sites: usize, method: &str| {
+        format!(
+            "[system]\nfamilies = {{ q = {sites}, p = {sites} }}\nbracket = \"canonical\"\n\
+             hamiltonian = \"sum(i, p[i]^2/2) + sum(i<j, 1/(q[i] - q[j])^3)\"\n[method]\n{method}\ntime-step = 0.02\n\
+             [run]\nsteps = 20\ninitial = {{ \"q[i]\" = \"i\", \"p[i]\" = \"3*sin(3*i)\", \"p[7]\" = -2 }}\n"
+        )
+    };
+    for method in [
+        "stepper = \"rk4\"",
+        "stepper = \"splitting\"",
+        "stepper = \"splitting\"\ncomposition = \"suzuki-4\"",
+    ] {
+        let first = |run: &ComposedRun| {
+            let mut walk = run.walk();
+            let failed = (0..20).find_map(|at| walk.step().err().map(|error| (at, error)));
+            let (at, error) = failed.expect("a pole");
+            let StepError::Pole { denominator, .. } = error else {
+                panic!("{method}: {error}");
+            };
+            (at, denominator)
+        };
+        let few = first(&composed(&line(8, method)));
+        let many = first(&in_loops(&line(40, method)));
+        // Those before go on along the line: the first to meet are other bodies, at another time perhaps.
+        for (_, denominator) in [&few, &many] {
+            let names = denominator.split(" - ").collect::<Vec<_>>();
+            assert!(
+                names.len() == 2 && names.iter().all(|name| name.starts_with("q[")),
+                "{denominator}"
+            );
+        }
+        assert!(many.0 <= few.0, "{method}: {few:?} {many:?}");
     }
 }
 
@@ -554,4 +681,87 @@ fn derivatives_by_parameters_of_sites_are_those_of_differences() {
             );
         }
     }
+}
+
+/// Bodies whose bracket is (1 + e s_i)/m_i with s_i = 1 at the body 17 and 0 at all others.
+fn planted(sites: usize, e: &str, method: &str) -> String {
+    gravity(sites, method)
+        .replace(
+            "e = 0.1 }",
+            "\"s[i]\" = \"exp(-1000*(i - 17)^2)\", e = 0.1 }",
+        )
+        .replace("\"1/m[i]\"", &format!("\"(1 + {e}*s[i])/m[i]\""))
+}
+
+/// Along four random directions steps of splitting and Gauss keep the tensor of 300 bodies as well as differences tell. The map
+/// of a tensor that is off by 1 % at one body is told from it, and so is one that keeps none.
+#[test]
+fn defects_of_one_body_are_found_along_a_few_directions() {
+    let sites = 300;
+    let defect = |of_tensor: &str, of_map: &str, method: &str| {
+        let system = in_loops(&planted(sites, of_tensor, METHODS[0])).system;
+        let run = in_loops(&planted(sites, of_map, method));
+        let (values, x) = (system.parameter_values(), &run.plan.initial);
+        let mut instrument =
+            TensorDefect::new(&system, run.method.map(), &values, 1.0, 0.05).expect("code");
+        let measured = instrument.measure_sampled(x).expect("a step");
+        let measured = measured.expect("a tensor of one body");
+        let [defect, floor] = [measured.relative(), measured.relative_floor()];
+        (defect.expect("a tensor"), floor.expect("a tensor"))
+    };
+    for method in [METHODS[1], METHODS[3], METHODS[4]] {
+        let (kept, floor) = defect("0", "0", method);
+        assert!(
+            kept <= 4.0 * floor && floor <= 1e-6,
+            "{method}: {kept:e} {floor:e}"
+        );
+        let (found, floor) = defect("0", "1e-2", method);
+        assert!(found > 16.0 * floor, "{method}: {found:e} {floor:e}");
+    }
+    let (found, floor) = defect("0", "0", METHODS[0]);
+    assert!(found > 16.0 * floor, "{found:e} {floor:e}");
+}
+
+/// Nothing is told of the progress.
+struct Silent;
+
+impl Progress for Silent {
+    fn problem(&mut self, _: &str, _: usize) {}
+    fn refused(&mut self, _: &Refused) {}
+    fn row(&mut self, _: &Row) {}
+}
+
+/// `verify` measures the scene's own method on many bodies, and says along how many directions.
+#[test]
+fn many_bodies_are_verified_along_a_few_directions() {
+    let document = document(&gravity(60, METHODS[4]), &[]);
+    let registry = Registry::with_builtin();
+    let problem = Problem::with_method(&document, &registry).expect("a problem");
+    let options = SurveyOptions {
+        full: false,
+        threads: std::num::NonZeroUsize::MIN,
+    };
+    let survey = survey(&registry, &[problem], &options, &mut Silent).expect("a flow");
+    assert!(survey.is_met() && survey.rows.len() == 1, "{survey:?}");
+    let [sampled] = &survey.sampled[..] else {
+        panic!("{survey:?}");
+    };
+    assert!(sampled.coordinates == 420 && sampled.covectors == 4 && sampled.is_own_alone);
+}
+
+/// A shadow energy of few bodies is formed of all of them written out; of many it is refused with the term that forbids it.
+#[test]
+fn shadow_energies_of_many_bodies_are_refused_with_their_first_term() {
+    let recorded = "steps = 10\nrecord = { observables = [\"energy\", \"shadow-energy\"] }";
+    let text = gravity(40, METHODS[3]).replace("steps = 10", recorded);
+    let refusal = compose(&document(&text, &[]), &Registry::with_builtin());
+    let refusal = refusal.map(|_| ()).expect_err("too many");
+    for part in ["{V, {V, T}}", "all triples", "fewer than 24 bodies"] {
+        assert!(refusal.message.contains(part), "{}", refusal.message);
+    }
+    let springs = "[system]\nfamilies = { q = 16, p = 16 }\nbracket = \"canonical\"\n\
+                   hamiltonian = \"sum(i, p[i]^2/2) + sum(i<j, (q[i] - q[j])^2)/N\"\n[method]\nstepper = \"splitting\"\n\
+                   time-step = 0.05\n[run]\nsteps = 10\nrecord = { observables = [\"shadow-energy\"] }\n\
+                   initial = { \"q[i]\" = \"sin(1.3*i)\", \"p[i]\" = 0 }\n";
+    assert!(composed(springs).system.expressions().is_some());
 }

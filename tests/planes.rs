@@ -279,3 +279,30 @@ fn a_spiral_on_a_torus_turns_at_the_exact_rate() {
         "order {order}, {fine:e} apart"
     );
 }
+
+/// The same spiral on a box of 16³ spins, with k along the first axis: measured over t = 2, the rate is exact to the error of the
+/// method of order 4, 8e-6 at h = 0.05 and 1.2e-6 here.
+#[test]
+fn a_spiral_on_a_box_turns_at_the_exact_rate() {
+    let bonds = ["x", "y", "z"]
+        .map(|c| format!("s.{c}[i,j,k]*(s.{c}[i+1,j,k] + s.{c}[i,j+1,k] + s.{c}[i,j,k+1])"));
+    let run = composed(&format!(
+        "[system]\nfamilies = {{ s = {{ components = [\"x\", \"y\", \"z\"], length = [16, 16, 16] }} }}\n\
+         bracket = {{ lie-algebra = \"so3\" }}\nhamiltonian = \"-sum(i, j, k, {})\"\n\
+         [method]\nstepper = \"splitting\"\ncomposition = \"suzuki-4\"\ntime-step = 0.025\n[run]\nsteps = 80\n\
+         [run.initial]\n\"s.x[i,j,k]\" = \"0.6*cos(pi*i/8)\"\n\"s.y[i,j,k]\" = \"0.6*sin(pi*i/8)\"\n\"s.z[i,j,k]\" = 0.8\n",
+        bonds.join(" + ")
+    ));
+    assert!(run.method.lattice().is_some());
+    let mut walk = run.walk();
+    walk.advance(80).expect("steps");
+    let state = walk.last(0).1;
+    let sites = 4096;
+    for site in 0..sites {
+        let angle = std::f64::consts::PI * (site / 256) as f64 / 8.0;
+        let [x, y] = [state[site], state[sites + site]];
+        let (sine, cosine) = (libm::sin(angle), libm::cos(angle));
+        let rate = libm::atan2(y * cosine - x * sine, x * cosine + y * sine) / 2.0;
+        assert!((rate + 0.121_792_748).abs() <= 2e-6, "{site}: {rate}");
+    }
+}

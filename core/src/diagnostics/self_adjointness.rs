@@ -1,5 +1,6 @@
 //! Is a map its own adjoint?
 
+use super::sampled_defect::{MOST_MEASURED, sizes_along};
 use super::{one_step, round_off};
 use crate::error::StepError;
 use crate::solver::StepMap;
@@ -8,8 +9,8 @@ use crate::solver::judge::larger;
 /// max_i |Φ_{−h}(Φ_h(x)) − x|_i / s_i from cold starts: round-off for a self-adjoint map, Φ_{−h}∘Φ_h = id.
 ///
 /// The unit u s_i is what round-off may put into a coordinate. Round-off of x goes through DΦ_h, that of Φ_h(x)
-/// through DΦ_{−h}. Both tangents are taken by differences where a map offers none. No units of the coordinates
-/// change the ratio.
+/// through DΦ_{−h}. Both tangents are taken by differences where a map offers none, of many coordinates along a few
+/// random directions. No units of the coordinates change the ratio.
 ///
 /// # Errors
 /// The map's [`StepError`].
@@ -26,16 +27,19 @@ pub fn self_adjointness_defect(
         let mut end = vec![0.0; x.len()];
         one_step::increment(stepper.as_mut(), from, &mut end)?;
         let tangent = match one_step::tangent(stepper.as_mut(), x.len()) {
-            Some(tangent) => tangent,
-            None => {
+            None if x.len() <= MOST_MEASURED => {
                 let [tangent, _] = one_step::tangent_by_differences(stepper.as_mut(), from)?;
-                tangent
+                Some(tangent)
             }
+            tangent => tangent,
         };
         end.iter_mut()
             .zip(from)
             .for_each(|(end, from)| *end += from);
-        let sizes = round_off::sizes_along(arguments, &end, &tangent);
+        let sizes = match tangent {
+            Some(tangent) => round_off::sizes_along(arguments, &end, &tangent),
+            None => sizes_along(stepper.as_mut(), from, (arguments, &end))?,
+        };
         Ok::<_, StepError>((end, sizes))
     };
     let (there, sizes) = step(h, x, x)?;

@@ -2,6 +2,7 @@
 
 use nalgebra::DMatrix;
 
+use super::sampled_defect::sample;
 use super::{one_step, round_off};
 use crate::error::{BuildError, StepError};
 use crate::solver::{StepMap, Stepper};
@@ -22,7 +23,7 @@ pub struct Defect {
     pub norm: f64,
     /// The same of Π(Φ(x)), to judge it against.
     pub scale: f64,
-    /// DΦ, row-major.
+    /// DΦ, row-major; empty where the defect is measured along a few directions.
     pub tangent: Vec<f64>,
     /// Φ(x).
     pub next: Vec<f64>,
@@ -108,6 +109,29 @@ impl TensorDefect {
         one_step::increment(stepper, x, &mut increment)?;
         let [tangent, error] = one_step::tangent_by_differences(stepper, x)?;
         self.defect(x, &increment, &tangent, Some(&error))
+    }
+
+    /// Measures the defect along the directions of a few random covectors alone, by differences: for steps on more than
+    /// [`MOST_MEASURED`](super::MOST_MEASURED) coordinates. Norms are of these, and no entries are known. `None` where the
+    /// tensor couples many coordinates to one another: it then takes all of them.
+    ///
+    /// # Errors
+    /// The solver's [`StepError`], from `x` or from a state near it.
+    pub fn measure_sampled(&mut self, x: &[f64]) -> Result<Option<Defect>, StepError> {
+        let Some(sampled) = sample(self.stepper.as_mut(), x, &mut self.tensor)? else {
+            return Ok(None);
+        };
+        let norm = |m: &DMatrix<f64>| libm::sqrt(m.iter().map(|v| v * v).sum::<f64>() / 2.0);
+        Ok(Some(Defect {
+            norm: norm(&sampled.defect),
+            scale: norm(&sampled.bounds),
+            tangent: Vec::new(),
+            next: sampled.next,
+            floor: Some(norm(&sampled.floor)),
+            relative_floor: over_pairs(&sampled.floor, &sampled.bounds),
+            defect: sampled.defect,
+            bounds: sampled.bounds,
+        }))
     }
 
     fn defect(

@@ -14,14 +14,21 @@
 //! - `site_code`: the code of one site, and the loop over sites.
 //! - `values`: values and gradients of functions.
 //! - `bracket`: the tensor of one site, applied to a covector.
+//! - `curve`: Taylor coefficients of the code of sites and pairs; `series`: those of a motion.
+//! - `poles`: denominators that no step takes through 0.
+//! - `rounding`: bounds on the rounding errors of a field.
 //! - `tangent`: products with the Jacobian of a field.
 //! - `shears`: H = T + V in which each part moves what it does not depend on.
 //! - [`system`]: Poisson systems of such functions.
 
 mod bracket;
+mod curve;
 pub mod function;
 pub mod matrix;
 mod pair_code;
+mod poles;
+mod rounding;
+mod series;
 mod shears;
 mod site_code;
 pub mod system;

@@ -40,11 +40,7 @@ impl BodySystem {
     /// [`BuildError::Algebra`] where a formula or derivative has no code.
     pub fn compile(&self) -> Result<OpaqueSystem, BuildError> {
         let (shape, parameters) = (&self.shape, self.parameters.len());
-        let mut moving: Vec<usize> = (self.bracket.iter())
-            .flat_map(|((a, b), _)| [*a, *b])
-            .collect();
-        moving.sort_unstable();
-        moving.dedup();
+        let moving = self.moving();
         let all: Vec<usize> = (0..shape.families).collect();
         let field = self.field_of(&moving, &moving)?;
         let gradient = SlopesCode::new(
@@ -99,6 +95,11 @@ impl BodySystem {
                 operations: 0,
             })
         });
+        if let Some(poles) = self.poles()? {
+            numbers = numbers.with_poles(poles);
+        }
+        let of_series = self.clone();
+        numbers = numbers.with_jets(move |order| of_series.jet(order));
         if let Some(tangent) = tangent {
             numbers = numbers.with_field_tangent(move |parameters| {
                 let made = |is_pulled| Tangents::new(&tangent, parameters, is_pulled);
@@ -116,6 +117,16 @@ impl BodySystem {
             casimirs: self.casimirs.iter().map(|(name, _)| name.clone()).collect(),
             numbers,
         })
+    }
+
+    /// The families that the tensor moves.
+    pub(super) fn moving(&self) -> Vec<usize> {
+        let mut moving: Vec<usize> = (self.bracket.iter())
+            .flat_map(|((a, b), _)| [*a, *b])
+            .collect();
+        moving.sort_unstable();
+        moving.dedup();
+        moving
     }
 
     /// The families of −Π∇H that `moves` lists, with the gradient by families `by`.
@@ -166,7 +177,7 @@ impl BodySystem {
     }
 
     /// Whether the entries of the tensor depend on coordinates that rest alone.
-    fn rests(&self, moving: &[usize]) -> bool {
+    pub(super) fn rests(&self, moving: &[usize]) -> bool {
         let mut entries = self.bracket.iter();
         entries.all(|(_, entry)| {
             entry

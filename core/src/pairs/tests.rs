@@ -1,9 +1,11 @@
 //! Sums over pairs against sums written out.
 
-use leafwise_expression::Expression;
+use leafwise_expression::series::jet as jet_of;
 use leafwise_expression::syntax::{Formula, Scope};
+use leafwise_expression::{Arithmetic, Expression, Graph, Kernel};
 
 use super::{BodyFunction, BodyShape, BodySystem, PairMatrix};
+use crate::evaluator::Evaluator;
 use crate::system::{OpaqueSystem, Parameter, SystemFunction};
 
 const FAMILIES: [&str; 3] = ["x", "y", "g"];
@@ -226,4 +228,74 @@ fn what_is_no_sum_of_pairs_is_refused() {
             .evaluate(function, &state(3), &mut [0.0; 9])
             .is_err()
     );
+}
+
+/// x_1, …, x_p of a motion against the series of the field written out, site by site. Coefficients are sums of N terms of
+/// products, up to the powers of the fastest rate: those of one order are compared by the largest of them.
+#[test]
+fn series_of_motions_are_those_of_the_field_written_out() {
+    for text in POTENTIALS {
+        for (sites, order) in [(2, 9), (8, 7), (33, 2)] {
+            let system = system(text, sites);
+            let x = state(sites);
+            let (d, unit) = (x.len(), 0.125);
+            let make = system.numbers.jets().expect("offered");
+            let jet = make(order).expect("code");
+            let mut found = vec![0.0; order * d];
+            let mut evaluator = jet.map.evaluator(&[0.3], 1.0, unit);
+            evaluator.values(&x, &mut found).expect("a series");
+            let written = Formula::parse(text).expect("a formula");
+            let written = written.resolve(&scope(sites), None).expect("names");
+            let mut graph = Graph::compilable();
+            let variable = &mut |graph: &mut Graph, at: usize| Ok(graph.input(at));
+            let energy = written.expect("all").evaluate_in(&mut graph, variable);
+            let gradient = graph.gradient(&energy.expect("code"), d).expect("code");
+            let mut field = vec![graph.zero(); d];
+            for i in 0..sites {
+                let [x, y, g] = [0, 1, 2].map(|family| family * sites + i);
+                let g = graph.input(g);
+                let slope = graph.divide(&gradient[y], &g).expect("code");
+                field[x] = graph.negate(&slope);
+                field[y] = graph.divide(&gradient[x], &g).expect("code");
+            }
+            let expected = jet_of(&mut graph, &field, order).expect("code").concat();
+            let kernel = Kernel::compile(&graph, &expected, 1, d);
+            let mut workspace = kernel.workspace(1);
+            kernel.prepare(&mut workspace, &[0.3], &[1.0], &[unit]);
+            let mut expected = vec![0.0; order * d];
+            kernel.evaluate(&mut workspace, &x, &mut expected);
+            for (k, (found, expected)) in (found.chunks(d).zip(expected.chunks(d))).enumerate() {
+                let largest = expected.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+                for (i, (found, expected)) in found.iter().zip(expected).enumerate() {
+                    assert!(
+                        (found - expected).abs() <= 1e-13 * (k + 1) as f64 * largest,
+                        "{text} {sites} x_{}[{i}]: {found} {expected}",
+                        k + 1
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// Bounds on rounding errors are those of the field written out, but for the order of sums.
+#[test]
+fn bounds_on_rounding_errors_hold() {
+    for text in POTENTIALS {
+        let system = system(text, 9);
+        let (x, mut bounds) = (state(9), vec![0.0; 27]);
+        let jet = system.numbers.jets().expect("offered")(2).expect("code");
+        let errors = vec![0.0; 27];
+        jet.rounding.bounds(&[0.3], &x, &errors, &mut bounds);
+        let make = system.numbers.field().expect("offered");
+        let mut field = vec![0.0; 27];
+        make(&[0.3], 1).values(&x, &mut field).expect("a value");
+        for (bound, field) in bounds.iter().zip(&field).take(18) {
+            let least = 0.5 * f64::EPSILON * field.abs();
+            assert!(
+                *bound >= least && *bound <= 1e-12 * (1.0 + field.abs()),
+                "{text} {bound:e} {field}"
+            );
+        }
+    }
 }

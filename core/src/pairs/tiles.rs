@@ -19,6 +19,10 @@ use super::pair_code::{PairCode, PairRow};
 /// The number of sites of a tile.
 const TILE: usize = 32;
 
+/// Operations of a pair above which its code is one for all k: a tile is then turned by k in a copy. Codes of their own take
+/// longer to form than copies take for thousands of tiles.
+const LONG: u64 = 400;
+
 /// The number of places that are evaluated at a time where there is no machine code along an array.
 const BLOCK: usize = Aligned::LINE;
 
@@ -35,6 +39,8 @@ pub(super) struct Tiles {
     room: Aligned,
     /// The code with sites j so many sites behind i.
     shifted: Vec<Option<(Kernel, Workspace)>>,
+    /// Whether one code serves all of them, with copies of sites j.
+    is_turned: bool,
     /// The number of places whose mask is 1.
     counted: usize,
 }
@@ -48,9 +54,13 @@ impl Tiles {
     ) -> Self {
         let mut rows = Vec::new();
         let mut end = 0;
+        let is_turned = code.kernel.step_operations().work() > LONG;
         for row in code.rows() {
             rows.push((row, end));
-            let tiles = if is_second(row) { 2 } else { 1 };
+            let tiles = match is_second(row) {
+                true => 2 + usize::from(is_turned),
+                false => 1,
+            };
             // A line between two rows: they do not stand at one place of a page.
             end += tiles * TILE * points + BLOCK;
         }
@@ -62,6 +72,7 @@ impl Tiles {
             rows,
             room: Aligned::filled(end.next_multiple_of(BLOCK), 0.0),
             shifted: vec![None; TILE],
+            is_turned,
             counted: 0,
         }
     }
@@ -214,23 +225,25 @@ impl Tiles {
     fn run(&mut self, shift: usize, tiles: [&Range<usize>; 2]) {
         let places = self.places(tiles[0].len());
         self.enter(shift, tiles);
-        if self.shifted[shift].is_none() {
-            self.shifted[shift] = Some(self.shifted_by(shift));
+        let own = if self.is_turned { 0 } else { shift };
+        if self.shifted[own].is_none() {
+            self.shifted[own] = Some(self.shifted_by(own));
         }
-        let Some((kernel, workspace)) = &mut self.shifted[shift] else {
+        let behind = self.behind(own);
+        let (turned, copied) = (self.is_turned, shift * self.points);
+        let seconds = self.rows.iter().filter(|(row, _)| is_second(*row));
+        for (_, start) in seconds.clone().filter(|_| turned) {
+            let from = start + copied;
+            self.room.copy_within(from..from + places, start + behind);
+        }
+        let Some((kernel, workspace)) = &mut self.shifted[own] else {
             return;
         };
         let reached = kernel.evaluate_along(workspace, &mut self.room, 0..places);
         let at = |row: &PairRow, place: usize| {
             let found = self.rows.iter().find(|(own, _)| own == row);
             let start = found.map_or(0, |(_, start)| *start);
-            start
-                + place
-                + if is_second(*row) {
-                    shift * self.points
-                } else {
-                    0
-                }
+            start + place + if is_second(*row) { behind } else { 0 }
         };
         for place in (reached..places).step_by(BLOCK) {
             for (input, row) in self.code.inputs.iter().enumerate() {
@@ -243,6 +256,19 @@ impl Tiles {
                 self.room[to..][..BLOCK].copy_from_slice(kernel.output(workspace, output));
             }
         }
+        let sums = seconds.filter(|(row, _)| matches!(row, PairRow::SecondSum(_)));
+        for (_, start) in sums.filter(|_| turned) {
+            let from = start + behind;
+            self.room.copy_within(from..from + places, start + copied);
+        }
+    }
+
+    /// How far behind the beginning of their rows the code finds sites j, where they stand so many sites behind i.
+    fn behind(&self, shift: usize) -> usize {
+        match self.is_turned {
+            true => 2 * TILE * self.points,
+            false => shift * self.points,
+        }
     }
 
     /// The code for j so many sites behind i.
@@ -251,7 +277,7 @@ impl Tiles {
             let found = self.rows.iter().find(|(own, _)| own == row);
             let start = found.map_or(0, |(_, start)| *start);
             let behind = if is_second(*row) {
-                shift * self.points
+                self.behind(shift)
             } else {
                 0
             };

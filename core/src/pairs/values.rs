@@ -6,6 +6,7 @@ use leafwise_expression::{Arithmetic, Expression, Graph, Term, Workspace};
 use leafwise_solver::two_sum;
 
 use super::BodyShape;
+use super::curve::CurveOfSites;
 use super::function::{BodyFunction, BodySum, Weighted};
 use super::matrix::{PairEntry, PairMatrix};
 use super::pair_code::PairCode;
@@ -45,40 +46,52 @@ pub(super) struct SumsCode {
 }
 
 impl SumsCode {
-    /// Functions `outers` of these sums, which are their variables.
+    /// Functions `outers` of these sums, which are their variables: their coefficients along a curve, order after order.
     ///
     /// # Errors
     /// [`BuildError::Algebra`] where a formula has no code.
     pub(super) fn new(
         sums: &[&BodySum],
         outers: &[&Expression],
-        shape: &BodyShape,
+        curve: &CurveOfSites,
         parameters: usize,
     ) -> Result<Self, BuildError> {
+        let (shape, orders) = (curve.whole(), curve.order + 1);
         let rows = shape.families + shape.matrices.len();
         let site = SiteCode::new(rows, parameters, |graph, rows| {
             let (x, diagonals) = rows.split_at(shape.families);
-            let x = of_a_site(x, diagonals);
-            let of_site = |sum: &&BodySum| {
-                let variable = &mut |_: &mut _, at: usize| Ok(x[at].clone());
-                Ok(sum.site.evaluate_in(graph, variable)?)
-            };
-            sums.iter().map(of_site).collect()
+            let mut inputs = curve.coordinates(graph, x);
+            curve.add_resting(graph, &mut inputs, diagonals);
+            let coefficients = curve.coefficients(graph, &inputs, |graph, inputs| {
+                let (x, diagonals) = inputs.split_at(curve.shape.families);
+                let x = of_a_site(x, diagonals);
+                let of_site = |sum: &&BodySum| {
+                    let variable = &mut |_: &mut _, at: usize| Ok(x[at].clone());
+                    Ok(sum.site.evaluate_in(graph, variable)?)
+                };
+                sums.iter().map(of_site).collect()
+            })?;
+            Ok(coefficients.concat())
         })?;
-        let outer = SiteCode::new(sums.len(), parameters, |graph, totals| {
-            let value = |outer: &&Expression| {
-                let variable = &mut |_: &mut _, at: usize| Ok(totals[at].clone());
-                Ok(outer.evaluate_in(graph, variable)?)
-            };
-            outers.iter().map(value).collect()
+        let outer = SiteCode::new(orders * sums.len(), parameters, |graph, totals| {
+            let of_order = |order: usize| totals[order * sums.len()..][..sums.len()].to_vec();
+            let totals: Vec<Vec<Term>> = (0..orders).map(of_order).collect();
+            let coefficients = curve.coefficients(graph, &totals, |graph, totals| {
+                let value = |outer: &&Expression| {
+                    let variable = &mut |_: &mut _, at: usize| Ok(totals[at].clone());
+                    Ok(outer.evaluate_in(graph, variable)?)
+                };
+                outers.iter().map(value).collect()
+            })?;
+            Ok(coefficients.concat())
         })?;
         Ok(Self {
-            pair: PairCode::of_sums(sums, shape, parameters)?.map(Arc::new),
+            pair: PairCode::of_sums(sums, curve, parameters)?.map(Arc::new),
             site,
             outer,
-            sums: sums.len(),
-            outers: outers.len(),
-            shape: shape.clone(),
+            sums: orders * sums.len(),
+            outers: orders * outers.len(),
+            shape,
         })
     }
 
@@ -105,7 +118,7 @@ impl SumsCode {
         });
         let outers: Vec<Expression> = outers.collect();
         let outers: Vec<&Expression> = outers.iter().collect();
-        Self::new(&sums, &outers, shape, parameters)
+        Self::new(&sums, &outers, &CurveOfSites::point(shape), parameters)
     }
 }
 
@@ -167,7 +180,7 @@ impl Sums {
                 high = next;
                 low += rest;
             }
-            *total = high + low;
+            *total = if high.is_finite() { high + low } else { high };
         }
         let totals = &self.totals;
         let row = |at: usize| &totals[at * points..][..points];
@@ -176,6 +189,32 @@ impl Sums {
                 out[outer * points + place..][..values.len()].copy_from_slice(values);
             });
     }
+}
+
+/// The results of `write` at a site as code: of its coordinates, what pairs give to the gradient, weights of sums, and J_ii
+/// of each matrix, one after the other.
+///
+/// # Errors
+/// [`BuildError::Algebra`] where a formula or derivative has no code; those of `write`.
+pub(super) fn at_a_site(
+    weighted: &Weighted<'_>,
+    shape: &BodyShape,
+    by: &[usize],
+    graph: &mut Graph,
+    inputs: &[Term],
+    write: impl FnOnce(&mut Graph, &[Term], &[Term]) -> Result<Vec<(usize, Term)>, BuildError>,
+) -> Result<Vec<(usize, Term)>, BuildError> {
+    let (x, rest) = inputs.split_at(shape.families);
+    let (of_pairs, rest) = rest.split_at(shape.families);
+    let (weights, diagonals) = rest.split_at(weighted.of_sums().len());
+    let variables = of_a_site(x, diagonals);
+    let total = weighted.total(graph, |sum| &sum.site, &variables, weights)?;
+    let own = graph.gradient(&total, shape.families)?;
+    let mut gradient = vec![graph.zero(); shape.families];
+    for family in by {
+        gradient[*family] = graph.add(&own[*family], &of_pairs[*family]);
+    }
+    write(graph, x, &gradient)
 }
 
 /// The code of linear functions of a gradient, site by site.
@@ -202,32 +241,59 @@ impl SlopesCode {
         parameters: usize,
         write: impl FnOnce(&mut Graph, &[Term], &[Term]) -> Result<Vec<(usize, Term)>, BuildError>,
     ) -> Result<Self, BuildError> {
+        Self::along(
+            function,
+            (&CurveOfSites::point(shape), 0),
+            by,
+            parameters,
+            write,
+        )
+    }
+
+    /// The last coefficient of such results along a curve. Coefficients of the gradient that they need are those from an
+    /// order on.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), and where a function has no series.
+    pub(super) fn along(
+        function: &BodyFunction,
+        (curve, from): (&CurveOfSites, usize),
+        by: &[usize],
+        parameters: usize,
+        write: impl FnOnce(&mut Graph, &[Term], &[Term]) -> Result<Vec<(usize, Term)>, BuildError>,
+    ) -> Result<Self, BuildError> {
+        let (shape, orders) = (curve.whole(), curve.order + 1);
         let weighted = Weighted::of(function)?;
         let of_sums = weighted.of_sums();
         let weights = match of_sums.is_empty() {
             true => None,
             false => {
                 let sums: Vec<&BodySum> = function.sums.iter().collect();
-                Some(Arc::new(SumsCode::new(&sums, &of_sums, shape, parameters)?))
+                Some(Arc::new(SumsCode::new(&sums, &of_sums, curve, parameters)?))
             }
         };
-        let pair = PairCode::of_gradient((function, &weighted), shape, by, parameters)?;
+        let pair = PairCode::of_gradient((function, &weighted), (curve, from), by, parameters)?;
         let mut families = Vec::new();
-        let rows = 2 * shape.families + of_sums.len() + shape.matrices.len();
+        let rows = 2 * shape.families + orders * of_sums.len() + shape.matrices.len();
         let site = SiteCode::new(rows, parameters, |graph, rows| {
             let (x, rest) = rows.split_at(shape.families);
             let (of_pairs, rest) = rest.split_at(shape.families);
-            let (weights, diagonals) = rest.split_at(of_sums.len());
-            let variables = of_a_site(x, diagonals);
-            let total = weighted.total(graph, |sum| &sum.site, &variables, weights)?;
-            let own = graph.gradient(&total, shape.families)?;
-            let mut gradient = vec![graph.zero(); shape.families];
-            for family in by {
-                gradient[*family] = graph.add(&own[*family], &of_pairs[*family]);
+            let (weights, diagonals) = rest.split_at(orders * of_sums.len());
+            let mut inputs = curve.coordinates(graph, x);
+            for (order, own) in inputs.iter_mut().enumerate() {
+                let count = curve.shape.families;
+                own.extend_from_slice(&of_pairs[order * count..][..count]);
+                let count = of_sums.len();
+                own.extend_from_slice(&weights[order * count..][..count]);
             }
-            let results = write(graph, x, &gradient)?;
-            families = results.iter().map(|(family, _)| *family).collect();
-            Ok(results.into_iter().map(|(_, term)| term).collect())
+            curve.add_resting(graph, &mut inputs, diagonals);
+            let mut coefficients = curve.coefficients(graph, &inputs, |graph, inputs| {
+                let results = at_a_site(&weighted, &curve.shape, by, graph, inputs, write)?;
+                let (own, terms) = results.into_iter().unzip();
+                families = own;
+                Ok(terms)
+            })?;
+            Ok(coefficients.pop().unwrap_or_default())
         })?;
         let of_pair = pair
             .as_ref()
@@ -239,7 +305,7 @@ impl SlopesCode {
             work: site.work() * shape.sites as u64 + of_pair * pairs as u64,
             site,
             families,
-            shape: shape.clone(),
+            shape,
         })
     }
 

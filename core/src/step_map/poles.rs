@@ -13,7 +13,7 @@ use leafwise_solver::{Checked, Crossing, Differential, MapProperties, StepCheck,
 use super::walls::Walls;
 use super::{Factored, MakeCheck, MapAbilities, StepMap};
 use crate::error::{BuildError, StepError};
-use crate::system::PoissonSystem;
+use crate::system::{MakePoles, PoissonSystem};
 
 /// Longest text of a denominator in a message.
 const MOST_PARTS: usize = 60;
@@ -172,6 +172,15 @@ impl StepCheck for Crossings {
     }
 }
 
+/// The poles that a system of numbers tells.
+struct PolesOfNumbers(Arc<MakePoles>);
+
+impl MakeCheck for PolesOfNumbers {
+    fn make(self: Arc<Self>, lanes: usize, parameters: &[f64]) -> Box<dyn StepCheck> {
+        (self.0)(lanes, parameters)
+    }
+}
+
 /// A step map whose steps do not cross the poles of a system, nor leave its tables.
 pub struct WithoutPoles {
     map: Arc<dyn StepMap>,
@@ -190,6 +199,10 @@ impl WithoutPoles {
         let map = match Poles::of(system)? {
             None => map,
             Some(poles) => Self::checked(map, Arc::new(poles)),
+        };
+        let map = match system.opaque().and_then(|system| system.numbers.poles()) {
+            None => map,
+            Some(poles) => Self::checked(map, Arc::new(PolesOfNumbers(poles))),
         };
         Ok(match Walls::of(system)? {
             None => map,

@@ -2,55 +2,15 @@
 
 use std::sync::Arc;
 
-use leafwise_expression::bounded::{Bounded, BoundedNumbers};
 use leafwise_expression::{Arithmetic, Graph, Term};
 use nalgebra::DMatrix;
 
 use super::numbers::{MakeField, OpaqueSystem, SystemEvaluator};
+use super::rounding::FieldRounding;
 use super::{Definition, PoissonSystem};
 use crate::error::{BuildError, StepError};
 use crate::evaluator::Evaluator;
 use crate::runge_kutta::SmoothMap;
-
-/// Bounds on the rounding errors of a field's code.
-pub struct FieldRounding {
-    graph: Graph,
-    field: Vec<Term>,
-}
-
-impl FieldRounding {
-    /// Of code for the field.
-    pub(super) fn of(graph: &Graph, field: &[Term]) -> Self {
-        Self {
-            graph: graph.clone(),
-            field: field.to_vec(),
-        }
-    }
-
-    /// How far rounding may move each component of the field at coordinates that are known up to these errors; 0 where
-    /// there is no bound.
-    pub fn bounds(&self, parameters: &[f64], x: &[f64], errors: &[f64], out: &mut [f64]) {
-        let pairs = x.iter().zip(errors);
-        let inputs: Vec<Bounded> = pairs
-            .map(|(&value, &error)| Bounded { value, error })
-            .collect();
-        let mut numbers = BoundedNumbers {
-            parameters: parameters.to_vec(),
-        };
-        match numbers.values_at(&self.graph, &self.field, &inputs) {
-            Ok(values) => {
-                for (out, value) in out.iter_mut().zip(values) {
-                    *out = if value.error.is_finite() {
-                        value.error
-                    } else {
-                        0.0
-                    };
-                }
-            }
-            Err(_) => out.fill(0.0),
-        }
-    }
-}
 
 impl PoissonSystem {
     /// x ↦ X_H(x) = −Π(x)∇H(x), with its Jacobian where the system offers the derivatives of Π and ∇H.
@@ -89,7 +49,7 @@ impl PoissonSystem {
         graph.unless_refused(())?;
         let parameters = system.parameters().len();
         let map = SmoothMap::compile_values(&graph, &field, parameters, x.len());
-        Ok((map, Some(FieldRounding { graph, field })))
+        Ok((map, Some(FieldRounding::of(&graph, &field))))
     }
 
     /// (u, w) ↦ −Π(u)w, with its Jacobian where the system offers the derivative of Π.

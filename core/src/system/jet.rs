@@ -4,9 +4,9 @@ use leafwise_expression::graph::lift;
 use leafwise_expression::series::jet;
 use leafwise_expression::{Arithmetic, DifferentialAlgebra, Graph, Kernel, Rational, Ring, Term};
 
-use super::SystemFormulas;
 use super::agreement::Agreement;
-use super::field::FieldRounding;
+use super::rounding::FieldRounding;
+use super::{PoissonSystem, SystemFormulas};
 use crate::error::BuildError;
 use crate::runge_kutta::SmoothMap;
 
@@ -24,6 +24,34 @@ pub struct MotionSeries {
     pub field: SmoothMap,
     /// Its rounding errors.
     pub rounding: FieldRounding,
+    /// Whether the field may jump.
+    pub has_seams: bool,
+}
+
+impl PoissonSystem {
+    /// Taylor series of the motion to order p: of formulas, or of numbers that offer them.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where a formula or a derivative has no code. A jet longer than a kernel gives the same
+    /// error. [`BuildError::NotOffered`] for numbers without series: it names `part`.
+    pub fn motion_series(
+        &self,
+        part: &'static str,
+        order: usize,
+    ) -> Result<MotionSeries, BuildError> {
+        match self.opaque().and_then(|system| system.numbers.jets()) {
+            None => self.formulas(part)?.motion_series(order),
+            Some(make) => {
+                let jet = make(order)?;
+                Ok(MotionSeries {
+                    jet: jet.map,
+                    field: self.field_map()?,
+                    rounding: jet.rounding,
+                    has_seams: jet.has_seams,
+                })
+            }
+        }
+    }
 }
 
 impl SystemFormulas {
@@ -33,7 +61,7 @@ impl SystemFormulas {
     /// # Errors
     /// [`BuildError::Algebra`] where a formula or a derivative has no code. A jet longer than a kernel gives the same
     /// error.
-    pub fn motion_series(&self, order: usize) -> Result<MotionSeries, BuildError> {
+    fn motion_series(&self, order: usize) -> Result<MotionSeries, BuildError> {
         let mut graph = Graph::compilable();
         let x: Vec<Term> = (0..self.dimension()).map(|i| graph.input(i)).collect();
         let mut field = self.vector_field(&mut graph, &x)?;
@@ -53,6 +81,7 @@ impl SystemFormulas {
             jet: compile(&jet),
             field: compile(&field),
             rounding,
+            has_seams: self.has_seams(),
         })
     }
 

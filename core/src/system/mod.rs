@@ -26,6 +26,7 @@ pub mod numbers;
 pub mod observables;
 mod perturbation;
 mod pfaffian;
+mod rounding;
 mod smoothness;
 mod summands;
 mod tensor_matrix;
@@ -36,19 +37,19 @@ use leafwise_expression::Expression;
 pub use agreement::Agreement;
 pub use builder::SystemBuilder;
 pub use compiled::CompiledNumbers;
-pub use field::FieldRounding;
 pub use forces::{Damping, Forces, Metric};
 pub use forms::FormError;
 pub use formulas::{SystemFormulas, TensorSource};
 pub use jet::MotionSeries;
 pub use leaf_directions::LeafDirections;
 pub use numbers::{
-    Derivatives, MakeField, MakeFieldTangent, OpaqueSystem, Shear, SystemEvaluator, SystemFunction,
-    SystemNumbers,
+    Derivatives, Jet, MakeField, MakeFieldTangent, MakeJet, MakePoles, OpaqueSystem, Shear,
+    SystemEvaluator, SystemFunction, SystemNumbers,
 };
 pub use observables::{SystemInvariants, SystemObservables};
+pub use rounding::FieldRounding;
 pub use smoothness::TableUse;
-pub(crate) use tensor_matrix::TensorMatrix;
+pub(crate) use tensor_matrix::{Entries, TensorMatrix};
 
 use crate::error::BuildError;
 

@@ -2,9 +2,13 @@
 
 use std::sync::Arc;
 
+use leafwise_solver::StepCheck;
+
 use super::Parameter;
+use super::rounding::FieldRounding;
 use crate::error::{BuildError, StepError};
 use crate::evaluator::Evaluator;
+use crate::runge_kutta::SmoothMap;
 
 /// A Poisson system known by its values: (M ≅ ℝᵈ, π, H) as functions to call.
 #[derive(Clone, Debug)]
@@ -43,7 +47,25 @@ pub struct SystemNumbers {
     has_resting_tensor: bool,
     shears: Vec<Shear>,
     tangent: Option<Arc<MakeFieldTangent>>,
+    jets: Option<Arc<MakeJet>>,
+    poles: Option<Arc<MakePoles>>,
 }
+
+/// Maker of the check that steps cross no pole, of a number of lanes and their parameters, a structure of arrays.
+pub type MakePoles = dyn Fn(usize, &[f64]) -> Box<dyn StepCheck> + Send + Sync;
+
+/// The Taylor coefficients of the motion of a system of numbers.
+pub struct Jet {
+    /// x ↦ (x_1, …, x_p) with x(t) = Σ x_k (t/h)ᵏ the motion through x; h is the evaluator's.
+    pub map: SmoothMap,
+    /// Rounding errors of the field.
+    pub rounding: FieldRounding,
+    /// Whether the field may jump.
+    pub has_seams: bool,
+}
+
+/// Maker of the Taylor coefficients of the motion to an order. It fails where a formula has no series.
+pub type MakeJet = dyn Fn(usize) -> Result<Jet, BuildError> + Send + Sync;
 
 /// Maker of one thread's products with the Jacobian of X_H = −Π∇H, of parameters.
 ///
@@ -112,7 +134,39 @@ impl SystemNumbers {
             has_resting_tensor: false,
             shears: Vec::new(),
             tangent: None,
+            jets: None,
+            poles: None,
         }
+    }
+
+    /// The same with poles of the equations of motion, which no step crosses.
+    #[must_use]
+    pub fn with_poles(
+        mut self,
+        make: impl Fn(usize, &[f64]) -> Box<dyn StepCheck> + Send + Sync + 'static,
+    ) -> Self {
+        self.poles = Some(Arc::new(make));
+        self
+    }
+
+    /// Makes the check that steps cross no pole, where there are some.
+    pub fn poles(&self) -> Option<Arc<MakePoles>> {
+        self.poles.clone()
+    }
+
+    /// The same with Taylor coefficients of the motion.
+    #[must_use]
+    pub fn with_jets(
+        mut self,
+        make: impl Fn(usize) -> Result<Jet, BuildError> + Send + Sync + 'static,
+    ) -> Self {
+        self.jets = Some(Arc::new(make));
+        self
+    }
+
+    /// Makes the Taylor coefficients of the motion, where these are offered.
+    pub fn jets(&self) -> Option<&MakeJet> {
+        self.jets.as_deref()
     }
 
     /// The same with products with the Jacobian of X_H.

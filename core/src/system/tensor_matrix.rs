@@ -7,6 +7,9 @@ use super::numbers::SystemEvaluator;
 use super::{Definition, PoissonSystem, observables};
 use crate::error::{BuildError, StepError};
 
+/// Π_ij by columns j, each with its rows i.
+pub(crate) type Entries = Vec<Vec<(usize, f64)>>;
+
 /// x ↦ (Π_ij(x)) for one set of parameters: for instruments, not for steps.
 pub(crate) struct TensorMatrix {
     dimension: usize,
@@ -75,6 +78,40 @@ impl TensorMatrix {
                 Ok(DMatrix::from_vec(d, d, columns))
             }
         }
+    }
+
+    /// The entries of Π(x) that are not 0, row by row of its transpose.
+    ///
+    /// # Errors
+    /// The [`StepError`] of a system of numbers.
+    pub(crate) fn entries_at(&mut self, x: &[f64]) -> Result<Entries, StepError> {
+        let d = self.dimension;
+        let mut entries = vec![Vec::new(); d];
+        match &mut self.source {
+            Source::Formulas {
+                kernel,
+                workspace,
+                entries: places,
+            } => {
+                let mut values = vec![0.0; places.len()];
+                kernel.evaluate(workspace, x, &mut values);
+                for (&(i, j), value) in places.iter().zip(values) {
+                    entries[j].push((i, value));
+                    entries[i].push((j, -value));
+                }
+            }
+            Source::Numbers(evaluator) => {
+                let (mut unit, mut column) = (vec![0.0; d], vec![0.0; d]);
+                for (j, own) in entries.iter_mut().enumerate() {
+                    unit[j] = 1.0;
+                    evaluator.tensor(x, &unit, &mut column)?;
+                    unit[j] = 0.0;
+                    let held = column.iter().enumerate().filter(|(_, v)| **v != 0.0);
+                    own.extend(held.map(|(i, v)| (i, *v)));
+                }
+            }
+        }
+        Ok(entries)
     }
 
     /// |Π_ij(x)| + Σ_k |∂_k Π_ij| s_k, for coordinates of these sizes: u times it is what round-off of the

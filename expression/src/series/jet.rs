@@ -42,6 +42,32 @@ pub fn jet(
     Ok(coefficients)
 }
 
+/// The coefficients of order 0, 1, … of the code `terms` of another graph along the curve x(t) = Σ x_k tᵏ. Here
+/// `curve[k]` has the coefficient x_k of each of its inputs, as code of `graph`.
+///
+/// # Errors
+/// As [`jet`].
+pub fn along_curve(
+    graph: &mut Graph,
+    (code, terms): (&Graph, &[Term]),
+    curve: &[Vec<Term>],
+) -> Result<Vec<Vec<Term>>, AlgebraError> {
+    let mut tape = Tape::new();
+    let inputs = curve.first().map_or(0, Vec::len);
+    let x: Vec<_> = (0..inputs).map(|i| tape.variable(i)).collect();
+    let nodes = code.evaluate_in(&mut tape, terms, &x)?;
+    let mut state = TaylorState::new(&tape);
+    let mut code = Code { graph };
+    let mut coefficients = Vec::with_capacity(curve.len());
+    for (k, _) in curve.iter().enumerate() {
+        state.extend(&tape, &mut code, |_, i| curve[k][i].clone())?;
+        let own = nodes.iter().map(|node| state.coefficient(*node, k).clone());
+        coefficients.push(own.collect());
+    }
+    code.graph.unless_refused(())?;
+    Ok(coefficients)
+}
+
 /// The code of a graph, where what is multiplied is one number, its rational and constant factors included: in
 /// products of series each coefficient enters many products.
 struct Code<'a> {

@@ -5,6 +5,6 @@ mod lookups;
 mod polynomial;
 mod tape;
 
-pub use jet::jet;
+pub use jet::{along_curve, jet};
 pub use polynomial::{Univariate, UnivariateElement};
 pub use tape::{Tape, TapeIndex, TaylorState};

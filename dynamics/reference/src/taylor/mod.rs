@@ -26,8 +26,7 @@ use leafwise_core::runge_kutta::SmoothMapEvaluator;
 use leafwise_core::solver::{StepReport, Trajectories};
 use leafwise_core::system::MotionSeries;
 use leafwise_core::{
-    BuildError, Evaluator, MapProperties, PoissonSystem, StepError, StepMap, Structure,
-    SystemFormulas, two_sum,
+    BuildError, Evaluator, MapProperties, PoissonSystem, StepError, StepMap, Structure, two_sum,
 };
 use leafwise_expression::AlgebraError;
 
@@ -42,7 +41,7 @@ static INFO: PartInfo = PartInfo {
     summary: "the motion's Taylor series, of order and substeps from the tolerance",
     declares: "no order in the step: the tolerance sets the error, by substeps of order 1 - ln(tolerance)/2, rounded \
                up; not a Poisson map; not self-adjoint",
-    domain: "any system of formulas",
+    domain: "any system of formulas, and sums over pairs in loops",
     literature: "Jorba, Zou, A software package for the numerical integration of ODEs by means of high-order Taylor \
                  methods, Experimental Mathematics 14 (2005); Biscani, Izzo, Revisiting high-order Taylor methods for \
                  astrodynamics and celestial mechanics, MNRAS 504 (2021)",
@@ -73,8 +72,8 @@ fn order(tolerance: f64) -> usize {
 
 /// The motion's series to order p.
 fn series(system: &PoissonSystem, order: usize) -> Result<MotionSeries, BuildError> {
-    let formulas = system.formulas(INFO.name)?;
-    formulas.motion_series(order).map_err(|error| match error {
+    let series = system.motion_series(INFO.name, order);
+    series.map_err(|error| match error {
         BuildError::Algebra(reason @ AlgebraError::CodeTooLong { .. }) => BuildError::NotMade {
             part: INFO.name,
             reason: format!(
@@ -98,8 +97,6 @@ struct Taylor {
     /// exp(−0.7/(p − 1)).
     safety: f64,
     allowed: Allowed,
-    /// Whether the field may jump.
-    has_seams: bool,
     paths: Vec<Path>,
     /// Those that need a jet, then those that are looked at.
     open: Vec<usize>,
@@ -114,7 +111,7 @@ struct Taylor {
 impl Taylor {
     fn new(
         series: &Arc<MotionSeries>,
-        (allowed, has_seams): (&Allowed, bool),
+        allowed: &Allowed,
         parameters: &[f64],
         time_step: f64,
         count: usize,
@@ -131,7 +128,6 @@ impl Taylor {
             time_step: time_step / unit,
             safety: libm::exp(-0.7 / (order - 1) as f64),
             allowed: allowed.clone(),
-            has_seams,
             paths: vec![Path::new(d, order); count],
             open: Vec::with_capacity(count),
             states: vec![0.0; count * d],
@@ -273,7 +269,7 @@ impl Trajectories for Taylor {
             self.expand(taken);
             for (path, taken) in self.paths.iter_mut().zip(&mut *taken) {
                 // A series knows its own side of a jump alone: one substep of the size of round-off crosses it.
-                if self.has_seams && path.length.abs() <= CROSSING * whole {
+                if self.series.has_seams && path.length.abs() <= CROSSING * whole {
                     path.cross(CROSSING * self.time_step);
                 }
                 let is_short = path.length.abs() <= 16.0 * f64::EPSILON * whole;
@@ -351,7 +347,6 @@ fn build(
     let order = order(tolerance);
     let series = Arc::new(series(system, order)?);
     let allowed = Allowed::new(system, tolerance.max(ROUND_OFF), true);
-    let has_seams = system.expressions().is_some_and(SystemFormulas::has_seams);
     Ok(Arc::new(ReferenceMap {
         dimension: system.dimension(),
         properties: MapProperties {
@@ -364,8 +359,7 @@ fn build(
         together: TOGETHER,
         kept_signs: allowed.kept(),
         make: Box::new(move |parameters, time_step, count| {
-            let rules = (&allowed, has_seams);
-            Box::new(Taylor::new(&series, rules, parameters, time_step, count))
+            Box::new(Taylor::new(&series, &allowed, parameters, time_step, count))
         }),
     }))
 }

@@ -17,7 +17,7 @@ use super::initial::initial_state;
 use super::lattice::{bracket_reach, has_forms, one_site, reach};
 use super::matrices::matrices;
 use super::names::{check_code, check_names, coordinate_names, parse};
-use super::observables::{RecordedFormula, expression, observables_in};
+use super::observables::{RecordedFormula, expression, observables_in, shadow_order};
 use super::system::{ComposedSystem, check_contradictions, check_sites};
 use super::tensor::{Entries, entries};
 use super::time::wants_time;
@@ -28,7 +28,7 @@ const FEWEST_SITES: usize = 16;
 
 /// The number of sites from which on pairs are not written out for an order above 2. Hamilton–Jacobi's coefficients of order
 /// 4 are products of forces: for 30 vortices they took minutes to form.
-const MOST_SITES_OF_HIGH_ORDER: usize = 24;
+pub(super) const MOST_SITES_OF_HIGH_ORDER: usize = 24;
 const HIGH_ORDER: f64 = 2.0;
 
 /// The system of a scene with sums over pairs in loops.
@@ -73,6 +73,10 @@ pub(super) fn many_bodies(
     }
     if let Some(beside) = beside_sums(document) {
         return unless_beside(document, beside);
+    }
+    let sites = document.system.families[0].1.value;
+    if sites < MOST_SITES_OF_HIGH_ORDER && asks_for_shadow(document) {
+        return Ok(None);
     }
     let system = BodySystem {
         shape: sums.shape.clone(),
@@ -159,6 +163,12 @@ fn may_be_bodies(document: &SceneDocument) -> bool {
         && system.coordinates() > DENSE_LIMIT
         && !has_forms(&system.bracket.value, &system.constraints)
         && wants_time(document).is_none()
+}
+
+/// Whether a shadow energy is recorded: its terms are products of forces, as those of a high order.
+fn asks_for_shadow(document: &SceneDocument) -> bool {
+    let mut observables = document.run.record.observables.iter();
+    observables.any(|asked| shadow_order(&asked.formula.value).is_some())
 }
 
 /// Noise, damping or forces, which no loop takes: a formula of them, and its kind in words.

@@ -4,6 +4,7 @@ use leafwise_core::{BuildError, PoissonSystem, Shadow, StepMap, Structure};
 use leafwise_expression::Expression;
 
 use super::Refusal;
+use super::bodies::MOST_SITES_OF_HIGH_ORDER;
 use super::dense::DENSE_LIMIT;
 use super::observables::{Observable, RecordedFormula, SHADOW_ENERGY, shadow_order};
 use super::stepping::Stepping;
@@ -225,6 +226,13 @@ pub(super) fn with_shadows(
             let what = format!(
                 "on a lattice of more than {DENSE_LIMIT} coordinates: its terms are brackets within brackets, each of which \
                  reaches farther sites, and they are formed of every site written out"
+            );
+            return Err(refuse(of_a(&what)));
+        }
+        if system.opaque().is_some() && document.system.numbers.is_none() {
+            let what = format!(
+                "of sums over pairs in loops: already its first term holds {{V, {{V, T}}}} = sum(i, |dV/dq_i|^2/m_i), a sum over all \
+                 triples, which is formed of every body written out: of fewer than {MOST_SITES_OF_HIGH_ORDER} bodies"
             );
             return Err(refuse(of_a(&what)));
         }

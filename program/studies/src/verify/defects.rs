@@ -131,13 +131,19 @@ impl Defects {
 fn defect(problem: &Problem, map: &dyn StepMap, x: &[f64], t: f64) -> Option<(Defect, StepDefect)> {
     let values = problem.system.parameter_values();
     let mut instrument = TensorDefect::new(&problem.system, map, &values, 1.0, t).ok()?;
-    let defect = match instrument.measure(x) {
-        Err(StepError::NoTangent) if map.properties().structure != Structure::None => {
-            instrument.measure_by_differences(x)
-        }
-        measured => measured,
+    let has_structure = map.properties().structure != Structure::None;
+    let sampled = match problem.is_sampled() && has_structure {
+        true => instrument.measure_sampled(x).ok()?,
+        false => None,
     };
-    let defect = defect.ok()?;
+    let defect = match sampled {
+        Some(defect) => defect,
+        None => match instrument.measure(x) {
+            Err(StepError::NoTangent) if has_structure => instrument.measure_by_differences(x),
+            measured => measured,
+        }
+        .ok()?,
+    };
     let measured = StepDefect {
         defect: defect.relative()?,
         floor: defect.relative_floor()?,

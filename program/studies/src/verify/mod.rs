@@ -31,4 +31,4 @@ pub use kept_energy::KeptEnergy;
 pub use measure::{Measured, measure};
 pub use order::MeasuredOrder;
 pub use problem::{FlowError, Own, Problem, ProblemError};
-pub use survey::{Progress, Refused, Row, Survey, SurveyOptions, survey};
+pub use survey::{Progress, Refused, Row, Sampled, Survey, SurveyOptions, survey};

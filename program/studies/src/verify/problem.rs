@@ -3,6 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 
+use leafwise_core::diagnostics::MOST_MEASURED;
 use leafwise_core::part::Family;
 use leafwise_core::{BuildError, PoissonSystem, Registry, StepError, StepMap, Walk};
 use leafwise_scene::compose::{Stepping, refuse_noise};
@@ -109,6 +110,11 @@ impl Problem {
         );
         let document = SceneDocument::parse(id, &text, &Registry::with_builtin())?;
         Self::of_scene(&document)
+    }
+
+    /// Whether tensor defects are measured along a few random directions: all entries of many coordinates take too long.
+    pub fn is_sampled(&self) -> bool {
+        self.system.dimension() > MOST_MEASURED
     }
 
     /// The order that seams and tables of the formulas may reduce a step to; `None` where every formula is smooth.

@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::time::Instant;
 
+use leafwise_core::diagnostics::COVECTORS;
 use leafwise_core::{BuildError, Registry, StepMap};
 use serde::Serialize;
 
@@ -140,6 +141,21 @@ pub struct Survey {
     pub rows: Vec<Row>,
     /// Combinations refused when they were built, with the reason.
     pub refused: Vec<Refused>,
+    /// The problems of many coordinates, of which a part is measured.
+    pub sampled: Vec<Sampled>,
+}
+
+/// Extent of the measurements of a problem of many coordinates.
+#[derive(Clone, Debug, Serialize)]
+pub struct Sampled {
+    /// The problem.
+    pub problem: String,
+    /// How many coordinates it has.
+    pub coordinates: usize,
+    /// The number of random covectors along which tensor defects are measured.
+    pub covectors: usize,
+    /// Whether the scene's own method alone is measured.
+    pub is_own_alone: bool,
 }
 
 impl Survey {
@@ -206,7 +222,20 @@ pub fn survey(
         let flow = problem.flow(registry, horizon)?;
         // The scene's own method comes first.
         let own = usize::from(problem.own.is_some());
-        let count = own + candidates.len();
+        let is_alone = problem.is_sampled() && own == 1 && !options.full;
+        let count = if is_alone {
+            own
+        } else {
+            own + candidates.len()
+        };
+        if problem.is_sampled() {
+            survey.sampled.push(Sampled {
+                problem: problem.name.clone(),
+                coordinates: problem.system.dimension(),
+                covectors: COVECTORS,
+                is_own_alone: is_alone,
+            });
+        }
         progress.problem(&problem.name, count);
         let measured = |at: usize| match &problem.own {
             Some(Own(map)) if at == 0 => row(problem, map.as_ref(), true, &flow, horizon),
@@ -340,6 +369,7 @@ mod tests {
         };
         let survey = Survey {
             rows: Vec::new(),
+            sampled: Vec::new(),
             refused: vec![
                 refused("top", "constant + collective", &lacks("constant")),
                 refused("top", "constant + hamilton-jacobi", &lacks("constant")),

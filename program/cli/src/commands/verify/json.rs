@@ -1,7 +1,7 @@
 //! The survey as one object.
 
 use leafwise::scene::json::Double;
-use leafwise::verify::{self, Measured, Refused, Survey};
+use leafwise::verify::{self, Measured, Refused, Sampled, Survey};
 use serde::Serialize;
 
 /// The object of `verify --json`.
@@ -11,6 +11,7 @@ pub(super) struct SurveyJson<'a> {
     seconds: Double,
     rows: Vec<Row<'a>>,
     refused: &'a [Refused],
+    sampled: &'a [Sampled],
 }
 
 /// One step map on one problem.
@@ -42,6 +43,7 @@ impl<'a> SurveyJson<'a> {
             seconds: Double(seconds),
             rows: survey.rows.iter().map(Row::from).collect(),
             refused: &survey.refused,
+            sampled: &survey.sampled,
         }
     }
 }

@@ -140,5 +140,15 @@ fn conclude(survey: &Survey, seconds: f64, console: &mut Console<'_>) {
              about the initial state, and a step across a seam or between cells has a lower one",
         );
     }
+    for sampled in &survey.sampled {
+        let alone = match sampled.is_own_alone {
+            true => "; the scene's own method alone is measured, --full measures all",
+            false => "",
+        };
+        console.result(&format!(
+            "{} has {} coordinates: tensor defects are those along {} random covectors, drifts those of fewer steps{alone}",
+            sampled.problem, sampled.coordinates, sampled.covectors
+        ));
+    }
     console.result(&format!("measured in {}", duration(seconds)));
 }
