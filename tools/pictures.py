@@ -28,7 +28,7 @@ LARGEST = 60_000
 
 #: Scenes by subject, in the order of the page; others follow at its end.
 SUBJECTS = {
-    "Bodies that turn": ["tennis_racket", "rigid_body", "learned_body", "attitude", "heavy_top", "heavy_top_attitude", "se3", "so4"],
+    "Bodies that turn": ["tennis_racket", "rigid_body", "slowing_body", "learned_body", "attitude", "heavy_top", "heavy_top_attitude", "se3", "so4"],
     "The sky": ["kepler", "restricted_three_body", "planets", "solar_system", "gravity", "henon_heiles"],
     "Charges and magnetic fields": ["magnetic", "guiding_centre", "guiding_centre_cartesian", "tokamak_losses", "magnetic_field_line"],
     "Driven motion, forces in pieces": ["driven_oscillator", "driven_pendulum", "damped_pendulum", "bouncing_ball"],

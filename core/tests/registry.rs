@@ -186,7 +186,10 @@ fn stepper(name: &'static str, family: Family) -> Part {
         name,
         family: Some(family),
         compared: Some(Compared::at(1)),
-        takes_forces: family == Family::Explicit,
+        takes: match family {
+            Family::Explicit => MotionKind::OffLeaves,
+            _ => MotionKind::Hamiltonian,
+        },
         serves_numbers: (family == Family::Explicit)
             .then_some(ServesNumbers { rank: 1, limit: "" }),
         ..PartInfo::of(PartKind::Stepper)

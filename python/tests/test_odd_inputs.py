@@ -235,6 +235,8 @@ FUNCTIONS: dict[str, Callable[[Any], object]] = {
     "orbit(period)": lambda x: lw.orbit(SCENE, x, steps=20),
     "orbit(steps)": lambda x: lw.orbit(SCENE, 6.2, steps=x) if not _is_long(x) else None,
     "casimirs(scene)": lambda x: lw.casimirs(x),
+    "import_boozer(source)": lambda x: lw.import_boozer(x, "nowhere"),
+    "import_boozer(surface)": lambda x: lw.import_boozer(__file__, "nowhere", surface=x),
     "import_equilibrium(file)": lambda x: lw.import_equilibrium(x, "nowhere"),
     "import_equilibrium(energy)": lambda x: lw.import_equilibrium(__file__, "nowhere", energy=x),
     "find(parameters)": lambda x: lw.find({"q": "p", "p": "-k*q"}, parameters=x),

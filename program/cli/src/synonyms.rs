@@ -29,7 +29,7 @@ const fn leads(
 }
 
 /// A word may stand in several rows: all parts are printed.
-const SYNONYMS: [Synonym; 26] = [
+const SYNONYMS: [Synonym; 28] = [
     leads(
         &["plot", "figure", "figures", "pdf"],
         "read-the-report",
@@ -73,6 +73,18 @@ const SYNONYMS: [Synonym; 26] = [
         "rate",
     ),
     leads(&["friction", "drag"], "forces", "forces", "friction*p"),
+    leads(
+        &["friction", "drag", "viscous", "viscosity"],
+        "forces",
+        "friction that leaves the leaf",
+        "viscous fluid",
+    ),
+    leads(
+        &["boozer", "stellarator", "stellarators", "netcdf", "boozmn"],
+        "equilibria",
+        "stellarators",
+        "Boozer",
+    ),
     leads(
         &[
             "fit",

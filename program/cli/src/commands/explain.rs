@@ -41,7 +41,7 @@ pub fn explain(
     ];
     rows.extend(
         run.method
-            .parts()
+            .parts(run.system.motion())
             .into_iter()
             .map(|(label, text)| (label.to_owned(), text)),
     );

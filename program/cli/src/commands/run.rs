@@ -126,7 +126,7 @@ pub(super) fn integrate(
         });
     }
     if output.json {
-        console.json(&RunJson::new(&report, error, options));
+        console.json(&RunJson::new(&composed, &report, error, options));
     }
     Ok(match report.outcome {
         RunOutcome::Done | RunOutcome::Stopped(_) => exit::DONE,
@@ -364,6 +364,8 @@ struct RunJson<'a> {
     drift: Vec<(&'a str, Double)>,
     #[serde(serialize_with = "object")]
     invariants: Vec<(&'a str, &'a InvariantDrift)>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    work: Option<String>,
     #[serde(with = "SolverFields")]
     solver: SolverStatistics,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -382,6 +384,7 @@ struct RunJson<'a> {
 
 impl<'a> RunJson<'a> {
     fn new(
+        composed: &ComposedRun,
         report: &'a RunReport,
         error: Option<Result<StateError, NoStateError>>,
         options: &RunOptions,
@@ -397,6 +400,7 @@ impl<'a> RunJson<'a> {
             wall_seconds: report.wall_seconds,
             drift: report.drift(),
             invariants: report.named_invariants(),
+            work: composed.work_of_forces(),
             solver: report.statistics,
             shadow: report.shadow,
             chaos: report.chaos,

@@ -69,7 +69,12 @@ const NOISE: &str = "system.noise";
 /// Motions that a pace does not serve.
 static PACE_BESIDE: [Beside; 3] = [
     Beside::Elsewhere {
-        paths: &["system.forces", "system.torque", "system.damping"],
+        paths: &[
+            "system.forces",
+            "system.torque",
+            "system.damping",
+            "system.friction",
+        ],
         message: "a pace serves motions of a Hamiltonian alone, and this system has forces",
         help: "take steps that are short enough everywhere",
     },
