@@ -3,7 +3,7 @@
 use crate::error::BuildError;
 use crate::part::{Family, PartInfo, PartKind};
 use crate::registry::Registry;
-use crate::system::MotionKind;
+use crate::system::MotionClass;
 
 impl Registry {
     /// The message of a refusal, with the parts of this registry that serve in place of the one refused.
@@ -23,8 +23,8 @@ impl Registry {
         };
         match error {
             BuildError::NotOffered { .. } => serving(self.serving_numbers()),
-            BuildError::Forces { .. } => serving(self.taking(MotionKind::OnLeaves)),
-            BuildError::Friction { .. } => serving(self.taking(MotionKind::OffLeaves)),
+            BuildError::Forces { .. } => serving(self.taking(MotionClass::OnLeaves)),
+            BuildError::Friction { .. } => serving(self.taking(MotionClass::OffLeaves)),
             BuildError::TooManyVariables { .. } | BuildError::TooManyEquations { .. } => {
                 let families = [Family::Splitting, Family::Explicit];
                 let steppers = families.into_iter().flat_map(|family| self.family(family));
@@ -79,7 +79,7 @@ impl Registry {
     }
 
     /// The parts that integrate a motion.
-    fn taking(&self, motion: MotionKind) -> Option<String> {
+    fn taking(&self, motion: MotionClass) -> Option<String> {
         let all = |kind: PartKind| {
             let parts = self.parts().into_iter();
             names(parts.filter(|info| info.kind == kind && info.takes >= motion))

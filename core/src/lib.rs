@@ -98,6 +98,6 @@ pub use solver::{
     SolverStatistics, StepMap, Stepper, Structure, WithoutPoles,
 };
 pub use system::{
-    Convention, MotionKind, PoissonSystem, SystemBuilder, SystemFormulas, SystemNumbers,
+    Convention, MotionClass, PoissonSystem, SystemBuilder, SystemFormulas, SystemNumbers,
 };
 pub use walk::Walk;

@@ -6,7 +6,7 @@ use std::fmt;
 use serde::Serialize;
 
 use crate::error::BuildError;
-use crate::system::MotionKind;
+use crate::system::MotionClass;
 
 pub use crate::dimensions::Dimensions;
 
@@ -243,7 +243,7 @@ pub struct PartInfo {
     pub serves_numbers: Option<ServesNumbers>,
     /// The motions that it integrates: ẋ = {H, x} alone where it is not said, and the part is refused for others.
     #[serde(skip)]
-    pub takes: MotionKind,
+    pub takes: MotionClass,
     /// Whether a scene writes its formulas: it is then looked at when it is composed, as a library's part is.
     #[serde(skip)]
     pub is_written: bool,
@@ -278,7 +278,7 @@ impl PartInfo {
             is_lift: false,
             family: None,
             serves_numbers: None,
-            takes: MotionKind::Hamiltonian,
+            takes: MotionClass::Hamiltonian,
             is_written: false,
             compared: None,
             reference: None,

@@ -187,8 +187,8 @@ fn stepper(name: &'static str, family: Family) -> Part {
         family: Some(family),
         compared: Some(Compared::at(1)),
         takes: match family {
-            Family::Explicit => MotionKind::OffLeaves,
-            _ => MotionKind::Hamiltonian,
+            Family::Explicit => MotionClass::OffLeaves,
+            _ => MotionClass::Hamiltonian,
         },
         serves_numbers: (family == Family::Explicit)
             .then_some(ServesNumbers { rank: 1, limit: "" }),

@@ -1,7 +1,7 @@
 //! Friction that leaves the symplectic leaves: closed forms, and refusals of all maps along leaves.
 
 use leafwise::core::part::PartParameters;
-use leafwise::core::system::MotionKind;
+use leafwise::core::system::MotionClass;
 use leafwise::core::{BuildError, Method, Registry, Structure};
 use leafwise::scene::compose;
 use leafwise_tests::numbers::{UNIT_ROUNDOFF, distance};
@@ -97,15 +97,15 @@ fn tangents_know_the_friction() {
 fn maps_along_leaves_refuse_friction_and_name_baselines() {
     let registry = Registry::with_builtin();
     let run = until(BODY, "stepper = \"rk4\"", &format!("{START:?}"), (1.0, 1));
-    assert_eq!(run.system.motion(), MotionKind::OffLeaves);
+    assert_eq!(run.system.motion(), MotionClass::OffLeaves);
     assert_eq!(run.method.map().properties().structure, Structure::None);
     let given = PartParameters::new();
     let realization = registry.realization("so3-exponential").expect("a part");
     // The realization is one of the tensor, which has no friction.
     let realization = realization.build(&run.system, &given).expect("it fits");
     let (mut taken, mut refused) = (0, 0);
-    let mut judge = |name: &str, takes: MotionKind, built: Result<(), BuildError>| {
-        if takes == MotionKind::OffLeaves {
+    let mut judge = |name: &str, takes: MotionClass, built: Result<(), BuildError>| {
+        if takes == MotionClass::OffLeaves {
             assert!(built.is_ok(), "{name}");
             taken += 1;
             return;

@@ -15,7 +15,7 @@ use crate::error::BuildError;
 
 /// The motions of a system, each with what the one before has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub enum MotionKind {
+pub enum MotionClass {
     /// ẋ = {H, x}.
     #[default]
     Hamiltonian,
@@ -86,15 +86,15 @@ impl Metric {
 impl Forces {
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
-        self.motion() == MotionKind::Hamiltonian
+        self.motion() == MotionClass::Hamiltonian
     }
 
     /// The motion under them.
-    pub fn motion(&self) -> MotionKind {
+    pub fn motion(&self) -> MotionClass {
         match (self.friction.is_empty(), &self.damping) {
-            (false, _) => MotionKind::OffLeaves,
-            (true, None) if self.one_form.is_empty() => MotionKind::Hamiltonian,
-            (true, _) => MotionKind::OnLeaves,
+            (false, _) => MotionClass::OffLeaves,
+            (true, None) if self.one_form.is_empty() => MotionClass::Hamiltonian,
+            (true, _) => MotionClass::OnLeaves,
         }
     }
 

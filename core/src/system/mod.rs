@@ -37,7 +37,7 @@ pub use agreement::Agreement;
 pub use builder::SystemBuilder;
 pub use compiled::CompiledNumbers;
 pub use field::FieldRounding;
-pub use forces::{Damping, Forces, Metric, MotionKind};
+pub use forces::{Damping, Forces, Metric, MotionClass};
 pub use forms::FormError;
 pub use formulas::{SystemFormulas, TensorSource};
 pub use jet::MotionSeries;
@@ -234,25 +234,25 @@ impl PoissonSystem {
     }
 
     /// Whether there are forces or a friction.
-    pub fn motion(&self) -> MotionKind {
+    pub fn motion(&self) -> MotionClass {
         let formulas = self.expressions();
-        formulas.map_or_else(MotionKind::default, |formulas| formulas.forces().motion())
+        formulas.map_or_else(MotionClass::default, |formulas| formulas.forces().motion())
     }
 
     /// Whether the motion is not ẋ = {H, x}.
     pub fn has_forces(&self) -> bool {
-        self.motion() != MotionKind::Hamiltonian
+        self.motion() != MotionClass::Hamiltonian
     }
 
     /// Refuses a motion that a part does not take.
     ///
     /// # Errors
     /// [`BuildError::Forces`], [`BuildError::Friction`].
-    pub fn unless_beyond(&self, takes: MotionKind, part: &str) -> Result<(), BuildError> {
+    pub fn unless_beyond(&self, takes: MotionClass, part: &str) -> Result<(), BuildError> {
         let part = || part.to_owned();
         match self.motion() {
             motion if motion <= takes => Ok(()),
-            MotionKind::OffLeaves => Err(BuildError::Friction { part: part() }),
+            MotionClass::OffLeaves => Err(BuildError::Friction { part: part() }),
             _ => Err(BuildError::Forces { part: part() }),
         }
     }
@@ -262,7 +262,7 @@ impl PoissonSystem {
     /// # Errors
     /// Those of [`unless_beyond`](Self::unless_beyond).
     pub fn without_forces(&self, part: &str) -> Result<(), BuildError> {
-        self.unless_beyond(MotionKind::Hamiltonian, part)
+        self.unless_beyond(MotionClass::Hamiltonian, part)
     }
 
     /// Values of Π, H, ∇H and the Casimirs, forces left out. They are the system's own, or those of kernels compiled

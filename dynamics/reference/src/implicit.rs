@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use leafwise_core::runge_kutta::{SmoothMap, StageSolver, Tableau};
 use leafwise_core::solver::{StepReport, Trajectories, check_equations};
-use leafwise_core::{BuildError, MapProperties, MotionKind, PoissonSystem, StepMap, Structure};
+use leafwise_core::{BuildError, MapProperties, MotionClass, PoissonSystem, StepMap, Structure};
 use nalgebra::DMatrix;
 
 use crate::reference_map::{ReferenceMap, row_major};
@@ -81,10 +81,10 @@ pub(crate) fn gauss_map(
         properties: MapProperties {
             order: 2 * tableau.stages(),
             structure: match (is_kept, system.motion()) {
-                (true, MotionKind::Hamiltonian) => Structure::Exact,
+                (true, MotionClass::Hamiltonian) => Structure::Exact,
                 // Slopes are in the image of a constant tensor.
-                (true, MotionKind::OnLeaves) => Structure::Leaves,
-                (true, MotionKind::OffLeaves) | (false, _) => Structure::None,
+                (true, MotionClass::OnLeaves) => Structure::Leaves,
+                (true, MotionClass::OffLeaves) | (false, _) => Structure::None,
             },
             self_adjoint: Some(true),
         },

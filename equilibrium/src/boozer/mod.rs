@@ -1,16 +1,17 @@
 //! Fields in Boozer coordinates: surfaces of stellarators and tokamaks, their field strength, guiding centres in them.
 //!
-//! B = ∇ψ × ∇θ + ι ∇ζ × ∇ψ = G ∇ζ + I ∇θ, with the toroidal flux 2πψ, so that A = ψ ∇θ − χ ∇ζ with χ′ = ι (A. Boozer, Phys.
-//! Fluids 24, 1999, 1981). A guiding centre of charge q and mass m with ρ = u/B moves by the one-form
+//! B = ∇ψ × ∇θ + ι ∇ζ × ∇ψ = G ∇ζ + I ∇θ, with the toroidal flux 2πψ (A. Boozer, Phys. Fluids 24, 1999, 1981). Its vector
+//! potential is A = ψ ∇θ − χ ∇ζ with χ′ = ι. A guiding centre of charge q and mass m has ρ = u/B and H = ρ²B²/2 + μB. Its
+//! one-form is
 //!
-//! ((q/m) ψ + ρ I) dθ + (ρ G − (q/m) χ) dζ and H = ρ²B²/2 + μB.
+//! ((q/m) ψ + ρ I) dθ + (ρ G − (q/m) χ) dζ.
 //!
-//! θ has no value on the axis. In x = √s cos θ, y = √s sin θ with s = ψ/ψ_edge, s dθ = x dy − y dx is regular there; so is the
-//! field strength, whose harmonics cos mθ fall as s^(m/2).
+//! An angle θ has no value on the axis. The coordinates are x = √s cos θ and y = √s sin θ with s = ψ/ψ_edge. There
+//! s dθ = x dy − y dx is regular. So is the field strength, whose harmonics cos mθ fall as s^(m/2).
 //!
-//! - `surfaces`: numbers between surfaces and beyond the last one;
-//! - `field`: |B| anywhere, by harmonics of the angles on each surface;
-//! - `scene`: the scene, and the files of its tables.
+//! - Module `surfaces`: numbers between surfaces and beyond the last one.
+//! - Module `field`: |B| anywhere, by harmonics of the angles on each surface.
+//! - Module `scene`: the scene, and the files of its tables.
 
 mod field;
 mod scene;

@@ -51,8 +51,9 @@ impl Profile {
     }
 }
 
-/// The guiding centres of `ions` in a field, in metres, seconds and tesla; `source` is the name of the file, `nodes` those across
-/// the disk of x and y, `degree` that of the splines.
+/// The guiding centres of `ions` in a field, in metres, seconds and tesla.
+///
+/// So many nodes stand across the disk of x and y. The splines have this degree. The file's name is `source`.
 ///
 /// # Errors
 /// [`EquilibriumError`] where the ions have no start.

@@ -82,7 +82,7 @@ const SYNONYMS: [Synonym; 28] = [
     leads(
         &["boozer", "stellarator", "stellarators", "netcdf", "boozmn"],
         "equilibria",
-        "stellarators",
+        "stellarators: boozer coordinates",
         "Boozer",
     ),
     leads(

@@ -26,8 +26,8 @@ use leafwise_core::runge_kutta::SmoothMapEvaluator;
 use leafwise_core::solver::{StepReport, Trajectories};
 use leafwise_core::system::MotionSeries;
 use leafwise_core::{
-    BuildError, Evaluator, MapProperties, MotionKind, PoissonSystem, StepError, StepMap, Structure,
-    SystemFormulas, two_sum,
+    BuildError, Evaluator, MapProperties, MotionClass, PoissonSystem, StepError, StepMap,
+    Structure, SystemFormulas, two_sum,
 };
 use leafwise_expression::AlgebraError;
 
@@ -48,7 +48,7 @@ static INFO: PartInfo = PartInfo {
                  astrodynamics and celestial mechanics, MNRAS 504 (2021)",
     parameters: &[TOLERANCE],
     family: Some(Family::Series),
-    takes: MotionKind::OffLeaves,
+    takes: MotionClass::OffLeaves,
     compared: Some(Compared::at(1)),
     reference: Some(&[]),
     ..PartInfo::of(PartKind::Stepper)

@@ -111,14 +111,11 @@ pub(super) fn integrate(
             console.prose(&line);
         }
     }
-    let is_estimated =
-        estimates_error && matches!(report.outcome, RunOutcome::Done | RunOutcome::Stopped(_));
-    let error = is_estimated.then(|| {
-        // A condition ends a run within a step.
-        let part = u64::from(report.outcome.stopped_by().is_some());
-        let steps = report.steps.saturating_sub(part);
-        StateError::measured(composed, steps, &|| interrupt.load(Ordering::Relaxed))
-    });
+    let is_estimated = estimates_error || document.run.estimates_error;
+    let is_interrupted = || interrupt.load(Ordering::Relaxed);
+    let error = is_estimated
+        .then(|| StateError::of_report(composed, &report, &is_interrupted))
+        .flatten();
     if let Some(error) = error.as_ref().filter(|_| !output.quiet) {
         console.prose(&match error {
             Ok(error) => format!("  error    {}", error.text()),

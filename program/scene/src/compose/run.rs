@@ -7,7 +7,7 @@ use leafwise_core::LatticeMethod;
 use leafwise_core::lattice::LatticeSource;
 use leafwise_core::system::SystemObservables;
 use leafwise_core::{
-    BuildError, Method, MotionKind, Origin, PartKind, PoissonSystem, Registry, StepMap, Structure,
+    BuildError, Method, MotionClass, Origin, PartKind, PoissonSystem, Registry, StepMap, Structure,
     Walk, WithoutPoles,
 };
 use leafwise_expression::{Expression, TableFunction};
@@ -520,7 +520,7 @@ impl ComposedRun {
             return Some("changes as in every contact motion: dH/dt = -H dH/ds".to_owned());
         }
         let forces = self.system.expressions()?.forces();
-        if forces.motion() == MotionKind::OffLeaves {
+        if forces.motion() == MotionClass::OffLeaves {
             let energy = match self.method.noise() {
                 None => "changes by the friction: dH/dt = <dH, friction>",
                 Some(_) => "changes by the noise and the friction",
