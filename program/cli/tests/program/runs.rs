@@ -421,7 +421,7 @@ fn a_scene_asks_for_the_error_of_its_states() {
         .leafwise(&["run", "plain.toml", "--json", "--out", "other"])
         .json();
     assert!(without["state_error"].is_null());
-    let said = here.leafwise(&["run", "asked.toml", "--set", "run.error=true"]);
+    let said = here.leafwise(&["run", "asked.toml", "--set", "run.error=guess"]);
     assert_eq!(said.code, Some(3), "{}", said.err);
     said.says(&["estimate"]);
 }
