@@ -1,131 +1,151 @@
-//! The field strength between surfaces and nodes.
+//! A field in Boozer coordinates, and starts of particles in it.
 
 use std::f64::consts::PI;
 
-use super::BoozerData;
+use leafwise_core::random::Random;
+
+use super::data::{BoozerData, check};
+use super::strength::Strength;
 use super::surfaces::Surfaces;
+use crate::error::EquilibriumError;
+use crate::ions::{Ions, Start};
 
-/// |B| by harmonics of θ and ζ on each surface. An odd harmonic of θ is √s times a smooth function of s.
+/// A field in Boozer coordinates.
 #[derive(Clone, Debug)]
-pub(super) struct Strength {
-    periods: f64,
-    nodes: [usize; 2],
-    /// [surface][harmonic of θ][harmonic of ζ], those of odd θ divided by √s.
-    harmonics: Vec<f64>,
+pub struct Boozer {
+    data: BoozerData,
+    surfaces: Surfaces,
+    strength: Strength,
 }
 
-impl Strength {
-    pub(super) fn new(data: &BoozerData, surfaces: &Surfaces) -> Self {
-        let [along_theta, along_zeta] = data.nodes;
-        let each = along_theta * along_zeta;
-        let mut harmonics = Vec::with_capacity(data.strength.len());
-        for (s, numbers) in surfaces.s().iter().zip(data.strength.chunks(each)) {
-            let rows: Vec<f64> = numbers.chunks(along_zeta).flat_map(analysed).collect();
-            let mut own = vec![0.0; each];
+/// The part of the smallest |B| between nodes below which draws of starts take it to be.
+const BELOW: f64 = 0.95;
+
+/// Draws of one member until one is taken, far beyond any that is needed.
+const DRAWS: usize = 10_000;
+
+/// The stream of numbers of starts.
+const STREAM: u32 = 0;
+
+impl Boozer {
+    /// The field of these numbers.
+    ///
+    /// # Errors
+    /// [`EquilibriumError::Odd`] for numbers that are no field.
+    pub fn new(data: BoozerData) -> Result<Self, EquilibriumError> {
+        check(&data).map_err(EquilibriumError::Odd)?;
+        let surfaces = Surfaces::new(&data.s);
+        let strength = Strength::new(&data, &surfaces);
+        Ok(Self {
+            data,
+            surfaces,
+            strength,
+        })
+    }
+
+    /// The numbers.
+    pub fn data(&self) -> &BoozerData {
+        &self.data
+    }
+
+    /// |B| at s, θ and ζ, in T.
+    pub fn strength(&self, s: f64, theta: f64, zeta: f64) -> f64 {
+        self.strength.at(&self.surfaces, s, theta, zeta)
+    }
+
+    /// |B| at s and θ, at so many nodes of a field period of ζ.
+    pub(super) fn strength_along_zeta(&self, s: f64, theta: f64, count: usize) -> Vec<f64> {
+        self.strength.line(&self.surfaces, s, theta, count)
+    }
+
+    /// ι at s.
+    pub fn iota(&self, s: f64) -> f64 {
+        self.surfaces.between(&self.data.iota, s)
+    }
+
+    /// G at s, in T·m.
+    pub fn g(&self, s: f64) -> f64 {
+        self.surfaces.between(&self.data.g, s)
+    }
+
+    /// I/s at s, in T·m: I vanishes on the axis.
+    pub fn i_over_s(&self, s: f64) -> f64 {
+        match self.data.i.is_empty() {
+            true => 0.0,
+            false => self.surfaces.between_over(&self.data.i, 1.0, s),
+        }
+    }
+
+    /// Whether |B| is the same at every ζ.
+    pub fn is_axisymmetric(&self) -> bool {
+        let [_, along_zeta] = self.data.nodes;
+        let mut rows = self.data.strength.chunks(along_zeta);
+        rows.all(|row| row.iter().all(|b| *b == row[0]))
+    }
+
+    /// The least and the largest |B| of the numbers, in T.
+    pub fn range(&self) -> [f64; 2] {
+        let all = || self.data.strength.iter().copied();
+        [
+            all().fold(f64::INFINITY, f64::min),
+            all().fold(0.0, f64::max),
+        ]
+    }
+
+    /// The single particle: at θ = 0 and ζ = 0 of the surface. States are x, y, ζ and ρ.
+    ///
+    /// # Errors
+    /// [`EquilibriumError`] for an energy, a pitch or a surface out of range.
+    pub fn start(&self, ions: &Ions) -> Result<Start, EquilibriumError> {
+        let (speed, s) = (ions.checked_speed()?, ions.checked_surface()?);
+        Ok(self.start_at([s, 0.0, 0.0], speed, ions.pitch))
+    }
+
+    /// The particles of the ensemble: uniform in the volume of a thin shell about the surface and in u/v.
+    ///
+    /// The volume of dθ dζ is in proportion to 1/B².
+    ///
+    /// # Errors
+    /// [`EquilibriumError`] for an energy or a surface out of range.
+    pub fn starts(&self, ions: &Ions) -> Result<Vec<Start>, EquilibriumError> {
+        let (speed, s) = (ions.checked_speed()?, ions.checked_surface()?);
+        let period = 2.0 * PI / f64::from(self.data.periods);
+        let [along_theta, along_zeta] = self.data.nodes.map(|nodes| 2 * nodes);
+        let mut least = f64::INFINITY;
+        for j in 0..along_theta {
             for l in 0..along_zeta {
-                let column: Vec<f64> = (0..along_theta).map(|j| rows[j * along_zeta + l]).collect();
-                for (a, harmonic) in analysed(&column).into_iter().enumerate() {
-                    let harmonic = match (order(a) % 2, *s > 0.0) {
-                        (0, _) => harmonic,
-                        (_, true) => harmonic / libm::sqrt(*s),
-                        (_, false) => 0.0,
-                    };
-                    own[a * along_zeta + l] = harmonic;
-                }
-            }
-            harmonics.extend(own);
-        }
-        Self {
-            periods: data.periods.into(),
-            nodes: data.nodes,
-            harmonics,
-        }
-    }
-
-    /// |B| at one place.
-    pub(super) fn at(&self, surfaces: &Surfaces, s: f64, theta: f64, zeta: f64) -> f64 {
-        let [_, along_zeta] = self.nodes;
-        let along = self.along_zeta(surfaces, s, theta);
-        let basis = basis(along_zeta, self.periods * zeta);
-        along
-            .iter()
-            .zip(basis)
-            .map(|(own, value)| own * value)
-            .sum()
-    }
-
-    /// |B| at so many nodes of a field period.
-    pub(super) fn line(&self, surfaces: &Surfaces, s: f64, theta: f64, count: usize) -> Vec<f64> {
-        let [_, along_zeta] = self.nodes;
-        let along = self.along_zeta(surfaces, s, theta);
-        let at = |l: usize| {
-            let basis = basis(along_zeta, 2.0 * PI * l as f64 / count as f64);
-            along
-                .iter()
-                .zip(basis)
-                .map(|(own, value)| own * value)
-                .sum()
-        };
-        (0..count).map(at).collect()
-    }
-
-    /// The harmonics of ζ at one s and θ.
-    fn along_zeta(&self, surfaces: &Surfaces, s: f64, theta: f64) -> Vec<f64> {
-        let [along_theta, along_zeta] = self.nodes;
-        let each = along_theta * along_zeta;
-        let (even, odd) = (surfaces.parts(false, s), surfaces.parts(true, s));
-        let basis = basis(along_theta, theta);
-        let root = libm::sqrt(s);
-        let mut along = vec![0.0; along_zeta];
-        let parts = even.each().iter().zip(odd.each());
-        for (numbers, (even, odd)) in self.harmonics.chunks(each).zip(parts) {
-            for (a, (row, value)) in numbers.chunks(along_zeta).zip(&basis).enumerate() {
-                let factor = value
-                    * match order(a) % 2 {
-                        0 => *even,
-                        _ => odd * root,
-                    };
-                for (sum, harmonic) in along.iter_mut().zip(row) {
-                    *sum += factor * harmonic;
-                }
+                let theta = 2.0 * PI * j as f64 / along_theta as f64;
+                let zeta = period * l as f64 / along_zeta as f64;
+                least = least.min(self.strength(s, theta, zeta));
             }
         }
-        along
+        let least = BELOW * least;
+        let drawn = (0..ions.members).map(|member| {
+            let mut random = Random::new(ions.seed, u64::from(member), STREAM);
+            let mut place = [s, 0.0, 0.0];
+            for _ in 0..DRAWS {
+                place = [s, 2.0 * PI * random.uniform(), period * random.uniform()];
+                let part = least / self.strength(place[0], place[1], place[2]);
+                if random.uniform() <= part * part {
+                    break;
+                }
+            }
+            self.start_at(place, speed, 2.0 * random.uniform() - 1.0)
+        });
+        Ok(drawn.collect())
     }
-}
 
-/// The order m of the function number a: 1, cos x, sin x, cos 2x, ….
-fn order(a: usize) -> usize {
-    a.div_ceil(2)
-}
-
-/// 1, cos x, sin x, …, as many functions as there are nodes.
-fn basis(count: usize, x: f64) -> Vec<f64> {
-    let function = |a: usize| {
-        let angle = order(a) as f64 * x;
-        match a {
-            0 => 1.0,
-            _ if a % 2 == 1 => libm::cos(angle),
-            _ => libm::sin(angle),
-        }
-    };
-    (0..count).map(function).collect()
-}
-
-/// The coefficients of the functions that take these numbers at nodes x = 2πj/n.
-fn analysed(numbers: &[f64]) -> Vec<f64> {
-    let count = numbers.len();
-    let mut sums = vec![0.0; count];
-    for (j, number) in numbers.iter().enumerate() {
-        let values = basis(count, 2.0 * PI * j as f64 / count as f64);
-        for (sum, value) in sums.iter_mut().zip(values) {
-            *sum += number * value;
+    fn start_at(&self, [s, theta, zeta]: [f64; 3], speed: f64, pitch: f64) -> Start {
+        let strength = self.strength(s, theta, zeta);
+        let radius = libm::sqrt(s);
+        Start {
+            state: [
+                radius * libm::cos(theta),
+                radius * libm::sin(theta),
+                zeta,
+                speed * pitch / strength,
+            ],
+            moment: speed * speed * (1.0 - pitch * pitch) / (2.0 * strength),
         }
     }
-    for (a, sum) in sums.iter_mut().enumerate() {
-        // The last cosine of an even number of nodes is ±1 at each.
-        let is_alone = a == 0 || 2 * order(a) == count;
-        *sum *= if is_alone { 1.0 } else { 2.0 } / count as f64;
-    }
-    sums
 }

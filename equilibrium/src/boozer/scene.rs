@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 use std::fmt::Write;
 
-use super::Boozer;
+use super::field::Boozer;
 use crate::error::EquilibriumError;
 use crate::ions::Ions;
 use crate::written::{Written, array, rounded, states};
@@ -203,7 +203,7 @@ fn disk(field: &Boozer, nodes: usize) -> (Vec<f64>, Vec<usize>) {
         for j in 0..nodes {
             let (x, y) = (at(i), at(j));
             let (s, theta) = (x * x + y * y, libm::atan2(y, x));
-            numbers.extend(field.strength.line(&field.surfaces, s, theta, along));
+            numbers.extend(field.strength_along_zeta(s, theta, along));
         }
     }
     let mut shape = vec![nodes, nodes];

@@ -126,7 +126,11 @@ fn blended(nodes: &[f64]) -> Vec<f64> {
             let product: f64 = others
                 .map(|other| 1.0 / (nodes[at] - nodes[other]))
                 .product();
-            if first % 2 == 0 { product } else { -product }
+            if first.is_multiple_of(2) {
+                product
+            } else {
+                -product
+            }
         };
         (from..=to).map(of).sum()
     };
