@@ -6,8 +6,8 @@ use leafwise_core::part::{Compared, Family, ParameterSetting, PartInfo, PartKind
 use leafwise_core::part_description::{ParameterDescription, PartDescription};
 use leafwise_core::registry::{CompositionPart, DynamicsPart, StepperPart, SystemPart};
 use leafwise_core::{
-    BuildError, Convention, Origin, Part, PartParameters, Pieces, PoissonSystem, Registry,
-    RegistryError,
+    BuildError, Convention, MotionClass, Origin, Part, PartParameters, Pieces, PoissonSystem,
+    Registry, RegistryError,
 };
 use leafwise_expression::{Expression, Rational};
 

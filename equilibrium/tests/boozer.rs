@@ -6,6 +6,9 @@ use leafwise_equilibrium::{Boozer, BoozerData, Ions, Species, written_in_boozer}
 
 const PERIODS: u32 = 5;
 
+/// A change that makes numbers none of a field.
+type Spoil = fn(&mut BoozerData);
+
 /// |B| of s, θ and ζ.
 type Strength = fn(f64, f64, f64) -> f64;
 
@@ -76,7 +79,6 @@ fn the_field_is_met_between_surfaces() {
             errors(stellarator, &field.expect("a field"))[0]
         };
         let (coarse, fine) = (of(13), of(25));
-        println!("from s = {first}: {coarse:.1e}, {fine:.1e}");
         assert!(fine < 1e-9 && fine < coarse / 16.0, "{coarse:e} {fine:e}");
     }
 }
@@ -140,7 +142,7 @@ fn starts_are_uniform_in_the_volume() {
 fn numbers_that_are_no_field_are_told() {
     let good = data(stellarator, (6, 0.0), [8, 6]);
     assert!(Boozer::new(good.clone()).is_ok());
-    let cases: [(fn(&mut BoozerData), &str); 13] = [
+    let cases: [(Spoil, &str); 13] = [
         (|data| data.periods = 0, "`periods` is 0"),
         (|data| data.edge_flux = 0.0, "is 0"),
         (|data| data.edge_flux = f64::NAN, "not finite"),

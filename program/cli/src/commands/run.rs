@@ -123,7 +123,7 @@ pub(super) fn integrate(
         });
     }
     if output.json {
-        console.json(&RunJson::new(&composed, &report, error, options));
+        console.json(&RunJson::new(composed, &report, error, options));
     }
     Ok(match report.outcome {
         RunOutcome::Done | RunOutcome::Stopped(_) => exit::DONE,
