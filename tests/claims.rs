@@ -4,6 +4,7 @@ mod advice;
 mod at_once;
 mod automatic;
 mod bodies;
+mod boozer;
 mod branches;
 mod checkpoint;
 mod closed_form;

@@ -5,10 +5,11 @@
     reason = "measured numbers, read with --nocapture"
 )]
 
+mod friction;
 mod lattices;
 
 use leafwise::core::part::PartParameters;
-use leafwise::core::system::{Damping, Forces, Metric};
+use leafwise::core::system::{Damping, Forces, Metric, MotionClass};
 use leafwise::core::{BuildError, Method, PoissonSystem, Registry, Structure};
 use leafwise::expression::Expression;
 use leafwise::run::advice::{AdviceKind, JudgedStates, advise, states_ahead};
@@ -336,7 +337,7 @@ fn parts_of_hamiltonian_motions_refuse_forces_and_name_what_takes_them() {
             let dynamics = part.build(&given).expect("defaults");
             let composed = Method::compose(&system, realization.clone(), dynamics.clone());
             let unfused = Method::compose_unfused(&system, realization.clone(), dynamics);
-            match info.takes_forces {
+            match info.takes >= MotionClass::OnLeaves {
                 true => assert!(composed.is_ok() && unfused.is_ok(), "{}", info.name),
                 false => {
                     is_refused(composed.map(drop), info.name);
@@ -346,7 +347,7 @@ fn parts_of_hamiltonian_motions_refuse_forces_and_name_what_takes_them() {
         }
         if let Ok(part) = registry.stepper(info.name) {
             let built = part.build(&system, &given);
-            match info.takes_forces {
+            match info.takes >= MotionClass::OnLeaves {
                 true => assert!(built.is_ok(), "{}", info.name),
                 false => is_refused(built.map(drop), info.name),
             }
@@ -410,6 +411,7 @@ fn lists_of_other_lengths_are_refused() {
                 rate: 1.into(),
                 metric,
             }),
+            friction: Vec::new(),
         })
     };
     assert!(of(3, Metric::identity(3, 3)).is_ok());

@@ -28,9 +28,9 @@ LARGEST = 60_000
 
 #: Scenes by subject, in the order of the page; others follow at its end.
 SUBJECTS = {
-    "Bodies that turn": ["tennis_racket", "rigid_body", "learned_body", "attitude", "heavy_top", "heavy_top_attitude", "se3", "so4"],
+    "Bodies that turn": ["tennis_racket", "rigid_body", "slowing_body", "learned_body", "attitude", "heavy_top", "heavy_top_attitude", "se3", "so4"],
     "The sky": ["kepler", "restricted_three_body", "planets", "solar_system", "gravity", "henon_heiles"],
-    "Charges and magnetic fields": ["magnetic", "guiding_centre", "guiding_centre_cartesian", "tokamak_losses", "magnetic_field_line"],
+    "Charges and magnetic fields": ["magnetic", "guiding_centre", "guiding_centre_cartesian", "tokamak_losses", "stellarator", "magnetic_field_line"],
     "Driven motion, forces in pieces": ["driven_oscillator", "driven_pendulum", "damped_pendulum", "bouncing_ball"],
     "Vortices and fluids": ["point_vortices", "vortices", "vortex_ring", "sphere_vortices", "camassa_holm", "nambu"],
     "Waves and light": ["three_wave", "maxwell_bloch"],
@@ -73,6 +73,7 @@ VIEWS: dict[str, tuple[str, list[str]]] = {
     "so4": ("Orbit", ["run.steps=500", "run.record.every=1"]),
     "sphere_vortices": ("Orbit", ["run.steps=400", "run.record.every=1"]),
     "three_wave": ("Orbit", ["run.steps=400", "run.record.every=1"]),
+    "stellarator": ("Phase plane", ['run.record.states=["x","y"]', "run.record.every=2"]),
     "tokamak_losses": ("Stopped by", []),
     "toda": ("a over", ["run.steps=1000"]),
     "solar_system": ("q.x over", ["run.record.every=10"]),

@@ -8,7 +8,7 @@ use crate::bisection::LagrangianBisection;
 use crate::error::BuildError;
 pub use crate::generating_function::{Generating, GeneratingCode, GeneratingFunction};
 use crate::realization::RealizationData;
-use crate::system::PoissonSystem;
+use crate::system::{MotionClass, PoissonSystem};
 
 /// Provides a Lagrangian bisection L̂_{ε,h} ↪ (S, ω) that approximates
 /// L_{ε,h} = φ_h^{α_ε^*H}(σ(M)) to order m in h (paper, section 4.1).
@@ -38,8 +38,8 @@ pub struct DynamicsProperties {
     pub self_adjoint: Option<bool>,
     /// Whether L is Lagrangian to round-off: only then is the induced map declared Poisson. Of another L it maps along leaves.
     pub is_lagrangian: bool,
-    /// Whether it approximates the motion ẋ = −Π(dH + η) of a system with forces η: methods refuse such a system to others.
-    pub takes_forces: bool,
+    /// The motions that it approximates: methods refuse others.
+    pub takes: MotionClass,
     /// Whether it steps in the coordinates of a [`Lift`](crate::Lift): others need α̂ and β̂.
     pub serves_lifts: bool,
     /// Whether y ↦ L(y) is solved for β̂(L(y)) = x, or taken at y = x.
@@ -55,7 +55,7 @@ impl DynamicsProperties {
             order,
             self_adjoint,
             is_lagrangian: true,
-            takes_forces: false,
+            takes: MotionClass::Hamiltonian,
             serves_lifts: false,
             correction: Correction::Bisection,
             time_step: None,

@@ -3,6 +3,7 @@
 use crate::error::BuildError;
 use crate::part::{Family, PartInfo, PartKind};
 use crate::registry::Registry;
+use crate::system::MotionClass;
 
 impl Registry {
     /// The message of a refusal, with the parts of this registry that serve in place of the one refused.
@@ -22,7 +23,8 @@ impl Registry {
         };
         match error {
             BuildError::NotOffered { .. } => serving(self.serving_numbers()),
-            BuildError::Forces { .. } => serving(self.taking_forces()),
+            BuildError::Forces { .. } => serving(self.taking(MotionClass::OnLeaves)),
+            BuildError::Friction { .. } => serving(self.taking(MotionClass::OffLeaves)),
             BuildError::TooManyVariables { .. } | BuildError::TooManyEquations { .. } => {
                 let families = [Family::Splitting, Family::Explicit];
                 let steppers = families.into_iter().flat_map(|family| self.family(family));
@@ -76,11 +78,11 @@ impl Registry {
         either(pairs, steppers)
     }
 
-    /// The parts that integrate ẋ = −Π(dH + η) with forces η.
-    fn taking_forces(&self) -> Option<String> {
+    /// The parts that integrate a motion.
+    fn taking(&self, motion: MotionClass) -> Option<String> {
         let all = |kind: PartKind| {
             let parts = self.parts().into_iter();
-            names(parts.filter(|info| info.kind == kind && info.takes_forces))
+            names(parts.filter(|info| info.kind == kind && info.takes >= motion))
         };
         let dynamics = listed("the dynamics ", &all(PartKind::Dynamics), ", ");
         let steppers = listed("the steppers ", &all(PartKind::Stepper), ", ");

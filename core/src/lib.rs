@@ -97,5 +97,7 @@ pub use solver::{
     ByTangents, Differential, Factored, Inverse, MapAbilities, MapProperties, Pieces, Setting,
     SolverStatistics, StepMap, Stepper, Structure, WithoutPoles,
 };
-pub use system::{Convention, PoissonSystem, SystemBuilder, SystemFormulas, SystemNumbers};
+pub use system::{
+    Convention, MotionClass, PoissonSystem, SystemBuilder, SystemFormulas, SystemNumbers,
+};
 pub use walk::Walk;

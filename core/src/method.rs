@@ -353,10 +353,7 @@ pub(crate) fn check_forces(
     system: &PoissonSystem,
     dynamics: &dyn DynamicApproximation,
 ) -> Result<(), BuildError> {
-    match dynamics.properties().takes_forces {
-        true => Ok(()),
-        false => system.without_forces(&dynamics.describe()),
-    }
+    system.unless_beyond(dynamics.properties().takes, &dynamics.describe())
 }
 
 /// Refuses coordinates with a constant tensor to a dynamic approximation that needs α̂ and β̂.

@@ -6,6 +6,7 @@ use std::fmt;
 use serde::Serialize;
 
 use crate::error::BuildError;
+use crate::system::MotionClass;
 
 pub use crate::dimensions::Dimensions;
 
@@ -240,9 +241,9 @@ pub struct PartInfo {
     /// Whether it needs no formulas of the system.
     #[serde(skip)]
     pub serves_numbers: Option<ServesNumbers>,
-    /// Whether it integrates ẋ = −Π(dH + η) for a system with forces η: where it is not said, the part is refused there.
+    /// The motions that it integrates: ẋ = {H, x} alone where it is not said, and the part is refused for others.
     #[serde(skip)]
-    pub takes_forces: bool,
+    pub takes: MotionClass,
     /// Whether a scene writes its formulas: it is then looked at when it is composed, as a library's part is.
     #[serde(skip)]
     pub is_written: bool,
@@ -277,7 +278,7 @@ impl PartInfo {
             is_lift: false,
             family: None,
             serves_numbers: None,
-            takes_forces: false,
+            takes: MotionClass::Hamiltonian,
             is_written: false,
             compared: None,
             reference: None,

@@ -171,15 +171,13 @@ impl StepperPart {
     ///
     /// # Errors
     /// [`BuildError`] when a parameter is out of range or the system does not fit. A system with forces gives
-    /// [`BuildError::Forces`] where the part takes none.
+    /// [`BuildError::Forces`] where the part takes none, one with a friction [`BuildError::Friction`].
     pub fn build(
         &self,
         system: &PoissonSystem,
         parameters: &PartParameters,
     ) -> Result<Arc<dyn StepMap>, BuildError> {
-        if !self.info.takes_forces {
-            system.without_forces(self.info.name)?;
-        }
+        system.unless_beyond(self.info.takes, self.info.name)?;
         (self.make)(system, parameters)
     }
 

@@ -6,8 +6,8 @@ use leafwise_core::part::{Compared, Family, ParameterSetting, PartInfo, PartKind
 use leafwise_core::part_description::{ParameterDescription, PartDescription};
 use leafwise_core::registry::{CompositionPart, DynamicsPart, StepperPart, SystemPart};
 use leafwise_core::{
-    BuildError, Convention, Origin, Part, PartParameters, Pieces, PoissonSystem, Registry,
-    RegistryError,
+    BuildError, Convention, MotionClass, Origin, Part, PartParameters, Pieces, PoissonSystem,
+    Registry, RegistryError,
 };
 use leafwise_expression::{Expression, Rational};
 
@@ -186,7 +186,10 @@ fn stepper(name: &'static str, family: Family) -> Part {
         name,
         family: Some(family),
         compared: Some(Compared::at(1)),
-        takes_forces: family == Family::Explicit,
+        takes: match family {
+            Family::Explicit => MotionClass::OffLeaves,
+            _ => MotionClass::Hamiltonian,
+        },
         serves_numbers: (family == Family::Explicit)
             .then_some(ServesNumbers { rank: 1, limit: "" }),
         ..PartInfo::of(PartKind::Stepper)

@@ -99,7 +99,7 @@ impl Species {
 /// The state of a guiding centre, with its magnetic moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Start {
-    /// R, Z and φ, in m and rad, and u, the velocity along B, in m/s.
+    /// R, Z and φ, in m and rad, and u, the velocity along B, in m/s; in Boozer coordinates x, y, ζ and ρ = u/B.
     pub state: [f64; 4],
     /// μ = v_⊥²/(2B), in m²/(s²·T).
     pub moment: f64,
@@ -128,11 +128,7 @@ impl Ions {
     /// # Errors
     /// [`EquilibriumError`] for an open surface, an energy or a pitch out of range.
     pub fn start(&self, equilibrium: &Equilibrium) -> Result<Start, EquilibriumError> {
-        let speed = self.species.speed(self.energy)?;
-        if self.pitch.is_nan() || self.pitch.abs() > 1.0 {
-            let message = format!("the pitch u/v is {}: it lies from -1 to 1", self.pitch);
-            return Err(EquilibriumError::Odd(message));
-        }
+        let speed = self.checked_speed()?;
         let point = self.surface_of(equilibrium)?.points[0];
         Ok(start(equilibrium, point, 0.0, speed, self.pitch))
     }
@@ -142,7 +138,7 @@ impl Ions {
     /// # Errors
     /// [`EquilibriumError`] for an open surface and an energy out of range.
     pub fn starts(&self, equilibrium: &Equilibrium) -> Result<Vec<Start>, EquilibriumError> {
-        let speed = self.species.speed(self.energy)?;
+        let speed = self.checked_speed()?;
         let surface = self.surface_of(equilibrium)?;
         let drawn = (0..self.members).map(|member| {
             let mut random = Random::new(self.seed, u64::from(member), STREAM);
@@ -155,6 +151,20 @@ impl Ions {
     }
 
     fn surface_of(&self, equilibrium: &Equilibrium) -> Result<Surface, EquilibriumError> {
+        Surface::of(equilibrium, self.checked_surface()?)
+    }
+
+    /// The speed in m/s, of a pitch that is one.
+    pub(crate) fn checked_speed(&self) -> Result<f64, EquilibriumError> {
+        if self.pitch.is_nan() || self.pitch.abs() > 1.0 {
+            let message = format!("the pitch u/v is {}: it lies from -1 to 1", self.pitch);
+            return Err(EquilibriumError::Odd(message));
+        }
+        self.species.speed(self.energy)
+    }
+
+    /// The surface, between axis and edge.
+    pub(crate) fn checked_surface(&self) -> Result<f64, EquilibriumError> {
         if !(self.surface > 0.0 && self.surface < 1.0) {
             let message = format!(
                 "the surface is s = {}: it lies between the axis, 0, and the edge, 1",
@@ -162,7 +172,7 @@ impl Ions {
             );
             return Err(EquilibriumError::Odd(message));
         }
-        Surface::of(equilibrium, self.surface)
+        Ok(self.surface)
     }
 }
 

@@ -12,8 +12,17 @@ use crate::ions::{Ions, Start};
 pub struct Written {
     /// The text of `scene.toml`.
     pub scene: String,
-    /// Names and texts of the files: the tables, and the starts of an ensemble's members.
-    pub files: Vec<(String, String)>,
+    /// Names and contents of the files: the tables, and the starts of an ensemble's members.
+    pub files: Vec<(String, Vec<u8>)>,
+}
+
+impl Written {
+    /// The table of an ensemble that starts at the states of `ions.csv`.
+    pub(crate) fn ensemble(members: u32) -> String {
+        format!(
+            "\n[ensemble]\nmembers      = {members}\ninitial      = {{ file = \"ions.csv\" }}\nrecord       = {{ every = 200 }}\nfinal-states = \"csv\"\n"
+        )
+    }
 }
 
 /// Steps in the time that a particle with all its speed along B takes around the surface the short way.
@@ -30,7 +39,7 @@ pub fn written(
 ) -> Result<Written, EquilibriumError> {
     let start = ions.start(equilibrium)?;
     let [_, along_z] = equilibrium.file().nodes;
-    let grid = |numbers: &[f64]| rows(numbers, along_z);
+    let grid = |numbers: &[f64]| rows(numbers, along_z).into_bytes();
     let stream = equilibrium.stream_numbers();
     let mut files = vec![("psi.csv".to_owned(), grid(&equilibrium.file().psi))];
     files.extend(
@@ -46,11 +55,9 @@ pub fn written(
     scene.push_str(&tables(equilibrium, stream.is_some()));
     scene.push_str(&motion(equilibrium, ions, start)?);
     if ions.members > 0 {
-        files.push(("ions.csv".to_owned(), states(&ions.starts(equilibrium)?)));
-        scene.push_str(&format!(
-            "\n[ensemble]\nmembers      = {}\ninitial      = {{ file = \"ions.csv\" }}\nrecord       = {{ every = 200 }}\nfinal-states = \"csv\"\n",
-            ions.members
-        ));
+        let starts = states("R,Z,phi,u,mu", &ions.starts(equilibrium)?);
+        files.push(("ions.csv".to_owned(), starts));
+        scene.push_str(&Written::ensemble(ions.members));
     }
     Ok(Written { scene, files })
 }
@@ -157,7 +164,7 @@ record  = {{ every = 10, observables = ["energy", "s", "B", {{ momentum = "charg
 }
 
 /// A number with its first digit alone.
-fn rounded(number: f64) -> f64 {
+pub(crate) fn rounded(number: f64) -> f64 {
     format!("{number:.0e}").parse().unwrap_or(number)
 }
 
@@ -172,13 +179,24 @@ fn rows(numbers: &[f64], along_z: usize) -> String {
     text
 }
 
-/// The starts of members, a line each.
-fn states(starts: &[Start]) -> String {
-    let mut text = "R,Z,phi,u,mu\n".to_owned();
+/// The starts of members, a line each below their headings.
+pub(crate) fn states(headings: &str, starts: &[Start]) -> Vec<u8> {
+    let mut text = format!("{headings}\n");
     for Start { state, moment } in starts {
-        let [r, z, turn, u] = state;
+        let [a, b, c, d] = state;
         // Writing to a string cannot fail.
-        let _ = writeln!(text, "{r:?},{z:?},{turn:?},{u:?},{moment:?}");
+        let _ = writeln!(text, "{a:?},{b:?},{c:?},{d:?},{moment:?}");
     }
-    text
+    text.into_bytes()
+}
+
+/// An array in NumPy's format.
+pub(crate) fn array(shape: &[usize], numbers: &[f64]) -> Vec<u8> {
+    let shape: String = shape.iter().map(|length| format!("{length}, ")).collect();
+    let header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({shape}), }}");
+    let mut bytes = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
+    // The header and what stands before it have 128 bytes.
+    bytes.extend(format!("{header:<117}\n").bytes());
+    bytes.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
+    bytes
 }

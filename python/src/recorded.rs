@@ -1,11 +1,19 @@
 //! Results of a run, as arrays.
 
 use leafwise::report::{ReportData, render_report};
-use leafwise::run::{self, RunOutcome, RunReport};
+use leafwise::run::{self, NoStateError, RunOutcome, RunReport, StateError};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 
 use crate::error::LeafwiseError;
+
+/// An estimated error of states: the largest, its time, that at the end, and whether it is large.
+pub(crate) type ErrorOfStates = (f64, f64, f64, bool);
+
+/// The same as a tuple.
+pub(crate) fn as_tuple(error: StateError) -> ErrorOfStates {
+    (error.largest, error.time, error.at_end, error.is_large)
+}
 
 /// A run in memory.
 #[pyclass(frozen, module = "leafwise._leafwise")]
@@ -37,6 +45,12 @@ pub(crate) struct Recorded {
     /// Whether it failed for want of memory.
     #[pyo3(get)]
     has_no_room: bool,
+    /// The estimated error of its states, where the scene asks for it.
+    #[pyo3(get)]
+    state_error: Option<ErrorOfStates>,
+    /// Why there is no such estimate.
+    #[pyo3(get)]
+    no_state_error: Option<String>,
     /// Why it stopped or failed.
     #[pyo3(get)]
     message: String,
@@ -82,7 +96,7 @@ impl Recorded {
         py: Python<'_>,
         coordinates: usize,
         (scene, method): (String, Vec<String>),
-        recorded: run::Recorded,
+        (recorded, error): (run::Recorded, Option<Result<StateError, NoStateError>>),
     ) -> PyResult<Self> {
         let run::Recorded {
             report,
@@ -122,6 +136,10 @@ impl Recorded {
             final_state: PyArray1::from_slice(py, &report.final_state).unbind(),
             outcome: report.outcome.word(),
             has_no_room,
+            no_state_error: (error.as_ref())
+                .and_then(|error| error.as_ref().err())
+                .map(ToString::to_string),
+            state_error: error.and_then(Result::ok).map(as_tuple),
             message: message(&report),
             time: report.time,
             steps: report.steps,

@@ -24,7 +24,7 @@ use crate::job::{Origin, unless_interrupted};
 use crate::kept::{Kept, compose};
 use crate::progress::PythonProgress;
 use crate::read::{AskedEvent, Read, options, record_invariants};
-use crate::recorded::Recorded;
+use crate::recorded::{ErrorOfStates, Recorded, as_tuple};
 use crate::retraced::Retraced;
 use crate::sweep::Sweep;
 
@@ -279,8 +279,19 @@ impl Scene {
                 }
                 Some(error) => return Err(error),
             };
+            let is_estimated = read.document.run.estimates_error;
+            let error = is_estimated
+                .then(|| {
+                    StateError::of_report(&composed, &recorded.report, &|| {
+                        Python::attach(|py| py.check_signals().is_err())
+                    })
+                })
+                .flatten();
+            if let Some(raised) = read.functions.as_ref().and_then(Functions::raised) {
+                return Err(raised);
+            }
             let of = (read.document.text.clone(), method_lines(&composed));
-            PyResult::Ok((composed.plan.states.width(), of, recorded))
+            PyResult::Ok((composed.plan.states.width(), of, (recorded, error)))
         })?;
         Recorded::new(py, coordinates, of, recorded)
     }
@@ -404,7 +415,7 @@ impl Scene {
         py: Python<'_>,
         overrides: Overrides,
         parameters: Parameters,
-    ) -> PyResult<(f64, f64, f64, bool)> {
+    ) -> PyResult<ErrorOfStates> {
         py.detach(|| {
             let (read, run) = self.composed(&overrides, &parameters)?;
             let found = StateError::measured(&run, run.plan.steps, &|| {
@@ -414,7 +425,7 @@ impl Scene {
                 return Err(raised);
             }
             let found = found.map_err(|no| LeafwiseError::new_err(no.to_string()))?;
-            Ok((found.largest, found.time, found.at_end, found.is_large))
+            Ok(as_tuple(found))
         })
     }
 
@@ -448,7 +459,7 @@ impl Scene {
 
 /// The method in words.
 fn method_lines(run: &ComposedRun) -> Vec<String> {
-    let parts = run.method.parts().into_iter();
+    let parts = run.method.parts(run.system.motion()).into_iter();
     parts
         .map(|(label, text)| format!("{label}: {text}"))
         .collect()

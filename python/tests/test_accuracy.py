@@ -109,6 +109,11 @@ def test_the_error_of_a_run_is_estimated() -> None:
     assert estimate.largest >= estimate.at_end
     assert not estimate.is_large
     assert scene.state_error(steps=10).time <= 2.0 + 1e-12
+    assert scene.run().state_error is None
+    asking = scene.set(run__error="estimate")
+    assert asking.run().state_error == estimate
+    with pytest.warns(lw.LeafwiseWarning, match="error not estimated: a tolerance"):
+        assert asking.set(method={"stepper": "taylor", "time-step": 0.2}).run().state_error is None
     noisy = lw.Scene(system=system | {"noise": [{"hamiltonian": "q", "strength": "0.1"}]}, method={"time-step": 0.1}, run={"initial": [1.0, 0.0], "steps": 10})
     with pytest.raises(lw.LeafwiseError, match="drawn anew"):
         noisy.state_error()

@@ -240,6 +240,8 @@ FUNCTIONS: dict[str, Callable[[Any], object]] = {
     "orbit_family(orbits)": lambda x: lw.orbit_family(SCENE, "k", 1.5, 6.2, steps=20, orbits=x) if not _is_long(x) else None,
     "equilibrium_point(scene)": lambda x: lw.equilibrium_point(x),
     "casimirs(scene)": lambda x: lw.casimirs(x),
+    "import_boozer(source)": lambda x: lw.import_boozer(x, "nowhere"),
+    "import_boozer(surface)": lambda x: lw.import_boozer(__file__, "nowhere", surface=x),
     "import_equilibrium(file)": lambda x: lw.import_equilibrium(x, "nowhere"),
     "import_equilibrium(energy)": lambda x: lw.import_equilibrium(__file__, "nowhere", energy=x),
     "find(parameters)": lambda x: lw.find({"q": "p", "p": "-k*q"}, parameters=x),

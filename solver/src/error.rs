@@ -204,6 +204,15 @@ pub enum BuildError {
         /// The part.
         part: String,
     },
+    /// A part whose steps stay on symplectic leaves, and a system with a friction.
+    #[error(
+        "{part} is made for motions along symplectic leaves, where Casimirs keep their values, and the `friction` of this system \
+         is added to x' as it stands: no map along leaves follows it"
+    )]
+    Friction {
+        /// The part.
+        part: String,
+    },
     /// A dynamic approximation that needs α̂ and β̂, over coordinates in which the tensor is constant.
     #[error(
         "{dynamics} cannot be combined with {realization}: it is coordinates in which the tensor is constant"

@@ -1,7 +1,7 @@
 //! A scene that asks for more than it uses, or for less than it needs, is told so, with the line to
 //! write instead; that line mends it. Scenes that deserve no warning get none.
 
-mod lifts;
+mod cheaper;
 mod realizations;
 mod round_off;
 mod scenes;

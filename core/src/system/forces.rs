@@ -1,4 +1,4 @@
-//! Forces: one-forms η beside dH, for ẋ = −Π(dH + η).
+//! Forces: one-forms η beside dH, for ẋ = −Π(dH + η) + f, and a friction f.
 //!
 //! Motions stay on the symplectic leaves whatever η is: Casimirs are constant, since Π dC = 0. The energy is not:
 //! dH/dt = −⟨η, ẋ_H⟩ with ẋ_H = −Π dH. Damping is the one-form η = λ g ẋ_H of a rate λ ≥ 0 and a positive semidefinite
@@ -6,18 +6,34 @@
 //! diagonalize matrices, and solve linear programming problems*, Linear Algebra and its Applications 146 (1991); A.
 //! Bloch, P. Krishnaprasad, J. Marsden, T. Ratiu, *The Euler–Poincaré equations and double bracket dissipation*,
 //! Communications in Mathematical Physics 175 (1996)).
+//!
+//! Friction f is a part of the velocity that is along no leaf: dC/dt = ⟨dC, f⟩ for every Casimir C.
 
 use leafwise_expression::Expression;
 
 use crate::error::BuildError;
 
-/// η = Σ_i η_i dx_i + λ g ẋ_H.
+/// The motions of a system, each with what the one before has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum MotionClass {
+    /// ẋ = {H, x}.
+    #[default]
+    Hamiltonian,
+    /// ẋ = −Π(dH + η), along symplectic leaves.
+    OnLeaves,
+    /// ẋ = −Π(dH + η) + f, with a friction f.
+    OffLeaves,
+}
+
+/// η = Σ_i η_i dx_i + λ g ẋ_H, and f.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Forces {
     /// η_1 … η_d; empty where damping is all there is.
     pub one_form: Vec<Expression>,
     /// λ g ẋ_H.
     pub damping: Option<Damping>,
+    /// f_1 … f_d, added to ẋ as they stand; empty where there is none.
+    pub friction: Vec<Expression>,
 }
 
 /// The one-form λ g ẋ_H.
@@ -70,7 +86,16 @@ impl Metric {
 impl Forces {
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
-        self.one_form.is_empty() && self.damping.is_none()
+        self.motion() == MotionClass::Hamiltonian
+    }
+
+    /// The motion under them.
+    pub fn motion(&self) -> MotionClass {
+        match (self.friction.is_empty(), &self.damping) {
+            (false, _) => MotionClass::OffLeaves,
+            (true, None) if self.one_form.is_empty() => MotionClass::Hamiltonian,
+            (true, _) => MotionClass::OnLeaves,
+        }
     }
 
     /// Every formula in them.
@@ -79,7 +104,7 @@ impl Forces {
             let metric = damping.metric.entries().into_iter().map(|(.., g)| g);
             std::iter::once(&damping.rate).chain(metric)
         });
-        self.one_form.iter().chain(damping)
+        self.one_form.iter().chain(&self.friction).chain(damping)
     }
 
     /// Refuses lists of other lengths than d.
@@ -94,6 +119,12 @@ impl Forces {
         };
         if !self.one_form.is_empty() {
             of("the number of forces", self.one_form.len())?;
+        }
+        if !self.friction.is_empty() {
+            of(
+                "the number of components of the friction",
+                self.friction.len(),
+            )?;
         }
         let damping = self.damping.iter();
         damping

@@ -114,7 +114,7 @@ impl SystemFormulas {
         Ok(system)
     }
 
-    /// The same system with these forces: ẋ = −Π(dH + η) in place of ẋ = {H, x}.
+    /// The same system with these forces: ẋ = −Π(dH + η) + f in place of ẋ = {H, x}.
     ///
     /// # Errors
     /// [`BuildError::Dimension`] for another number of them than d or 0. A metric that is not d×d or an index out of
@@ -129,7 +129,7 @@ impl SystemFormulas {
         Ok(system)
     }
 
-    /// η; empty for ẋ = {H, x}.
+    /// η and f; empty for ẋ = {H, x}.
     pub fn forces(&self) -> &Forces {
         &self.forces
     }
@@ -350,7 +350,7 @@ impl SystemFormulas {
     ///
     /// # Errors
     /// [`AlgebraError`] where a formula has no value.
-    pub fn with_forces_added<A: Arithmetic>(
+    fn with_forces_added<A: Arithmetic>(
         &self,
         arithmetic: &mut A,
         x: &[A::Element],
@@ -383,6 +383,26 @@ impl SystemFormulas {
             }
         }
         Ok(sums.iter().map(|sum| arithmetic.combine(sum)).collect())
+    }
+
+    /// −ẋ = Π(dH + η) − f at x, given dH there; in any algebra.
+    ///
+    /// # Errors
+    /// [`AlgebraError`] where a formula has no value.
+    pub fn motion_reversed<A: Arithmetic>(
+        &self,
+        arithmetic: &mut A,
+        x: &[A::Element],
+        gradient: Vec<A::Element>,
+    ) -> Result<Vec<A::Element>, AlgebraError> {
+        let one_form = self.with_forces_added(arithmetic, x, gradient)?;
+        let mut reversed = self.apply_tensor(arithmetic, x, &one_form)?;
+        let one = Rational::one();
+        for (own, friction) in reversed.iter_mut().zip(&self.forces().friction) {
+            let friction = friction.evaluate_in(arithmetic, &mut |_, at| Ok(x[at].clone()))?;
+            *own = arithmetic.combine(&[(one.clone(), own.clone()), (-&one, friction)]);
+        }
+        Ok(reversed)
     }
 
     /// The kernel x ↦ (f₁(x), …) of any formulas of this system.
@@ -428,13 +448,13 @@ impl SystemFormulas {
         Ok(self.with_forces_added(graph, x, gradient)?)
     }
 
-    /// Field ẋ = −Π(x)(dH + η)(x) as code, X_H where there are no forces. The terms `x` are the graph's first inputs.
+    /// Field ẋ = −Π(x)(dH + η)(x) + f(x) as code, X_H where there are no forces. The terms `x` are the graph's first inputs.
     ///
     /// # Errors
     /// [`BuildError::Algebra`] where a formula or its derivative has no code.
     pub fn vector_field(&self, graph: &mut Graph, x: &[Term]) -> Result<Vec<Term>, BuildError> {
-        let one_form = self.one_form(graph, x)?;
-        let field = self.apply_tensor(graph, x, &one_form)?;
+        let gradient = self.gradient(graph, x)?;
+        let field = self.motion_reversed(graph, x, gradient)?;
         Ok(field.iter().map(|f| graph.negate(f)).collect())
     }
 

@@ -93,8 +93,7 @@ impl SystemFormulas {
         let hamiltonian = self.hamiltonian();
         let energy = hamiltonian.evaluate_in(&mut ring, &mut |_, at| Ok(x[at].clone()));
         let gradient = ring.gradient(&energy.ok()?).ok()?;
-        let one_form = self.with_forces_added(&mut ring, &x, gradient).ok()?;
-        let field = self.apply_tensor(&mut ring, &x, &one_form).ok()?;
+        let field = self.motion_reversed(&mut ring, &x, gradient).ok()?;
         let minus = graph.constant(&-Rational::one());
         let outputs: Vec<_> = field
             .into_iter()

@@ -4,7 +4,7 @@
 //! - [`builder`]: systems written in Rust.
 //! - [`formulas`]: systems given by expressions, from which everything can be derived.
 //! - [`numbers`]: systems that only compute values, such as those of a loaded library.
-//! - [`forces`]: one-forms beside dH, and damping.
+//! - [`forces`]: one-forms beside dH, damping, and friction.
 //! - [`forms`]: tensors by one-forms, two-forms and constraints.
 //! - [`MotionSeries`]: the Taylor coefficients of a motion.
 //! - [`energy_casimir`]: H less multiples of Casimirs, which has the motion of H.
@@ -37,7 +37,7 @@ use leafwise_expression::Expression;
 pub use agreement::Agreement;
 pub use builder::SystemBuilder;
 pub use compiled::CompiledNumbers;
-pub use forces::{Damping, Forces, Metric};
+pub use forces::{Damping, Forces, Metric, MotionClass};
 pub use forms::FormError;
 pub use formulas::{SystemFormulas, TensorSource};
 pub use jet::MotionSeries;
@@ -234,23 +234,36 @@ impl PoissonSystem {
         }
     }
 
-    /// Whether the motion is ẋ = −Π(dH + η) with forces η, and not ẋ = {H, x}.
-    pub fn has_forces(&self) -> bool {
+    /// Whether there are forces or a friction.
+    pub fn motion(&self) -> MotionClass {
         let formulas = self.expressions();
-        formulas.is_some_and(|formulas| !formulas.forces().is_empty())
+        formulas.map_or_else(MotionClass::default, |formulas| formulas.forces().motion())
+    }
+
+    /// Whether the motion is not ẋ = {H, x}.
+    pub fn has_forces(&self) -> bool {
+        self.motion() != MotionClass::Hamiltonian
+    }
+
+    /// Refuses a motion that a part does not take.
+    ///
+    /// # Errors
+    /// [`BuildError::Forces`], [`BuildError::Friction`].
+    pub fn unless_beyond(&self, takes: MotionClass, part: &str) -> Result<(), BuildError> {
+        let part = || part.to_owned();
+        match self.motion() {
+            motion if motion <= takes => Ok(()),
+            MotionClass::OffLeaves => Err(BuildError::Friction { part: part() }),
+            _ => Err(BuildError::Forces { part: part() }),
+        }
     }
 
     /// Refuses a system with forces, for a part that integrates ẋ = {H, x} alone.
     ///
     /// # Errors
-    /// [`BuildError::Forces`].
+    /// Those of [`unless_beyond`](Self::unless_beyond).
     pub fn without_forces(&self, part: &str) -> Result<(), BuildError> {
-        if self.has_forces() {
-            return Err(BuildError::Forces {
-                part: part.to_owned(),
-            });
-        }
-        Ok(())
+        self.unless_beyond(MotionClass::Hamiltonian, part)
     }
 
     /// Values of Π, H, ∇H and the Casimirs, forces left out. They are the system's own, or those of kernels compiled
@@ -268,7 +281,8 @@ impl PoissonSystem {
     /// The same system with its formulas forgotten, as a library that computes the same values would offer it.
     ///
     /// # Errors
-    /// Those of [`numbers`](Self::numbers). Forces have no numbers and give [`BuildError::Forces`].
+    /// Those of [`numbers`](Self::numbers). Forces have no numbers and give [`BuildError::Forces`], friction
+    /// [`BuildError::Friction`].
     pub fn without_formulas(&self, name: impl Into<String>) -> Result<Self, BuildError> {
         self.without_forces("a system of numbers")?;
         let casimirs = self

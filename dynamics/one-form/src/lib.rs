@@ -10,8 +10,8 @@ use std::sync::Arc;
 use leafwise_core::part::{Auto, PartInfo, PartKind, PartParameters};
 use leafwise_core::registry::DynamicsPart;
 use leafwise_core::{
-    BuildError, DynamicApproximation, DynamicsProperties, LagrangianBisection, OneForm,
-    PoissonSystem, RealizationData,
+    BuildError, DynamicApproximation, DynamicsProperties, LagrangianBisection, MotionClass,
+    OneForm, PoissonSystem, RealizationData,
 };
 use leafwise_expression::{Arithmetic, Graph, StepSize, Term};
 
@@ -24,7 +24,7 @@ static INFO: PartInfo = PartInfo {
                  Bloch, Krishnaprasad, Marsden, Ratiu, The Euler-Poincare equations and double bracket \
                  dissipation, Comm. Math. Phys. 175 (1996)",
     auto: Some(Auto::Forces),
-    takes_forces: true,
+    takes: MotionClass::OnLeaves,
     ..PartInfo::of(PartKind::Dynamics)
 };
 
@@ -37,7 +37,7 @@ impl DynamicApproximation for ForcedGraph {
     fn properties(&self) -> DynamicsProperties {
         DynamicsProperties {
             is_lagrangian: false,
-            takes_forces: true,
+            takes: MotionClass::OnLeaves,
             ..DynamicsProperties::of_order(2, Some(true))
         }
     }

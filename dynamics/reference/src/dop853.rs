@@ -6,7 +6,7 @@ use leafwise_core::part::{
     Compared, Elsewhere, Family, PartInfo, PartKind, PartParameters, ServesNumbers,
 };
 use leafwise_core::registry::StepperPart;
-use leafwise_core::{BuildError, PoissonSystem, StepMap};
+use leafwise_core::{BuildError, MotionClass, PoissonSystem, StepMap};
 
 use crate::adaptive::{Pair, TOLERANCE, adaptive_map};
 use crate::dop853_coefficients::{FIFTH_ORDER_ERROR, MATRIX, THIRD_ORDER_ERROR, WEIGHTS};
@@ -20,7 +20,7 @@ static INFO: PartInfo = PartInfo {
                  coefficients of dop853.f (Hairer, Wanner 1994)",
     parameters: &[TOLERANCE],
     family: Some(Family::Explicit),
-    takes_forces: true,
+    takes: MotionClass::OffLeaves,
     serves_numbers: Some(ServesNumbers { rank: 2, limit: "" }),
     compared: Some(Compared::at(3)),
     reference: Some(&[]),

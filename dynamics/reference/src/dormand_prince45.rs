@@ -7,7 +7,7 @@ use leafwise_core::part::{
     Compared, Elsewhere, Family, PartInfo, PartKind, PartParameters, ServesNumbers,
 };
 use leafwise_core::registry::StepperPart;
-use leafwise_core::{BuildError, PoissonSystem, StepMap};
+use leafwise_core::{BuildError, MotionClass, PoissonSystem, StepMap};
 
 use crate::adaptive::{Pair, Row, TOLERANCE, adaptive_map};
 
@@ -21,7 +21,7 @@ static INFO: PartInfo = PartInfo {
                  I, table II.5.2",
     parameters: &[TOLERANCE],
     family: Some(Family::Explicit),
-    takes_forces: true,
+    takes: MotionClass::OffLeaves,
     serves_numbers: Some(ServesNumbers { rank: 3, limit: "" }),
     compared: Some(Compared::at(4)),
     elsewhere: Some(Elsewhere {

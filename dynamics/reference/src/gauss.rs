@@ -8,7 +8,7 @@ use leafwise_core::part::{
 };
 use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::Tableau;
-use leafwise_core::{BuildError, PoissonSystem, StepMap};
+use leafwise_core::{BuildError, MotionClass, PoissonSystem, StepMap};
 
 use crate::implicit::gauss_map;
 
@@ -23,7 +23,7 @@ static INFO: PartInfo = PartInfo {
                  Numerical Integration, sections II.1.3 and VI.4",
     parameters: &[STAGES],
     family: Some(Family::Implicit),
-    takes_forces: true,
+    takes: MotionClass::OffLeaves,
     serves_numbers: Some(ServesNumbers { rank: 5, limit: "" }),
     compared: Some(Compared {
         settings: &[

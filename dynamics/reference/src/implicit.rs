@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use leafwise_core::runge_kutta::{SmoothMap, StageSolver, Tableau};
 use leafwise_core::solver::{StepReport, Trajectories, check_equations};
-use leafwise_core::{BuildError, MapProperties, PoissonSystem, StepMap, Structure};
+use leafwise_core::{BuildError, MapProperties, MotionClass, PoissonSystem, StepMap, Structure};
 use nalgebra::DMatrix;
 
 use crate::reference_map::{ReferenceMap, row_major};
@@ -80,11 +80,11 @@ pub(crate) fn gauss_map(
         dimension: system.dimension(),
         properties: MapProperties {
             order: 2 * tableau.stages(),
-            structure: match (is_kept, system.has_forces()) {
-                (true, false) => Structure::Exact,
+            structure: match (is_kept, system.motion()) {
+                (true, MotionClass::Hamiltonian) => Structure::Exact,
                 // Slopes are in the image of a constant tensor.
-                (true, true) => Structure::Leaves,
-                (false, _) => Structure::None,
+                (true, MotionClass::OnLeaves) => Structure::Leaves,
+                (true, MotionClass::OffLeaves) | (false, _) => Structure::None,
             },
             self_adjoint: Some(true),
         },

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use leafwise_core::part::{Compared, Family, PartInfo, PartKind, PartParameters, ServesNumbers};
 use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::Tableau;
-use leafwise_core::{BuildError, PoissonSystem, StepMap};
+use leafwise_core::{BuildError, MotionClass, PoissonSystem, StepMap};
 
 use crate::implicit::gauss_map;
 
@@ -18,7 +18,7 @@ static INFO: PartInfo = PartInfo {
     domain: "any system, of formulas or of numbers; steps for which the iteration converges",
     literature: "Hairer, Lubich, Wanner, Geometric Numerical Integration, sections II.1 and VI.4",
     family: Some(Family::Implicit),
-    takes_forces: true,
+    takes: MotionClass::OffLeaves,
     serves_numbers: Some(ServesNumbers { rank: 4, limit: "" }),
     compared: Some(Compared::at(6)),
     ..PartInfo::of(PartKind::Stepper)

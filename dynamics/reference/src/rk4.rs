@@ -10,7 +10,8 @@ use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
 use leafwise_core::solver::{CodeStepMap, ExplicitMap, StepReport, Trajectories};
 use leafwise_core::{
-    BuildError, Evaluator, MapProperties, PoissonSystem, StepMap, Structure, SystemFormulas,
+    BuildError, Evaluator, MapProperties, MotionClass, PoissonSystem, StepMap, Structure,
+    SystemFormulas,
 };
 use leafwise_expression::{Arithmetic, Graph, Rational, StepSize, Term};
 use nalgebra::DMatrix;
@@ -25,7 +26,7 @@ static INFO: PartInfo = PartInfo {
     literature: "W. Kutta, Z. Math. Phys. 46 (1901); Hairer, Norsett, Wanner, Solving Ordinary \
                  Differential Equations I, table II.1.2",
     family: Some(Family::Explicit),
-    takes_forces: true,
+    takes: MotionClass::OffLeaves,
     serves_numbers: Some(ServesNumbers { rank: 1, limit: "" }),
     compared: Some(Compared::at(5)),
     elsewhere: Some(Elsewhere {

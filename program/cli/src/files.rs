@@ -39,8 +39,8 @@ fn exists(file: &Path, help: &str) -> Failure {
 ///
 /// # Errors
 /// [`Failure::Usage`] where it exists, [`Failure::File`].
-pub fn write_new(file: &Path, text: &str, help: &str) -> Result<(), Failure> {
-    let written = fs::File::create_new(file).and_then(|mut open| open.write_all(text.as_bytes()));
+pub fn write_new(file: &Path, content: impl AsRef<[u8]>, help: &str) -> Result<(), Failure> {
+    let written = fs::File::create_new(file).and_then(|mut open| open.write_all(content.as_ref()));
     written.map_err(|source| match source.kind() {
         io::ErrorKind::AlreadyExists => exists(file, help),
         _ => failed(file)(source),

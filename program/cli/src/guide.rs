@@ -251,7 +251,7 @@ pub fn page_of(problem: &SceneDiagnostic) -> &'static str {
         ("system", "families" | "boundary") => "lattices",
         ("system", "tables") => "tables",
         ("system", "equations") => "find",
-        ("system", "forces" | "damping" | "torque") => "forces",
+        ("system", "forces" | "damping" | "torque" | "friction") => "forces",
         ("system", "noise") => "noise",
         ("system", _) => "define-a-system",
         ("method", "pace") => "time",

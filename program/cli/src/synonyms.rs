@@ -29,7 +29,7 @@ const fn leads(
 }
 
 /// A word may stand in several rows: all parts are printed. The book's search reads these rows too (`tools/book.py`).
-const SYNONYMS: [Synonym; 44] = [
+const SYNONYMS: [Synonym; 46] = [
     leads(
         &["plot", "figure", "figures", "pdf"],
         "read-the-report",
@@ -100,6 +100,18 @@ const SYNONYMS: [Synonym; 44] = [
         "rate",
     ),
     leads(&["friction", "drag"], "forces", "forces", "friction*p"),
+    leads(
+        &["friction", "drag", "viscous", "viscosity"],
+        "forces",
+        "friction that leaves the leaf",
+        "viscous fluid",
+    ),
+    leads(
+        &["boozer", "stellarator", "stellarators", "netcdf", "boozmn"],
+        "equilibria",
+        "stellarators: boozer coordinates",
+        "Boozer",
+    ),
     leads(
         &[
             "fit",

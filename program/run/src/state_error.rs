@@ -9,6 +9,7 @@ use leafwise_scene::compose::ComposedRun;
 use serde::Serialize;
 use thiserror::Error;
 
+use crate::outcome::{RunOutcome, RunReport};
 use crate::short;
 
 /// The part of the way from the start at which two passes have parted.
@@ -80,6 +81,22 @@ pub enum NoStateError {
 }
 
 impl StateError {
+    /// Estimates it for a run that is done; `None` for one that was not.
+    ///
+    /// # Errors
+    /// Those of [`measured`](Self::measured).
+    pub fn of_report(
+        run: &ComposedRun,
+        report: &RunReport,
+        is_interrupted: &dyn Fn() -> bool,
+    ) -> Option<Result<Self, NoStateError>> {
+        let is_over = matches!(report.outcome, RunOutcome::Done | RunOutcome::Stopped(_));
+        // A condition ends a run within a step.
+        let part = u64::from(report.outcome.stopped_by().is_some());
+        let steps = report.steps.saturating_sub(part);
+        is_over.then(|| Self::measured(run, steps, is_interrupted))
+    }
+
     /// Estimates it over so many steps of a run from its initial state, at the cost of three times these. It is asked at times
     /// whether someone wants it to end.
     ///

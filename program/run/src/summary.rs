@@ -256,7 +256,7 @@ pub(crate) fn method_lines(run: &ComposedRun) -> Vec<(String, String)> {
     let pace = run.pace();
     let line = |label: &str, text: String| (label.to_owned(), text);
     let mut lines: Vec<_> = method
-        .parts()
+        .parts(run.system.motion())
         .into_iter()
         .map(|(label, text)| line(label, text))
         .collect();

@@ -21,6 +21,8 @@ pub mod table;
 
 pub use compose::{ComposedRun, ComposedSystem, Refusal, SceneChecks, compose, compose_system};
 pub use diagnostic::{SceneDiagnostic, formula_span, string_content};
+pub use npy::read_npy;
+
 pub use document::{
     Boundary, BracketSpec, Convention, Distribution, EnsembleSection, FinalStates, InitialDraw,
     InitialSpec, Located, MethodParts, MethodSection, MethodTable, Number, NumbersSystem,

@@ -16,6 +16,7 @@ parts and systems are ``lw.list()``.
 """
 
 from . import lattice
+from ._boozer import BoozerField, import_boozer
 from ._commands import command, describe, list_parts as list, load_plugin
 from ._comparison import Comparison
 from ._ensemble import Ensemble
@@ -38,6 +39,7 @@ from ._sweep import Sweep
 __version__ = _version()
 
 __all__ = [
+    "BoozerField",
     "Comparison",
     "Equilibrium",
     "EquilibriumPoint",
@@ -71,6 +73,7 @@ __all__ = [
     "equilibrium_point",
     "find",
     "generating_function",
+    "import_boozer",
     "import_equilibrium",
     "lattice",
     "learn",

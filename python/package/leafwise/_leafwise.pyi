@@ -105,6 +105,8 @@ class Recorded:
     final_state: Array
     outcome: str
     has_no_room: bool
+    state_error: tuple[float, float, float, bool] | None
+    no_state_error: str | None
     message: str
     time: float
     steps: int

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ._labelled import attributes, beside
 from ._leafwise import Recorded
 from ._plots import axes, chosen, lines
+from ._state_error import StateError
 from ._stored import reduced
 
 if TYPE_CHECKING:
@@ -53,6 +54,12 @@ class Run:
         """Every recorded observable by its name, energy and Casimirs among them: shape (n,) each."""
         first, table = 1 + self._coordinates, self._recorded.samples
         return {name: table[:, first + at] for at, name in enumerate(self._recorded.columns[first:])}
+
+    @property
+    def state_error(self) -> StateError | None:
+        """The estimated error of its states, where the scene has ``error = "estimate"`` and there is an estimate."""
+        found = self._recorded.state_error
+        return None if found is None else StateError(*found)
 
     @property
     def energy(self) -> Array:

@@ -239,6 +239,8 @@ class Scene:
             warnings.warn(line, LeafwiseWarning, stacklevel=3)
         if run.outcome == "interrupted":
             warnings.warn(run.message, LeafwiseWarning, stacklevel=3)
+        if recorded.no_state_error is not None:
+            warnings.warn(f"error not estimated: {recorded.no_state_error}", LeafwiseWarning, stacklevel=3)
         if recorded.has_no_room:
             lost = MemoryError(run.message)
             lost.run = run  # type: ignore[attr-defined]

@@ -12,9 +12,6 @@ use crate::step::{Between, CLOSE, StepEnd};
 /// Acts of one event within a step, at most.
 const MOST: usize = 100;
 
-/// Left − right behind an event, the state a probe of a step later, and left − right at that.
-type Begun = (f64, Vec<f64>, f64);
-
 /// The part of a step by which the side is found to which a motion leaves a surface.
 const PROBE: f64 = 1.0 / 1_048_576.0;
 

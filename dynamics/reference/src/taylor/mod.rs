@@ -26,7 +26,8 @@ use leafwise_core::runge_kutta::SmoothMapEvaluator;
 use leafwise_core::solver::{StepReport, Trajectories};
 use leafwise_core::system::MotionSeries;
 use leafwise_core::{
-    BuildError, Evaluator, MapProperties, PoissonSystem, StepError, StepMap, Structure, two_sum,
+    BuildError, Evaluator, MapProperties, MotionClass, PoissonSystem, StepError, StepMap,
+    Structure, two_sum,
 };
 use leafwise_expression::AlgebraError;
 
@@ -47,7 +48,7 @@ static INFO: PartInfo = PartInfo {
                  astrodynamics and celestial mechanics, MNRAS 504 (2021)",
     parameters: &[TOLERANCE],
     family: Some(Family::Series),
-    takes_forces: true,
+    takes: MotionClass::OffLeaves,
     compared: Some(Compared::at(1)),
     reference: Some(&[]),
     ..PartInfo::of(PartKind::Stepper)

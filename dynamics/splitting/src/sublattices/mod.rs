@@ -24,10 +24,10 @@ mod lattice;
 mod spins;
 mod written;
 
-use leafwise_core::BuildError;
 use leafwise_core::part::{Elsewhere, PartInfo, PartKind};
 use leafwise_core::registry::StepperPart;
 use leafwise_core::solver::{MapProperties, Structure};
+use leafwise_core::{BuildError, MotionClass};
 
 static INFO: PartInfo = PartInfo {
     name: "sublattices",
@@ -39,7 +39,7 @@ static INFO: PartInfo = PartInfo {
     literature: "Frank, Huang, Leimkuhler, Geometric integrators for classical spin systems, J. Comput. Phys. 133 (1997); \
                  Krech, Bunker, Landau, Fast spin dynamics algorithms for classical spin systems, Comput. Phys. Commun. \
                  111 (1998)",
-    takes_forces: true,
+    takes: MotionClass::OnLeaves,
     elsewhere: Some(Elsewhere {
         names: &[
             "checkerboard",

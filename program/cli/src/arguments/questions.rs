@@ -116,7 +116,7 @@ fn species(name: &str) -> Result<Species, String> {
 /// Arguments of `import`.
 #[derive(Args, Clone, Debug)]
 pub struct ImportArguments {
-    /// A g-file of EFIT: the flux psi(R, Z) in Wb/rad, and F = R B_phi
+    /// A g-file of EFIT: the flux psi(R, Z) in Wb/rad, and F = R B_phi; or a field in Boozer coordinates as JSON
     pub file: PathBuf,
     /// The new directory of the scene and its tables [default: the name of the file without its ending]
     #[arg(long, value_name = "DIRECTORY")]
@@ -152,6 +152,9 @@ pub struct ImportArguments {
     /// The degree of the splines: 5 serves methods of order 4
     #[arg(long, default_value_t = 5, value_name = "K", value_parser = clap::value_parser!(u8).range(2..=9))]
     pub degree: u8,
+    /// Nodes across the disk of a field in Boozer coordinates, along x and along y
+    #[arg(long, default_value_t = 65, value_name = "N", value_parser = clap::value_parser!(u16).range(16..=513))]
+    pub nodes: u16,
     /// Print one JSON object on standard output
     #[arg(long)]
     pub json: bool,

@@ -27,6 +27,9 @@ struct CheckJson<'a> {
     #[serde(serialize_with = "object")]
     casimirs: Vec<(&'a str, Identity<'a>)>,
     motion: Option<motion::MotionJson>,
+    /// How the energy changes where it does.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    work: Option<String>,
     /// The field of each channel of noise.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     noise: Vec<Noise>,
@@ -114,6 +117,7 @@ pub fn execute(
                 .map(|casimir| (casimir.name.as_str(), Identity::of(&casimir.check, names)))
                 .collect(),
             motion: Motion::of(&composed).map(motion::MotionJson::from),
+            work: composed.work_of_forces(),
             noise: Motion::of_noise(&composed)
                 .into_iter()
                 .map(|(hamiltonian, field)| Noise {

@@ -5,7 +5,7 @@ use std::time::Instant;
 use leafwise::core::dynamics::Generating;
 use leafwise::core::{BuildError, Method, Registry, Walk};
 use leafwise::expression::{Execution, Graph, Kernel, StepSize, Term};
-use leafwise::run::advice::cheaper_over_lifts;
+use leafwise::run::advice::cheaper_method;
 use leafwise::scene::compose::ComposedRun;
 
 use crate::table::{duration, words};
@@ -41,7 +41,7 @@ pub fn explain(
     ];
     rows.extend(
         run.method
-            .parts()
+            .parts(run.system.motion())
             .into_iter()
             .map(|(label, text)| (label.to_owned(), text)),
     );
@@ -77,7 +77,7 @@ pub fn explain(
     );
     rows.push(("Scene text to first step".to_owned(), first_step));
     rows.extend(machine_code(run));
-    let cheaper = cheaper_over_lifts(run, registry);
+    let cheaper = cheaper_method(run, registry);
     rows.extend(cheaper.map(|cheaper| ("Cheaper".to_owned(), cheaper.to_string())));
     let rows: Vec<Vec<String>> = rows
         .into_iter()

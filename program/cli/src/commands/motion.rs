@@ -1,6 +1,6 @@
 //! ẋ as text: what `check` and `run --explain` print of a system.
 
-use leafwise::core::system::Convention;
+use leafwise::core::system::{Convention, MotionClass};
 use leafwise::scene::SceneDocument;
 use leafwise::scene::compose::{ComposedRun, LeftOut, Motion, Refusal, left_out};
 use leafwise::scene::json::{Double, object};
@@ -26,9 +26,10 @@ pub(super) fn lines(run: &ComposedRun) -> Vec<String> {
         (None, Some(Convention::HamiltonianFirst)) => ", x' = {H, x}",
         (None, None) => "",
     };
-    let forced = match run.system.has_forces() {
-        true => " with forces",
-        false => "",
+    let forced = match run.system.motion() {
+        MotionClass::Hamiltonian => "",
+        MotionClass::OnLeaves => " with forces",
+        MotionClass::OffLeaves => " with friction",
     };
     let noise = Motion::of_noise(run);
     let stochastic = match noise.is_empty() {

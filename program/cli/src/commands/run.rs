@@ -111,14 +111,11 @@ pub(super) fn integrate(
             console.prose(&line);
         }
     }
-    let is_estimated =
-        estimates_error && matches!(report.outcome, RunOutcome::Done | RunOutcome::Stopped(_));
-    let error = is_estimated.then(|| {
-        // A condition ends a run within a step.
-        let part = u64::from(report.outcome.stopped_by().is_some());
-        let steps = report.steps.saturating_sub(part);
-        StateError::measured(composed, steps, &|| interrupt.load(Ordering::Relaxed))
-    });
+    let is_estimated = estimates_error || document.run.estimates_error;
+    let is_interrupted = || interrupt.load(Ordering::Relaxed);
+    let error = is_estimated
+        .then(|| StateError::of_report(composed, &report, &is_interrupted))
+        .flatten();
     if let Some(error) = error.as_ref().filter(|_| !output.quiet) {
         console.prose(&match error {
             Ok(error) => format!("  error    {}", error.text()),
@@ -126,7 +123,7 @@ pub(super) fn integrate(
         });
     }
     if output.json {
-        console.json(&RunJson::new(&report, error, options));
+        console.json(&RunJson::new(composed, &report, error, options));
     }
     Ok(match report.outcome {
         RunOutcome::Done | RunOutcome::Stopped(_) => exit::DONE,
@@ -365,6 +362,8 @@ struct RunJson<'a> {
     drift: Vec<(&'a str, Double)>,
     #[serde(serialize_with = "object")]
     invariants: Vec<(&'a str, &'a InvariantDrift)>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    work: Option<String>,
     #[serde(with = "SolverFields")]
     solver: SolverStatistics,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -383,6 +382,7 @@ struct RunJson<'a> {
 
 impl<'a> RunJson<'a> {
     fn new(
+        composed: &ComposedRun,
         report: &'a RunReport,
         error: Option<Result<StateError, NoStateError>>,
         options: &RunOptions,
@@ -398,6 +398,7 @@ impl<'a> RunJson<'a> {
             wall_seconds: report.wall_seconds,
             drift: report.drift(),
             invariants: report.named_invariants(),
+            work: composed.work_of_forces(),
             solver: report.statistics,
             shadow: report.shadow,
             chaos: report.chaos,

@@ -87,3 +87,78 @@ fn files_that_are_none_are_refused_where_they_are_wrong() {
         assert!(!here.path("shot").exists(), "nothing is written");
     }
 }
+
+/// A stellarator as JSON: |B| = 2 − 0.3 √s cos θ + 0.2 s cos(2θ − 5ζ) on nine surfaces.
+fn stellarator() -> serde_json::Value {
+    let angle = |part: usize, of: usize| 2.0 * std::f64::consts::PI * part as f64 / of as f64;
+    let s: Vec<f64> = (0..9).map(|k| f64::from(k) / 8.0).collect();
+    let strength: Vec<Vec<Vec<f64>>> = (s.iter())
+        .map(|s| {
+            let row = |j: usize| {
+                let at = |l: usize| {
+                    let helical = libm::cos(2.0 * angle(j, 8) - angle(l, 6));
+                    2.0 - 0.3 * libm::sqrt(*s) * libm::cos(angle(j, 8)) + 0.2 * s * helical
+                };
+                (0..6).map(at).collect()
+            };
+            (0..8).map(row).collect()
+        })
+        .collect();
+    let iota: Vec<f64> = s.iter().map(|s| 0.6 + 0.2 * s).collect();
+    serde_json::json!({
+        "periods": 5, "psi": 0.4, "s": s, "iota": iota, "G": vec![3.2; 9], "B": strength
+    })
+}
+
+/// A field in Boozer coordinates runs, one ion and many.
+#[test]
+fn a_field_in_boozer_coordinates_becomes_a_scene_that_runs() {
+    let here = Place::new();
+    here.write("field.json", &stellarator().to_string());
+    let options = ["--nodes", "17", "--members", "3", "--json"];
+    let said = here.leafwise(&[&["import", "field.json"], &options[..]].concat());
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let json = said.json();
+    assert_eq!(json["nodes"], serde_json::json!([9, 8, 6]));
+    assert_eq!(json["scene"], "field/scene.toml");
+    assert!((json["field_on_axis"].as_f64().expect("a number") - 2.0).abs() < 1e-12);
+    let said = here.leafwise(&["run", "field/scene.toml", "--set", "run.steps=20", "--json"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let moved = said.json()["drift"]["energy"].as_f64().expect("a number");
+    let energy = said.json()["invariants"]["energy"]["initial"]
+        .as_f64()
+        .expect("a number");
+    assert!(moved < 1e-6 * energy, "{moved} of {energy}");
+    let said = here.leafwise(&["ensemble", "field/scene.toml", "--set", "run.steps=5"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+}
+
+#[test]
+fn fields_that_are_none_are_refused_with_what_is_wrong() {
+    let here = Place::new();
+    let with = |key: &str, value: serde_json::Value| {
+        let mut field = stellarator();
+        field[key] = value;
+        field.to_string()
+    };
+    for (text, message) in [
+        ("{}".to_owned(), "missing field `periods`"),
+        (with("currents", 1.into()), "unknown field `currents`"),
+        (with("B", "B.npy".into()), "B.npy"),
+        (
+            with("iota", vec![0.5; 8].into()),
+            "`iota` has 8 numbers where `s` has 9 surfaces",
+        ),
+        (with("psi", 0.into()), "the toroidal flux at the edge"),
+        (
+            with("B", serde_json::json!([[[1.0], [1.0, 2.0]]])),
+            "rows of different lengths",
+        ),
+    ] {
+        here.write("field.json", &text);
+        let said = here.leafwise(&["import", "field.json"]);
+        assert_eq!(said.code, Some(2), "{}", said.err);
+        said.says(&[message, "field.json"]);
+        assert!(!here.path("field/scene.toml").exists());
+    }
+}

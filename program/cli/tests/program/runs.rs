@@ -400,3 +400,28 @@ fn a_run_is_not_continued_as_another() {
     assert_eq!(refused.code, Some(2), "{}", refused.err);
     refused.says(&["steps of another length"]);
 }
+
+/// `error = "estimate"` in a scene is `--error`, and another word is refused.
+#[test]
+fn a_scene_asks_for_the_error_of_its_states() {
+    let here = Place::new();
+    let scene = "[system]\nlibrary = \"rigid-body\"\n[method]\nrealization = \"auto\"\ntime-step = 0.1\n[run]\ninitial = [1, 3, 3]\nsteps = 50\n";
+    here.write("asked.toml", &format!("{scene}error = \"estimate\"\n"));
+    here.write("plain.toml", scene);
+    let by_key = here.leafwise(&["run", "asked.toml", "--json"]).json();
+    let by_flag = here
+        .leafwise(&["run", "plain.toml", "--json", "--error"])
+        .json();
+    assert!(
+        by_key["state_error"]["largest"].as_f64().is_some(),
+        "{by_key}"
+    );
+    assert_eq!(by_key["state_error"], by_flag["state_error"]);
+    let without = here
+        .leafwise(&["run", "plain.toml", "--json", "--out", "other"])
+        .json();
+    assert!(without["state_error"].is_null());
+    let said = here.leafwise(&["run", "asked.toml", "--set", "run.error=guess"]);
+    assert_eq!(said.code, Some(3), "{}", said.err);
+    said.says(&["estimate"]);
+}

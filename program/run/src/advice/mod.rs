@@ -1,7 +1,7 @@
 //! Advice where a scene asks for more than it uses or for less than it needs, measured at states of the run; each with
 //! the one line to change.
 //!
-//! - `lifts`: coordinates in which a run takes a fraction of the operations, no warning;
+//! - `cheaper`: methods with which a run takes a fraction of the operations, no warning;
 //! - `probe`: the method at those states;
 //! - `truncation`: a truncation order above what a step can feel;
 //! - `dynamics`: terms of the generating function below the realization's own error;
@@ -26,6 +26,7 @@
 //! - `sizes`: sizes of coordinates, which their changes are measured by.
 
 mod chart;
+mod cheaper;
 mod claims;
 mod constraints;
 mod defect;
@@ -35,7 +36,6 @@ mod dynamics;
 mod energy;
 mod exact;
 mod leaves;
-mod lifts;
 mod motion;
 mod probe;
 mod rounding;
@@ -52,12 +52,12 @@ mod unused;
 use leafwise_core::{Registry, Walk};
 use serde::Serialize;
 
+pub use cheaper::{CheaperMethod, cheaper_method};
 pub(crate) use claims::casimir_drift;
 pub(crate) use constraints::off_constraints;
 pub(crate) use energy::EnergyError;
 use leafwise_scene::compose::ComposedRun;
 use leafwise_scene::document::SceneDocument;
-pub use lifts::{CheaperMethod, cheaper_over_lifts};
 use probe::Probe;
 
 /// One thing to change.

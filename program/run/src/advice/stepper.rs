@@ -97,7 +97,7 @@ fn structure(
 
 /// The compositions that are tried, the best one of each order with and without factors, the cheapest
 /// first.
-fn compositions(registry: &Registry) -> Vec<CompositionPart> {
+pub(super) fn compositions(registry: &Registry) -> Vec<CompositionPart> {
     let parts = registry.compared(PartKind::Composition).into_iter();
     let mut parts: Vec<CompositionPart> = parts
         .filter_map(|info| registry.composition(info.name).ok())

@@ -171,14 +171,17 @@ fn asks_for_shadow(document: &SceneDocument) -> bool {
     observables.any(|asked| shadow_order(&asked.formula.value).is_some())
 }
 
-/// Noise, damping or forces, which no loop takes: a formula of them, and its kind in words.
+/// Noise, damping, friction or forces, which no loop takes: a formula of them, and its kind in words.
 fn beside_sums(document: &SceneDocument) -> Option<(&Located<String>, &'static str)> {
     let system = &document.system;
     let forces = || system.forces.formulas().into_iter().next();
     let damping = system.forces.damping.as_ref();
+    let friction = system.forces.friction.as_ref();
+    let friction = friction.and_then(|friction| friction.value.formulas().into_iter().next());
     let channel = system.noise.first().map(|channel| &channel.hamiltonian);
     (channel.map(|formula| (formula, "`noise`")))
         .or_else(|| damping.map(|damping| (&damping.rate, "`damping`")))
+        .or_else(|| friction.map(|formula| (formula, "`friction`")))
         .or_else(|| forces().map(|formula| (formula, "a force of `forces`")))
 }
 

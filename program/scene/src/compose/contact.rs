@@ -146,7 +146,8 @@ fn check(document: &SceneDocument) -> Result<(), Refusal> {
     let forces = &system.forces;
     let force = (forces.one_form.as_ref().map(|own| own.place()))
         .or(forces.torque.as_ref().map(|own| own.place()))
-        .or(forces.damping.as_ref().map(|own| own.rate.place()));
+        .or(forces.damping.as_ref().map(|own| own.rate.place()))
+        .or(forces.friction.as_ref().map(|own| own.place()));
     if let Some(place) = force {
         let message =
             "forces do not stand beside a contact bracket: their work is no part of ds - p dq";

@@ -1,4 +1,4 @@
-//! Forces beside dH: a one-form by its formulas, and damping.
+//! Forces beside dH: a one-form by its formulas, damping, and friction.
 
 use leafwise_core::PoissonSystem;
 use leafwise_core::lattice::LatticeGeometry;
@@ -11,7 +11,7 @@ use super::Refusal;
 use super::domain::OutOfDomain;
 use super::names::{check_code, function, parse, refusal, sites_of};
 use super::torque::{add_torque, check_torque};
-use crate::document::{ByCoordinate, Located, MetricSpec, OneFormSpec, SceneDocument};
+use crate::document::{ByCoordinate, ComponentsSpec, Located, MetricSpec, SceneDocument};
 
 /// Bound on round-off, relative to the largest entry: a negative or asymmetric part below it is so by round-off.
 const ROUND_OFF: f64 = 1e-12;
@@ -41,18 +41,23 @@ pub(super) fn forces(
         by_coordinate(document, scope, entries, &mut formulas[..moving.len()])?;
         Ok(formulas)
     };
-    let mut one_form = match &spec.one_form {
-        Some(one_form) => match &one_form.value {
-            OneFormSpec::All(list) => {
-                let of = "a formula for each, and 0 where there is none, or a table of them by coordinates; a force F on a \
-                          momentum is -F for its coordinate";
-                check_count(document, one_form, list.len(), moving, "forces", of)?;
-                read(list)?
+    let components = |spec: &Option<Located<ComponentsSpec>>, key: &str, of: &str| {
+        let Some(components) = spec else {
+            return Ok(Vec::new());
+        };
+        match &components.value {
+            ComponentsSpec::All(list) => {
+                check_count(document, components, list.len(), moving, key, of)?;
+                read(list)
             }
-            OneFormSpec::Named(entries) => by_name(entries)?,
-        },
-        None => Vec::new(),
+            ComponentsSpec::Named(entries) => by_name(entries),
+        }
     };
+    let of = "a formula for each, and 0 where there is none, or a table of them by coordinates; a force F on a momentum is -F \
+              for its coordinate";
+    let mut one_form = components(&spec.one_form, "forces", of)?;
+    let of = "a formula for each, and 0 where there is none, or a table of them by coordinates: it is added to x' as it stands";
+    let friction = components(&spec.friction, "friction", of)?;
     if let Some(torque) = &spec.torque {
         add_torque(document, scope, torque, moving, &mut one_form, dimension)?;
     }
@@ -88,7 +93,11 @@ pub(super) fn forces(
             })
         }
     };
-    Ok(Forces { one_form, damping })
+    Ok(Forces {
+        one_form,
+        damping,
+        friction,
+    })
 }
 
 /// Writes formulas at the places of their coordinates among those that move, `"p[i]"` at every site; a single site overrides

@@ -123,8 +123,10 @@ impl Instantiated {
     pub(super) fn rest(&mut self, names: impl IntoIterator<Item = String>) {
         self.names.extend(names);
         let count = self.names.len();
-        if !self.forces.one_form.is_empty() {
-            self.forces.one_form.resize(count, 0.into());
+        for components in [&mut self.forces.one_form, &mut self.forces.friction] {
+            if !components.is_empty() {
+                components.resize(count, 0.into());
+            }
         }
         if let Some(damping) = &mut self.forces.damping
             && let Metric::Diagonal(entries) = &mut damping.metric

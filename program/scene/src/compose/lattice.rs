@@ -20,7 +20,7 @@ use super::names::{function, is_a_sum, of_lattice, parse, parse_text, refusal};
 use super::observables::{Observable, asks_for_indicator, coordinate, observables, shadow_order};
 use super::sum::summands;
 use super::time::wants_time;
-use crate::document::{BracketSpec, Located, MetricSpec, OneFormSpec, Place, SceneDocument};
+use crate::document::{BracketSpec, ComponentsSpec, Located, MetricSpec, Place, SceneDocument};
 
 /// A scene whose families are too long to be written out.
 #[derive(Clone)]
@@ -344,12 +344,17 @@ fn force_reach(
     let mut entries: Vec<_> = Vec::new();
     if let Some(one_form) = &forces.one_form {
         match &one_form.value {
-            OneFormSpec::Named(named) => entries.extend(named),
-            OneFormSpec::All(_) => {
+            ComponentsSpec::Named(named) => entries.extend(named),
+            ComponentsSpec::All(_) => {
                 let help = "write a table with an index: forces = { \"q[i]\" = \"0.1*p[i]\" }";
                 return refuse(one_form.place(), by_site, help);
             }
         }
+    }
+    if let Some(friction) = &forces.friction {
+        let help = "shorten the lattice for a stepper that writes it out, or write forces along the leaves: forces = { \"q[i]\" = \"0.1*p[i]\" }";
+        let message = "on a lattice of this length every step is along symplectic leaves, and friction is along none";
+        return refuse(friction.place(), message, help);
     }
     if let Some(torque) = &forces.torque {
         let help = "write it by coordinates: forces = { \"q[i]\" = \"0.1*p[i]\" }";

@@ -190,7 +190,7 @@ fn name_of(parameter: &Parameter) -> String {
 /// Formulas of some coordinates.
 type Formulas = Vec<Option<Expression>>;
 
-/// −Π (dH + η) in the exact ring, and the same as sums of its terms where they are few.
+/// −Π (dH + η) + f in the exact ring, and the same as sums of its terms where they are few.
 fn expanded(
     system: &SystemFormulas,
     contact: Option<&Contact>,
@@ -203,8 +203,7 @@ fn expanded(
     let energy = energy.evaluate_in(&mut ring, &mut |_, at| Ok(x[at].clone()));
     let energy = energy.ok()?;
     let gradient = ring.gradient(&energy).ok()?;
-    let one_form = system.with_forces_added(&mut ring, &x, gradient).ok()?;
-    let field = system.apply_tensor(&mut ring, &x, &one_form).ok()?;
+    let field = system.motion_reversed(&mut ring, &x, gradient).ok()?;
     let mut field: Vec<Polynomial> = field.iter().map(|f| ring.negate(f)).collect();
     if let Some(contact) = contact {
         field = contact.field(&mut ring, &x, (&energy, field));

@@ -7,8 +7,8 @@ use leafwise_core::LatticeMethod;
 use leafwise_core::lattice::LatticeSource;
 use leafwise_core::system::SystemObservables;
 use leafwise_core::{
-    BuildError, Method, Origin, PartKind, PoissonSystem, Registry, StepMap, Structure, Walk,
-    WithoutPoles,
+    BuildError, Method, MotionClass, Origin, PartKind, PoissonSystem, Registry, StepMap, Structure,
+    Walk, WithoutPoles,
 };
 use leafwise_expression::{Expression, TableFunction};
 use leafwise_walk::{Direction, Indicator, SampleTimes, Section, StateLayout};
@@ -528,7 +528,7 @@ impl ComposedRun {
         })
     }
 
-    /// Work of forces, of noise and of contact motions: how they change the energy and the Casimirs, in words. What steps that keep
+    /// Work of forces, of friction, of noise and of contact motions: how they change the energy and the Casimirs, in words. What steps that keep
     /// the energy are. `None` elsewhere.
     pub fn work_of_forces(&self) -> Option<String> {
         if self.keeps_energy {
@@ -541,6 +541,19 @@ impl ComposedRun {
             return Some("changes as in every contact motion: dH/dt = -H dH/ds".to_owned());
         }
         let forces = self.system.expressions()?.forces();
+        if forces.motion() == MotionClass::OffLeaves {
+            let energy = match self.method.noise() {
+                None => "changes by the friction: dH/dt = <dH, friction>",
+                Some(_) => "changes by the noise and the friction",
+            };
+            let map = match self.system.casimir_names().is_empty() {
+                true => "no Poisson map: friction is along no symplectic leaf",
+                false => {
+                    "no Poisson map: the Casimirs change by the friction, dC/dt = <dC, friction>"
+                }
+            };
+            return Some(format!("{energy}; {map}"));
+        }
         let energy = match (forces.one_form.is_empty(), &forces.damping) {
             (true, None) if self.method.noise().is_some() => "changes by the noise",
             (false, _) | (_, Some(_)) if self.method.noise().is_some() => {

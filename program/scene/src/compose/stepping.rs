@@ -5,7 +5,7 @@ use std::sync::Arc;
 use leafwise_core::LatticeMethod;
 use leafwise_core::lattice::{LatticeGeometry, LatticeMap, Swept};
 use leafwise_core::noise::NoisyMap;
-use leafwise_core::{Method, StepMap, Structure};
+use leafwise_core::{Method, MotionClass, StepMap, Structure};
 
 use super::channels::RunNoise;
 use super::lattice_functions::LatticeFunctions;
@@ -149,8 +149,8 @@ impl Stepping {
         self.map().properties().order
     }
 
-    /// Parts that the steps are made of, as labels and descriptions.
-    pub fn parts(&self) -> Vec<(&'static str, String)> {
+    /// Parts that the steps are made of, as labels and descriptions, and how they follow a motion.
+    pub fn parts(&self, motion: MotionClass) -> Vec<(&'static str, String)> {
         let mut lines = match (self, self.method()) {
             (_, Some(method)) => vec![
                 ("Realization", method.realization().describe()),
@@ -187,6 +187,10 @@ impl Stepping {
                 }
                 Structure::Contact => {
                     "a contact map, to round-off: ds - p dq is multiplied by a function".to_owned()
+                }
+                Structure::None if motion == MotionClass::OffLeaves => {
+                    "no Poisson map, as the motion is none: friction leaves the symplectic leaves"
+                        .to_owned()
                 }
                 Structure::None => "not a Poisson map".to_owned(),
             },

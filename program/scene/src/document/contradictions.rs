@@ -10,7 +10,7 @@ use crate::diagnostic::SceneDiagnostic;
 type PlaceOf = fn(&SceneDocument) -> Option<Place>;
 
 /// The keys that are declared not to stand beside keys of other tables, and these.
-const PLACES: [(&str, PlaceOf); 10] = [
+const PLACES: [(&str, PlaceOf); 11] = [
     ("system.forces", |scene| {
         scene.system.forces.one_form.as_ref().map(Located::place)
     }),
@@ -20,6 +20,9 @@ const PLACES: [(&str, PlaceOf); 10] = [
     ("system.damping", |scene| {
         let damping = scene.system.forces.damping.as_ref();
         damping.map(|damping| damping.rate.place())
+    }),
+    ("system.friction", |scene| {
+        scene.system.forces.friction.as_ref().map(Located::place)
     }),
     ("system.noise", |scene| {
         let first = scene.system.noise.first();

@@ -1,4 +1,4 @@
-//! `forces = […]`, `torque = […]` and `damping = { … }`: what moves the system beside its Hamiltonian.
+//! `forces = […]`, `torque = […]`, `damping = { … }` and `friction = […]`: what moves the system beside its Hamiltonian.
 
 use super::error::SceneProblemCause;
 use super::field::check_sites_once;
@@ -9,16 +9,16 @@ use super::system_schema::{DAMPING, TORQUE};
 /// Formulas by the coordinates that they belong to, `"p[i]"` for every site of a family.
 pub type ByCoordinate = Vec<(Located<String>, Located<String>)>;
 
-/// Components η_i of a one-form.
+/// Components of a one-form, or of a friction.
 #[derive(Clone, Debug, PartialEq)]
-pub enum OneFormSpec {
+pub enum ComponentsSpec {
     /// A formula for each coordinate.
     All(Vec<Located<String>>),
     /// Formulas of some coordinates, 0 for the others.
     Named(ByCoordinate),
 }
 
-impl OneFormSpec {
+impl ComponentsSpec {
     /// Its formulas in the order of the text.
     pub fn formulas(&self) -> Vec<&Located<String>> {
         match self {
@@ -28,15 +28,17 @@ impl OneFormSpec {
     }
 }
 
-/// The one-form η beside dH.
+/// The one-form η beside dH, and the friction f beside Π(dH + η).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ForcesSpec {
     /// η_i.
-    pub one_form: Option<Located<OneFormSpec>>,
+    pub one_form: Option<Located<ComponentsSpec>>,
     /// τ.
     pub torque: Option<Located<TorqueSpec>>,
     /// λ g ẋ_H.
     pub damping: Option<DampingSpec>,
+    /// f_i.
+    pub friction: Option<Located<ComponentsSpec>>,
 }
 
 /// A torque on a body with attitude, by its components.
@@ -92,7 +94,13 @@ impl ForcesSpec {
         let torque = self.torque.iter();
         let torque = torque.flat_map(|torque| [&torque.value.body, &torque.value.space]);
         let torque = torque.flatten().flatten();
-        one_form.chain(torque).chain(damping).collect()
+        let friction = self.friction.iter();
+        let friction = friction.flat_map(|friction| friction.value.formulas());
+        one_form
+            .chain(torque)
+            .chain(damping)
+            .chain(friction)
+            .collect()
     }
 }
 
@@ -103,17 +111,12 @@ pub(super) fn read_forces(
     problems: &mut Problems,
 ) -> Option<ForcesSpec> {
     let one_form = match table.get("forces") {
-        Some(item) => {
-            let one_form = match item.is_table() {
-                true => OneFormSpec::Named(read_by_coordinate(item, problems)?),
-                false => {
-                    let expected = "a list of formulas, or a table of formulas by coordinates";
-                    OneFormSpec::All(item.list_of(expected, problems, Item::formula)?)
-                }
-            };
-            Some(Located::new(one_form, item.place()))
-        }
+        Some(item) => Some(read_components(item, problems)?),
         None => known.one_form,
+    };
+    let friction = match table.get("friction") {
+        Some(item) => Some(read_components(item, problems)?),
+        None => known.friction,
     };
     let damping = match table.get("damping") {
         Some(item) => Some(read_damping(item, problems)?),
@@ -127,7 +130,20 @@ pub(super) fn read_forces(
         one_form,
         torque,
         damping,
+        friction,
     })
+}
+
+/// `["0.1*p", "0"]`, or `{ "p[i]" = "0.1*p[i]" }`.
+fn read_components(item: &Item<'_>, problems: &mut Problems) -> Option<Located<ComponentsSpec>> {
+    let components = match item.is_table() {
+        true => ComponentsSpec::Named(read_by_coordinate(item, problems)?),
+        false => {
+            let expected = "a list of formulas, or a table of formulas by coordinates";
+            ComponentsSpec::All(item.list_of(expected, problems, Item::formula)?)
+        }
+    };
+    Some(Located::new(components, item.place()))
 }
 
 /// `["0", "0", "0.1"]` in the body, or `{ space = ["0", "0", "0.1"] }`.

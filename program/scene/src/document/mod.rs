@@ -69,7 +69,7 @@ pub use error::{SceneErrors, SceneProblem, SceneProblemCause};
 pub use families::DENSE_LIMIT;
 pub use faults::{Fault, faults};
 pub use field::FieldSpec;
-pub use forces::{ByCoordinate, DampingSpec, ForcesSpec, MetricSpec, OneFormSpec, TorqueSpec};
+pub use forces::{ByCoordinate, ComponentsSpec, DampingSpec, ForcesSpec, MetricSpec, TorqueSpec};
 pub use json_schema::json_schema;
 pub use key_tables::key_tables;
 pub use lie_algebra::{AlgebraSpec, LieAlgebraSpec, Matrix, StructureConstant};

@@ -54,7 +54,7 @@ pub(super) fn read_numbers(
         return None;
     }
     for key in [
-        "define", "tables", "casimirs", "forces", "torque", "damping", "noise",
+        "define", "tables", "casimirs", "forces", "torque", "damping", "friction", "noise",
     ] {
         if let Some(item) = table.get(key) {
             let advice = format!(

@@ -82,6 +82,8 @@ pub struct RunSection {
     pub seed: u64,
     /// Which member's of the seed they are.
     pub member: u64,
+    /// Whether the error of its states is estimated when it is done.
+    pub estimates_error: bool,
     /// Records to keep.
     pub record: RecordSpec,
     /// The run directory, when the scene names one.
@@ -116,6 +118,10 @@ pub(super) fn read_run(
         None => Some(0),
     };
     let (seed, member) = (number("seed"), number("member"));
+    let estimates_error = match table.get("error") {
+        Some(item) => item.word("error", &[("estimate", true)], problems),
+        None => Some(false),
+    };
     let record = read_record(table, system, problems);
     let out = match table.get("out") {
         Some(item) => item.string(problems).map(Some),
@@ -132,6 +138,7 @@ pub(super) fn read_run(
         section: section?,
         seed: seed?,
         member: member?,
+        estimates_error: estimates_error?,
         record: record?,
         out: out?,
     })

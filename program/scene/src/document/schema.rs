@@ -69,7 +69,12 @@ const NOISE: &str = "system.noise";
 /// Motions that a pace does not serve.
 static PACE_BESIDE: [Beside; 3] = [
     Beside::Elsewhere {
-        paths: &["system.forces", "system.torque", "system.damping"],
+        paths: &[
+            "system.forces",
+            "system.torque",
+            "system.damping",
+            "system.friction",
+        ],
         message: "a pace serves motions of a Hamiltonian alone, and this system has forces",
         help: "take steps that are short enough everywhere",
     },
@@ -214,7 +219,7 @@ pub(super) static METHOD: [Key; 11] = [
 
 const OBSERVABLES: Shape = Shape::List(&Shape::Either(&[Shape::Text, FORMULAS]));
 
-pub(super) static RUN: [Key; 10] = [
+pub(super) static RUN: [Key; 11] = [
     key(
         "initial",
         Shape::Either(&[NUMBERS, FIELDS]),
@@ -260,6 +265,15 @@ pub(super) static RUN: [Key; 10] = [
         "The member of an ensemble with this seed whose random numbers these are",
     )
     .default("0"),
+    key(
+        "error",
+        Shape::Words(&["estimate"]),
+        "Estimates the error of the run's states when it is done, by a pass with half the step: three times the steps in all",
+    )
+    .otherwise("none: `run --error` asks for it")
+    .not_beside(&[Beside::Note(
+        "an estimate: noise, a pace, events that set, functions in pieces, a tolerance",
+    )]),
     key("record", table(&RECORD, &[]), "Records to keep of the run").otherwise("every step"),
     key("out", Shape::Text, "The run directory").otherwise("`runs/` and the scene's name"),
 ];

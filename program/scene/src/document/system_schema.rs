@@ -50,7 +50,7 @@ static LIBRARY_BESIDE: [Beside; 1] = [Beside::Keys {
         "convention",
         "hamiltonian",
     ],
-    advice: "beside `library` only `parameters`, `define`, `tables`, `families`, `casimirs`, `forces`, `torque`, `damping` and \
+    advice: "beside `library` only `parameters`, `define`, `tables`, `families`, `casimirs`, `forces`, `torque`, `damping`, `friction` and \
               `noise` may stand; remove it, or write the system out without `library`",
 }];
 
@@ -67,7 +67,7 @@ static EQUATIONS_BESIDE: [Beside; 1] = [Beside::Keys {
         "hamiltonian",
         "casimirs",
     ],
-    advice: "beside `equations` only `variables`, `parameters`, `bracket = \"find\"`, `forces`, `torque`, `damping` and `noise` may \
+    advice: "beside `equations` only `variables`, `parameters`, `bracket = \"find\"`, `forces`, `torque`, `damping`, `friction` and `noise` may \
               stand: the rest is found",
 }];
 
@@ -80,7 +80,7 @@ static NOISE_BESIDE: [Beside; 2] = [
     Beside::Note(NUMBERS_ALONE),
 ];
 
-pub(super) static SYSTEM: [Key; 17] = [
+pub(super) static SYSTEM: [Key; 18] = [
     key(
         "library",
         Shape::System,
@@ -203,6 +203,17 @@ pub(super) static SYSTEM: [Key; 17] = [
     )
     .otherwise("none")
     .not_beside(&[Beside::Note(NUMBERS_ALONE)]),
+    key(
+        "friction",
+        Shape::Either(&[Shape::List(&Shape::Formula), FORMULAS]),
+        "A part of x' that is along no leaf, a formula for each variable, or { m3 = \"-0.1*m3\" } for some: x' = {H, x} + friction; \
+         Casimirs change by it, and steppers that are no Poisson maps take it",
+    )
+    .otherwise("none")
+    .not_beside(&[
+        Beside::Note(NUMBERS_ALONE),
+        Beside::Note("Poisson maps, a contact bracket, a long lattice"),
+    ]),
     key(
         "noise",
         Shape::List(&table(&NOISE, &[&["hamiltonian", "strength"]])),

@@ -4,7 +4,7 @@ use leafwise_expression::syntax::{Formula, Scope};
 
 use super::error::SceneProblemCause;
 use super::field::FieldSpec;
-use super::forces::{ByCoordinate, OneFormSpec};
+use super::forces::{ByCoordinate, ComponentsSpec};
 use super::located::{Located, Place, Source};
 use super::observable::ObservableSpec;
 use super::reader::{Item, Problems};
@@ -127,18 +127,17 @@ pub(super) fn define_vectors(system: &mut SystemSection, problems: &mut Problems
 ///
 /// Records a component that has a force of its own too.
 pub(super) fn force_vectors(system: &mut SystemSection, problems: &mut Problems) {
-    let Some(OneFormSpec::Named(entries)) = system
-        .forces
-        .one_form
-        .as_ref()
-        .map(|located| &located.value)
-    else {
-        return;
+    let mut write_out = |components: &Option<Located<ComponentsSpec>>| {
+        let mut written = components.clone()?;
+        if let ComponentsSpec::Named(entries) = &mut written.value {
+            *entries = by_components(system, entries, problems);
+        }
+        Some(written)
     };
-    let written = by_components(system, entries, problems);
-    if let Some(one_form) = &mut system.forces.one_form {
-        one_form.value = OneFormSpec::Named(written);
-    }
+    let forces = &system.forces;
+    let (one_form, friction) = (write_out(&forces.one_form), write_out(&forces.friction));
+    system.forces.one_form = one_form;
+    system.forces.friction = friction;
 }
 
 /// Formulas by coordinates, those of vectors written out for their components.

@@ -102,6 +102,10 @@ impl Refused {
                 part.clone(),
                 "it integrates x' = {H, x} alone, and this system has forces".to_owned(),
             ),
+            BuildError::Friction { part } => (
+                part.clone(),
+                "it steps along symplectic leaves, and this system has friction".to_owned(),
+            ),
             BuildError::DoesNotFit { part, reason } => ((*part).to_owned(), reason.clone()),
             BuildError::Incompatible { reason, .. } => (combination.clone(), reason.clone()),
             BuildError::LiftAlone { .. } => (

@@ -1,12 +1,17 @@
-//! Coordinates in which the tensor is constant, where long steps in them err no more and take a fraction of the operations.
+//! Methods whose long steps err no more and take a fraction of the operations.
+//!
+//! They step in coordinates in which the tensor is constant, or by exact flows of the pieces of H.
+
+use std::sync::Arc;
 
 use leafwise_core::automatic::OverLift;
-use leafwise_core::part::Family;
+use leafwise_core::part::{Family, PartKind};
 use leafwise_core::{Method, PartParameters, Registry, StepMap, Walk};
 use leafwise_scene::compose::ComposedRun;
 use leafwise_scene::document::{MethodTable, PartUse};
 
 use super::probe::{distance, size};
+use super::stepper::compositions;
 use super::{LARGEST, number};
 
 /// The longest step that is tried, in steps of the run, and how often it is taken.
@@ -61,16 +66,17 @@ impl std::fmt::Display for CheaperMethod {
     }
 }
 
-/// The cheapest method in coordinates in which the tensor is constant. It takes half of the operations of the run's or
+/// The cheapest method in coordinates in which the tensor is constant, or by exact flows where H is a sum of pieces that have them. It takes half of the operations of the run's or
 /// less, and errs no more, or by less than 1e-11 of the state. Returns `None` where there is none, for a long lattice,
 /// with noise, and for a run of fewer steps than are looked at.
-pub fn cheaper_over_lifts(run: &ComposedRun, registry: &Registry) -> Option<CheaperMethod> {
+pub fn cheaper_method(run: &ComposedRun, registry: &Registry) -> Option<CheaperMethod> {
     let (plan, steps) = (&run.plan, TIMES * LONGEST);
     let is_short = plan.until.is_none() && plan.steps < steps;
     if run.dimension() > LARGEST || run.method.noise().is_some() || is_short {
         return None;
     }
-    let tried = registry.over_lifts(&run.system);
+    let mut tried = over_lifts(run, registry);
+    tried.extend(by_flows(run, registry));
     if tried.is_empty() {
         return None;
     }
@@ -89,46 +95,80 @@ pub fn cheaper_over_lifts(run: &ComposedRun, registry: &Registry) -> Option<Chea
     let allowed = own_error.max(FAR * TOLERANCE * largest);
     let mut most = own.operations? / WORTH;
     let mut best = None;
-    for tried in tried {
-        let Some(map) = built(run, registry, &tried) else {
-            continue;
-        };
+    for (method, map) in tried {
         let mut length = LONGEST as f64;
         while length >= 0.5 {
-            let orbit = orbit(run, &map, length, most);
+            let orbit = orbit(run, map.as_ref(), length, most);
             let found = orbit.and_then(|orbit| Some((error(&orbit), orbit.operations?)));
             // Shorter steps take more operations.
             if let Some((error, operations)) = found.filter(|(error, _)| *error <= allowed) {
                 most = operations;
-                best = Some((tried, length, error, operations));
+                best = Some((method, length, error, operations));
                 break;
             }
             length /= 2.0;
         }
     }
-    let (tried, length, error, operations) = best?;
-    let settings = tried.settings.iter();
-    let dynamics = settings.fold(
-        PartUse::named(tried.dynamics.name),
-        |part, (name, value)| part.with(name, *value),
-    );
+    let (method, length, error, operations) = best?;
     let step = length * plan.epsilon * plan.h;
     Some(CheaperMethod {
-        method: MethodTable::pair(PartUse::named(tried.realization.name), dynamics),
+        method,
         time_step: format!("{step:.12e}").parse().unwrap_or(step),
         part: operations as f64 / own.operations? as f64,
         errors: [error, own_error],
     })
 }
 
-fn built(run: &ComposedRun, registry: &Registry, tried: &OverLift) -> Option<Method> {
-    let realization = registry.realization(tried.realization.name).ok()?;
-    let realization = realization
-        .build(&run.system, &PartParameters::new())
-        .ok()?;
-    let dynamics = registry.dynamics(tried.dynamics.name).ok()?;
-    let dynamics = dynamics.build(&PartParameters::of(tried.settings)).ok()?;
-    Method::compose(&run.system, realization, dynamics).ok()
+/// A method that is tried.
+type Tried = (MethodTable, Arc<dyn StepMap>);
+
+fn over_lifts(run: &ComposedRun, registry: &Registry) -> Vec<Tried> {
+    let built = |tried: &OverLift| {
+        let realization = registry.realization(tried.realization.name).ok()?;
+        let realization = realization.build(&run.system, &PartParameters::new());
+        let dynamics = registry.dynamics(tried.dynamics.name).ok()?;
+        let dynamics = dynamics.build(&PartParameters::of(tried.settings));
+        let map = Method::compose(&run.system, realization.ok()?, dynamics.ok()?).ok()?;
+        let settings = tried.settings.iter();
+        let dynamics = settings.fold(
+            PartUse::named(tried.dynamics.name),
+            |part, (name, value)| part.with(name, *value),
+        );
+        let method = MethodTable::pair(PartUse::named(tried.realization.name), dynamics);
+        Some((method, Arc::new(map) as Arc<dyn StepMap>))
+    };
+    registry
+        .over_lifts(&run.system)
+        .iter()
+        .filter_map(built)
+        .collect()
+}
+
+/// Flows of the pieces of H and their compositions; none where the run's own are of these.
+fn by_flows(run: &ComposedRun, registry: &Registry) -> Vec<Tried> {
+    let known = registry.family(Family::Splitting);
+    let mut parts = run
+        .plan
+        .parts
+        .iter()
+        .filter(|part| part.kind == PartKind::Stepper);
+    if parts.any(|part| known.iter().any(|info| info.name == part.name)) {
+        return Vec::new();
+    }
+    let base = known.first().and_then(|info| {
+        let part = registry.stepper(info.name).ok()?;
+        let map = part.build(&run.system, &PartParameters::new()).ok()?;
+        Some((MethodTable::stepper(PartUse::named(info.name)), map))
+    });
+    let Some((method, map)) = base else {
+        return Vec::new();
+    };
+    let composed = compositions(registry).into_iter().filter_map(|part| {
+        let of = part.build(Arc::clone(&map), &PartParameters::new()).ok()?;
+        Some((method.clone().composed(PartUse::named(part.info.name)), of))
+    });
+    let composed: Vec<Tried> = composed.collect();
+    std::iter::once((method, map)).chain(composed).collect()
 }
 
 /// The states of a run's first steps, one for each of the longest, and the operations that they took.

@@ -1,25 +1,18 @@
-//! `leafwise import`: a tokamak's equilibrium as a scene of guiding centres.
-
-use std::fs;
-use std::path::{Path, PathBuf};
+//! A g-file of EFIT: the tokamak's equilibrium, and what is said of it.
 
 use leafwise::equilibrium::{Equilibrium, EquilibriumError, Geqdsk, Ions, written};
 use leafwise::scene::json::optional;
 use serde::Serialize;
 
-use crate::arguments::ImportArguments;
-use crate::console::Console;
-use crate::failure::{Failure, exit};
-use crate::files;
+use super::Imported;
 use crate::table::words;
 
 /// Surfaces whose safety factor is printed, by their normalized flux.
 const SURFACES: [f64; 4] = [0.0, 0.25, 0.5, 0.95];
 
-/// The object of `import --json`.
+/// An equilibrium as `import --json` has it.
 #[derive(Serialize)]
-struct ImportJson<'a> {
-    outcome: &'static str,
+struct EquilibriumJson<'a> {
     title: &'a str,
     nodes: [usize; 2],
     axis: [f64; 2],
@@ -29,7 +22,6 @@ struct ImportJson<'a> {
     has_edge: bool,
     /// Where the table of F is smeared: the normalized flux, and the part of F's variation by which it is off.
     smeared: Option<[f64; 2]>,
-    scene: &'a Path,
 }
 
 /// The safety factor of a surface.
@@ -45,107 +37,49 @@ struct SafetyFactor {
     in_file: Option<f64>,
 }
 
-/// Reads a g-file and writes a scene with its tables; returns the exit code.
+/// The scene of a g-file's text.
 ///
 /// # Errors
-/// [`Failure`] when the file is no equilibrium, or the scene exists.
-pub fn execute(arguments: &ImportArguments, console: &mut Console<'_>) -> Result<u8, Failure> {
-    let file = &arguments.file;
-    let bytes = fs::read(file).map_err(|source| Failure::File {
-        action: "read",
-        file: file.clone(),
-        source,
-    })?;
-    let text = String::from_utf8_lossy(&bytes);
-    let refused = |error: EquilibriumError| refused(file, &error);
-    let equilibrium = Geqdsk::parse(&text)
-        .and_then(|read| Equilibrium::new(read, arguments.degree))
-        .map_err(refused)?;
-    let ions = Ions {
-        species: arguments.species,
-        energy: arguments.energy,
-        pitch: arguments.pitch,
-        surface: arguments.surface,
-        members: arguments.members,
-        seed: arguments.seed,
-    };
-    let source = file.file_name().unwrap_or_default().to_string_lossy();
-    let written = written(&equilibrium, &ions, &source).map_err(refused)?;
-    let directory = arguments.out.clone().unwrap_or_else(|| directory_of(file));
-    let scene = directory.join("scene.toml");
-    files::make_directory(&directory)?;
-    let help = "name another directory: --out DIRECTORY";
-    let tables = written.files.iter();
-    let tables = tables.map(|(name, text)| (directory.join(name), text));
-    let all: Vec<(PathBuf, &String)> = tables.chain([(scene.clone(), &written.scene)]).collect();
-    for (file, _) in &all {
-        files::refuse_existing(file, help)?;
-    }
-    for (file, text) in all {
-        files::write_new(&file, text, help)?;
-    }
+/// [`EquilibriumError`] for a text that is no equilibrium, and ions without a start.
+pub(super) fn imported(
+    text: &str,
+    (ions, degree): (&Ions, u8),
+    source: &str,
+) -> Result<Imported, EquilibriumError> {
+    let equilibrium = Equilibrium::new(Geqdsk::parse(text)?, degree)?;
+    let written = written(&equilibrium, ions, source)?;
     let (factors, smeared) = (safety_factors(&equilibrium), equilibrium.smeared());
-    if arguments.json {
-        console.json(&ImportJson {
-            outcome: "written",
-            title: &equilibrium.file().title,
-            nodes: equilibrium.file().nodes,
-            axis: equilibrium.axis(),
-            field_on_axis: equilibrium.field(equilibrium.axis()),
-            safety_factors: factors,
-            has_edge: equilibrium.has_edge(),
-            smeared: smeared.map(|smeared| [smeared.surface, smeared.part]),
-            scene: &scene,
-        });
-    } else {
-        for line in lines(&equilibrium, &factors) {
-            console.result(&line);
-        }
-    }
+    let mut warnings = Vec::new();
     if !equilibrium.has_edge() {
-        console.warn(
+        warnings.push(
             "the edge, s = 1, is not closed inside the grid: particles leave the tables before they are lost\n  = change: \
-             write the equilibrium on a larger grid",
+             write the equilibrium on a larger grid"
+                .to_owned(),
         );
     }
     if let Some(smeared) = smeared {
-        console.warn(&format!(
+        warnings.push(format!(
             "F = R B_phi changes within a few cells of the grid: its table is off by {:.0} % of its variation at s = {:.3}\n  = change: \
              write the equilibrium on a finer grid",
             100.0 * smeared.part,
             smeared.surface
         ));
     }
-    console.prose(&format!(
-        "wrote {0} and its tables; `leafwise run {0}` follows one ion{1}",
-        scene.display(),
-        match arguments.members {
-            0 => String::new(),
-            count => format!(", `leafwise ensemble {}` {count} of them", scene.display()),
-        }
-    ));
-    Ok(exit::DONE)
-}
-
-/// The file's name without its ending, unless a file or directory has that name.
-fn directory_of(file: &Path) -> PathBuf {
-    let stem = file.file_stem().unwrap_or_default();
-    let plain = PathBuf::from(stem);
-    let mut other = stem.to_owned();
-    other.push("-scene");
-    if plain.is_file() { other.into() } else { plain }
-}
-
-fn refused(file: &Path, error: &EquilibriumError) -> Failure {
-    let help = match error {
-        EquilibriumError::Table { .. } => {
-            "a spline of degree k has more than k nodes along each axis: take a smaller --degree"
-        }
-        EquilibriumError::Open { .. } => "take a surface nearer to the axis: --surface 0.5",
-        EquilibriumError::Odd(_) => "`leafwise import --help` says what each option means",
-        _ => "write the equilibrium anew, or repair that line",
+    let json = EquilibriumJson {
+        title: &equilibrium.file().title,
+        nodes: equilibrium.file().nodes,
+        axis: equilibrium.axis(),
+        field_on_axis: equilibrium.field(equilibrium.axis()),
+        has_edge: equilibrium.has_edge(),
+        smeared: smeared.map(|smeared| [smeared.surface, smeared.part]),
+        safety_factors: factors,
     };
-    Failure::usage(format!("{}: {error}", file.display()), help)
+    Ok(Imported {
+        written,
+        lines: lines(&equilibrium, &json.safety_factors),
+        json: serde_json::to_value(&json).unwrap_or_default(),
+        warnings,
+    })
 }
 
 fn safety_factors(equilibrium: &Equilibrium) -> Vec<SafetyFactor> {
