@@ -27,7 +27,7 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     let registry = Registry::with_builtin();
     let document = SceneDocument::parse("rigid body", SCENE, &registry)?;
     let run = compose(&document, &registry)?;
-    for (label, description) in run.method.parts() {
+    for (label, description) in run.method.parts(run.system.motion()) {
         println!("{label}: {description}");
     }
 
