@@ -3,8 +3,8 @@
 use crate::expression::{Binary, Expression, Function};
 
 impl Expression {
-    /// Functions of which one changes its sign where the formula has a corner or jumps: u of |u| and sign u, c of a choice by c > 0,
-    /// sin(πu) of ⌊u⌋, sin(πa/b) of a remainder, y of an angle. Choices by a number between it and its negative are smooth.
+    /// Functions of which one changes its sign where the formula has a corner or jumps. These are u of |u| and sign u, and c of a
+    /// choice by c > 0. They are sin(πu) of ⌊u⌋, sin(πa/b) of a remainder, and y of an angle. A choice by its own value is none.
     pub fn corners(&self) -> Vec<Self> {
         let whole =
             |u: Self| Self::Apply(Function::Sin, Box::new(Self::Product(vec![Self::Pi, u])));

@@ -4,8 +4,8 @@ use crate::expression::{Expression, Function};
 use crate::rational::Rational;
 
 impl Expression {
-    /// u − b|b| where `left − right` is c (√u − b), c > 0, of a sum of squares u: a function of the same sign. Near u = 0 it turns as
-    /// slowly as u does, and √u within a small part of a step. `None` where no such root is compared, or more than one.
+    /// u − b|b| where `left − right` is c (√u − b), c > 0, of a sum of squares u. The sign is the same. Near u = 0 it turns as slowly
+    /// as u does: √u turns within a small part of a step. Returns `None` unless one such root is compared.
     pub fn compared_magnitude(left: &Self, right: &Self) -> Option<Self> {
         let mut terms = Vec::new();
         terms_of(left, false, &mut terms);

@@ -97,7 +97,7 @@ impl Past {
         shows_all([self.last, value], self.most_bent(value))
     }
 
-    /// The beginning and the end of the next step, and states between them where it turns: from one to the next there is one
+    /// The beginning and the end of the next step, and states between them where it turns. From one to the next there is one
     /// change of sign at most. `corners` are both sides of the places where it is not smooth.
     pub(crate) fn points(
         &self,
@@ -126,8 +126,8 @@ impl Past {
     }
 }
 
-/// Both sides of each place in the last step where a function changes its sign, of those from number `first` on, in the order of
-/// the places, with the values of the first function there.
+/// Both sides of each place in the last step where a function from number `first` on changes its sign. They stand in the order of
+/// the places, with the values of the first function.
 pub(crate) fn corners(
     last: &mut LastStep<'_>,
     ends: &[Between; 2],

@@ -13,8 +13,10 @@ pub const EQUAL_MARGIN: f64 = f64::from_bits(23 << 52);
 
 impl Formula {
     /// A number that is positive where a [condition](Formula::parse_condition) holds, and negative where it does not. Of
-    /// `a < b` it is b − a, or of its sign where a root of squares is compared, of `a == b` −|a − b|, and where that is 0 it is [`EQUAL_MARGIN`] with the sign that tells. Of
+    /// `a < b` it is b − a, of `a == b` −|a − b|. Where that is 0 it is [`EQUAL_MARGIN`] with the sign that tells. Of
     /// `and` it is the smaller one, of `or` the larger.
+    ///
+    /// Where a root of squares is compared, it is the difference of [squares](Expression::compared_magnitude).
     ///
     /// # Errors
     /// Those of [`Formula::resolve`].

@@ -9,7 +9,7 @@ fn recorded(more: &str) -> Recorded {
         r#"
 [system]
 variables   = ["q", "x", "y", "p", "px", "py"]
-bracket     = { canonical = [["q", "p"], ["x", "px"], ["y", "py"]] }
+bracket     = {{ canonical = [["q", "p"], ["x", "px"], ["y", "py"]] }}
 hamiltonian = "(p^2 + px^2 + py^2)/2"
 [method]
 stepper   = "splitting"
