@@ -198,6 +198,47 @@ fn the_figure_eight_closes_and_is_stable() {
     }
 }
 
+/// Units of length, momentum and energy change neither a period over the unit of time nor a multiplier: in powers of two they
+/// change no bit of a step but by the solver's stop, which is a small part of the state.
+#[test]
+fn orbits_know_no_units() {
+    let in_units = |length: f64, mass: f64, time: f64| {
+        let momentum = mass * length / time;
+        let system = format!(
+            "variables = [\"x\", \"y\", \"px\", \"py\"]\nbracket = \"canonical\"\n\
+             parameters = {{ L = {length:e}, m = {mass:e}, T = {time:e} }}\n\
+             hamiltonian = \"(px^2 + py^2)/(2*m) + m/T^2*((x^2 + y^2)/2 + (x^2*y - y^3/3)/L)\""
+        );
+        let start = format!("[0, {:e}, {:e}, 0]", 0.3 * length, 0.4 * momentum);
+        let method = "stepper = \"splitting\"\ncomposition = \"suzuki-4\"";
+        orbit(&system, method, &start, (6.0 * time, 120), Hold::Energy)
+    };
+    let two = |n: f64| libm::exp2(n);
+    let own = in_units(1.0, 1.0, 1.0);
+    // A Hénon–Heiles orbit that another program closes at 6.0878888.
+    assert!((own.period - 6.0879).abs() < 1e-3 && own.is_stable());
+    for (length, mass, time) in [
+        (-37.0, 0.0, 0.0),
+        (20.0, 3.0, -10.0),
+        (-33.0, -90.0, -47.0),
+        (100.0, 60.0, 30.0),
+    ] {
+        let found = in_units(two(length), two(mass), two(time));
+        let period = found.period / two(time);
+        assert!(
+            (period - own.period).abs() < 1e-9 * own.period,
+            "{length} {mass} {time}: {period}"
+        );
+        assert_eq!(found.multipliers.len(), own.multipliers.len());
+        for (a, b) in found.multipliers.iter().zip(&own.multipliers) {
+            assert!(
+                (a.re - b.re).abs() < 1e-6 && (a.im.abs() - b.im.abs()).abs() < 1e-6,
+                "{a:?} {b:?}"
+            );
+        }
+    }
+}
+
 #[test]
 fn what_has_no_orbits_is_refused() {
     let damped = "variables = [\"q\", \"p\", \"s\"]\nbracket = \"contact\"\nhamiltonian = \"p^2/2 + q^2/2 + 0.2*s\"";

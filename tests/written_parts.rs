@@ -208,16 +208,12 @@ fn mistakes_in_formulas_are_refused_where_they_stand() {
     assert!(of("[\"2*H\"]").0.contains("another motion"));
     assert!(of("[]").0.contains("it needs `S`"));
     assert!(of("[\"H/0\"]").0.contains("division"));
-    for length in ["-0.1", "inf"] {
-        let dynamics =
-            format!("{{ name = \"generating-function\", S = [\"H\"], time-step = {length} }}");
-        let (message, _) = refused(&exact, &dynamics);
-        let named = format!("time-step = {length} is not allowed");
-        assert!(
-            message.contains(&named) || message.contains("finite"),
-            "{message}"
-        );
-    }
+    let dynamics = "{ name = \"generating-function\", S = [\"H\"], time-step = -0.1 }";
+    let (message, _) = refused(&exact, dynamics);
+    assert!(
+        message.contains("time-step = -0.1 is not allowed"),
+        "{message}"
+    );
     let (message, _) = refused("{ name = \"closed-form\" }", ENERGY);
     assert!(message.contains("it needs `alpha`"), "{message}");
     let (message, _) = refused(&closed_form(&cayley("1/4"), ", order = -1"), ENERGY);

@@ -116,7 +116,7 @@ fn several_turns_are_one_orbit() {
     let said = here.leafwise(&["orbit", "scene.toml", "--period", "17"]);
     assert!(
         said.out
-            .contains("2 of this orbit take the time that was looked for"),
+            .contains("2 of this orbit make up the one that closed first"),
         "{}",
         said.out
     );

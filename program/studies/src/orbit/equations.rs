@@ -29,22 +29,66 @@ pub(super) struct AfterTurn {
     rows: Vec<Vec<f64>>,
 }
 
-/// Steps of one map, so many a turn.
+/// Steps of one map, so many a turn, of states in units of their coordinates.
+///
+/// A unit is a power of two next to how large its coordinate is: nothing here depends on the units of a scene.
+#[derive(Clone)]
 pub(super) struct Turns<'a> {
     map: &'a dyn StepMap,
     parameters: Vec<f64>,
     epsilon: f64,
     pub steps: u64,
+    pub units: Vec<f64>,
 }
 
 impl<'a> Turns<'a> {
-    pub fn of(run: &'a ComposedRun, steps: u64) -> Self {
+    pub fn of(run: &'a ComposedRun, steps: u64, units: Vec<f64>) -> Self {
         Self {
             map: run.method.map(),
             parameters: run.system.parameter_values(),
             epsilon: run.plan.epsilon,
             steps,
+            units,
         }
+    }
+
+    /// In the units of the coordinates' sizes over a period from a state. That of a coordinate that stays 0 is the median of the others.
+    pub fn in_units(
+        run: &'a ComposedRun,
+        steps: u64,
+        (initial, period): (&[f64], f64),
+    ) -> Result<Self, OrbitError> {
+        let mut turns = Self::of(run, steps, vec![1.0; initial.len()]);
+        let mut sizes = vec![0.0_f64; initial.len()];
+        for state in turns.states(initial, period)?.chunks_exact(initial.len()) {
+            let pairs = sizes.iter_mut().zip(state);
+            pairs.for_each(|(size, x)| *size = larger(*size, x.abs()));
+        }
+        let mut known: Vec<f64> = sizes.iter().copied().filter(|size| *size > 0.0).collect();
+        known.sort_by(f64::total_cmp);
+        let median = known.get(known.len() / 2).copied().unwrap_or(1.0);
+        turns.units = (sizes.iter())
+            .map(|size| if *size > 0.0 { *size } else { median })
+            .map(|size| libm::exp2(libm::round(libm::log2(size))))
+            .collect();
+        Ok(turns)
+    }
+
+    /// A state of the scene in these units.
+    pub fn inside(&self, state: &[f64]) -> Vec<f64> {
+        state
+            .iter()
+            .zip(&self.units)
+            .map(|(x, unit)| x / unit)
+            .collect()
+    }
+
+    /// A state in these units as the scene has it.
+    pub fn outside(&self, x: &[f64]) -> Vec<f64> {
+        x.iter()
+            .zip(&self.units)
+            .map(|(x, unit)| x * unit)
+            .collect()
     }
 
     /// The same at another value of a parameter.
@@ -53,7 +97,7 @@ impl<'a> Turns<'a> {
         parameters[parameter] = value;
         Self {
             parameters,
-            ..*self
+            ..self.clone()
         }
     }
 
@@ -77,7 +121,7 @@ impl<'a> Turns<'a> {
         let d = x.len();
         let count = d + usize::from(by.is_some());
         let mut tangents = vec![0.0; count * d];
-        (0..d).for_each(|i| tangents[i * d + i] = 1.0);
+        (0..d).for_each(|i| tangents[i * d + i] = self.units[i]);
         let mut by_parameters = Vec::new();
         if let Some(parameter) = by {
             by_parameters = vec![0.0; count * self.parameters.len()];
@@ -87,13 +131,13 @@ impl<'a> Turns<'a> {
             steps: self.steps,
             every: self.steps,
         };
-        let end = self
-            .trajectory(period)
-            .push(x, (&tangents, &by_parameters), plan)?;
-        let ends = end.samples[d..].iter().zip(x);
+        let end =
+            self.trajectory(period)
+                .push(&self.outside(x), (&tangents, &by_parameters), plan)?;
+        let ends = self.inside(&end.samples[d..]).into_iter().zip(x);
         let gap = ends.map(|(end, x)| end - x).collect();
         let columns = end.tangents[count * d..].chunks_exact(d);
-        let mut columns: Columns = columns.map(<[f64]>::to_vec).collect();
+        let mut columns: Columns = columns.map(|column| self.inside(column)).collect();
         let by_parameter = columns.split_off(d).pop().unwrap_or_default();
         Ok((gap, columns, by_parameter))
     }
@@ -104,8 +148,9 @@ impl<'a> Turns<'a> {
             steps,
             every: steps,
         };
-        let end = self.trajectory(period).push(x, (&[], &[]), plan)?;
-        let ends = end.samples[x.len()..].iter().zip(x);
+        let state = self.outside(x);
+        let end = self.trajectory(period).push(&state, (&[], &[]), plan)?;
+        let ends = self.inside(&end.samples[x.len()..]).into_iter().zip(x);
         Ok(ends.map(|(end, x)| end - x).collect())
     }
 
@@ -116,14 +161,20 @@ impl<'a> Turns<'a> {
 
     /// max |x_k − x_0| over a turn.
     pub fn moved(&self, x: &[f64], period: f64) -> Result<f64, GradientError> {
+        let states = self.states(&self.outside(x), period)?;
+        let states = states.chunks_exact(x.len()).map(|state| self.inside(state));
+        let gaps = states.map(|state| distance(&state, x));
+        Ok(gaps.fold(0.0, f64::max))
+    }
+
+    /// The states of a turn from a state of the scene.
+    fn states(&self, state: &[f64], period: f64) -> Result<Vec<f64>, GradientError> {
         let every = Plan {
             steps: self.steps,
             every: 1,
         };
-        let turn = self.trajectory(period).push(x, (&[], &[]), every)?;
-        let states = turn.samples.chunks_exact(x.len());
-        let gaps = states.flat_map(|state| state.iter().zip(x).map(|(a, b)| (a - b).abs()));
-        Ok(gaps.fold(0.0, f64::max))
+        let turn = self.trajectory(period).push(state, (&[], &[]), every)?;
+        Ok(turn.samples)
     }
 
     /// ∂Φᴺ/∂T.
@@ -134,6 +185,11 @@ impl<'a> Turns<'a> {
         let pairs = ahead.iter().zip(behind);
         Ok(pairs.map(|(a, b)| (a - b) / change).collect())
     }
+}
+
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    let pairs = a.iter().zip(b);
+    pairs.fold(0.0, |most, (a, b)| larger(most, (a - b).abs()))
 }
 
 /// The largest size of an entry.
@@ -153,7 +209,8 @@ impl Invariants<'_> {
     }
 
     pub fn values(&self, x: &[f64], turns: &Turns<'_>) -> Result<Vec<f64>, OrbitError> {
-        Ok(values(&mut self.observer(&turns.parameters)?, x))
+        let mut observer = self.observer(&turns.parameters)?;
+        Ok(values(&mut observer, &turns.outside(x)))
     }
 
     /// By differences: they direct Newton's method, and its end depends on values alone.
@@ -164,9 +221,9 @@ impl Invariants<'_> {
         for i in 0..x.len() {
             let change = STEP * x[i].abs().max(1.0);
             moved[i] = x[i] + change;
-            let ahead = values(&mut observer, &moved);
+            let ahead = values(&mut observer, &turns.outside(&moved));
             moved[i] = x[i] - change;
-            let behind = values(&mut observer, &moved);
+            let behind = values(&mut observer, &turns.outside(&moved));
             moved[i] = x[i];
             for ((gradient, a), b) in gradients.iter_mut().zip(ahead).zip(behind) {
                 gradient[i] = (a - b) / (2.0 * change);
@@ -238,10 +295,7 @@ impl Equations<'_> {
             Some(moving) => self
                 .turns
                 .at(moving.parameter, unknowns[d + 1] * moving.unit),
-            None => Turns {
-                parameters: self.turns.parameters.clone(),
-                ..self.turns
-            },
+            None => self.turns.clone(),
         };
         (&unknowns[..d], unknowns[d] * self.period_unit, turns)
     }

@@ -42,12 +42,12 @@ pub enum OrbitError {
     },
     /// The state rests.
     #[error(
-        "no orbit closes near here: after {iterations} corrections the state is an equilibrium or next to one, that moves by {moved:.1e} in a period"
+        "no orbit closes near here: after {iterations} corrections the state is an equilibrium or next to one, that moves by {moved:.1e} of its size in a period"
     )]
     Equilibrium {
         /// Corrections made.
         iterations: usize,
-        /// max |x_k − x_0| over a turn.
+        /// max |x_k − x_0| over a turn, in units of the coordinates' sizes.
         moved: f64,
     },
     /// The multipliers of an orbit cannot be told from round-off.

@@ -155,7 +155,8 @@ pub fn follow(
     following: &Following,
 ) -> Result<OrbitFamily, OrbitError> {
     let first = close(run, (period, steps), hold)?;
-    let turns = Turns::of(run, first.steps);
+    let turns = Turns::of(run, first.steps, first.units.clone());
+    let x = turns.inside(&first.state);
     let invariants = Invariants(run);
     let along = &following.along;
     let moving = match along {
@@ -183,16 +184,16 @@ pub fn follow(
             help: "name a value further away",
         });
     }
-    let mut unknowns = [first.state.as_slice(), &[1.0]].concat();
+    let mut unknowns = [x.as_slice(), &[1.0]].concat();
     unknowns.extend(moving.map(|(moving, own)| own / moving.unit));
     let mut walk = Walk {
-        moved_at_first: turns.moved(&first.state, first.period)?,
+        moved_at_first: turns.moved(&x, first.period)?,
         casimirs: run.system.casimir_names(),
         kernel: first.kernel,
         free: 1,
         along,
         equations: Equations {
-            held: invariants.values(&first.state, &turns)?,
+            held: invariants.values(&x, &turns)?,
             turns,
             invariants,
             holds_energy: !is_alone && hold == Hold::Energy,

@@ -29,7 +29,7 @@ pub use error::OrbitError;
 pub use family::{Along, Ends, FamilyOrbit, Following, Mark, OrbitFamily, follow};
 pub use linear::Complex;
 use multipliers::{Kernel, Multipliers};
-use newton::{Corrected, corrected};
+use newton::{Corrected, corrected, length};
 pub use rest::{Rest, RestError, Verdict, rest};
 
 /// A closure, over the size of the state, that whole corrections alone make better.
@@ -79,6 +79,8 @@ pub struct PeriodicOrbit {
     pub energy: f64,
     /// N.
     pub steps: u64,
+    /// Units of the coordinates, as large as these are.
+    units: Vec<f64>,
     /// Turns of this orbit in the period that was looked for: more than 1 where that is a multiple of its own.
     pub turns: u64,
     /// max |Φᴺ(x) − x|.
@@ -124,22 +126,25 @@ pub fn close(
 
 /// The orbit that is passed several times in the period of this one.
 fn of_one_turn(run: &ComposedRun, orbit: &PeriodicOrbit, hold: Hold) -> Option<PeriodicOrbit> {
-    let size = size_of(&orbit.state);
-    let own = Turns::of(run, orbit.steps);
-    let moved = own.moved(&orbit.state, orbit.period).ok()?;
+    let of = |steps: u64| Turns::of(run, steps, orbit.units.clone());
+    let own = of(orbit.steps);
+    let x = own.inside(&orbit.state);
+    let size = size_of(&x);
+    let moved = own.moved(&x, orbit.period).ok()?;
     (2..=TURNS.min(orbit.steps)).find_map(|count| {
         let steps = orbit.steps.div_ceil(count);
-        let part = Turns::of(run, steps);
+        let part = of(steps);
         let period = orbit.period / count as f64;
-        let near = part.gap_after(&orbit.state, period, steps).ok()?;
+        let near = part.gap_after(&x, period, steps).ok()?;
         if near > BACK * moved {
             return None;
         }
         // Near a bifurcation an orbit of two turns nearly closes after one: it closes in these steps as the shorter one does, or is another.
         let all = (orbit.period, steps * count);
         let whole = closed(run, &orbit.state, all, hold).ok()?;
-        let own = Turns::of(run, whole.steps);
-        let gap = own.gap_after(&whole.state, whole.period, steps).ok()?;
+        let own = of(whole.steps);
+        let x = own.inside(&whole.state);
+        let gap = own.gap_after(&x, whole.period, steps).ok()?;
         if gap > CLOSED * size {
             return None;
         }
@@ -153,7 +158,7 @@ fn of_one_turn(run: &ComposedRun, orbit: &PeriodicOrbit, hold: Hold) -> Option<P
     })
 }
 
-/// The largest coordinate, and 1 at least.
+/// The largest coordinate in its units, and 1 at least.
 fn size_of(x: &[f64]) -> f64 {
     x.iter().fold(1.0_f64, |most, x| most.max(x.abs()))
 }
@@ -165,31 +170,32 @@ fn closed(
     (period, steps): (f64, u64),
     hold: Hold,
 ) -> Result<PeriodicOrbit, OrbitError> {
-    let turns = Turns::of(run, steps);
+    let turns = Turns::in_units(run, steps, (initial, period))?;
     let invariants = Invariants(run);
-    let (d, first) = (initial.len(), period);
-    let moved_at_first = turns.moved(initial, first)?;
+    let (d, first, initial) = (initial.len(), period, turns.inside(initial));
+    let moved_at_first = turns.moved(&initial, first)?;
+    let near = NEAR * size_of(&initial);
     let equations = Equations {
-        held: invariants.values(initial, &turns)?,
+        held: invariants.values(&initial, &turns)?,
         turns,
         invariants,
         holds_energy: hold == Hold::Energy,
         finds_period: hold == Hold::Energy,
-        period_unit: 1.0,
+        period_unit: first,
         moving: None,
         border: None,
     };
-    let unknowns = [initial, &[period]].concat();
+    let unknowns = [&initial[..], &[1.0]].concat();
     let found = corrected(
         unknowns,
-        (PART, NEAR * size_of(initial)),
+        (PART, near),
         |u| equations.at(u),
         |u, at| equations.columns(u, at),
-        |u, iterations| match u[d] < SHRUNK * first {
+        |u, iterations| match u[d] < SHRUNK {
             true => Err(OrbitError::Shrinks {
                 iterations,
                 first,
-                period: u[d],
+                period: u[d] * first,
             }),
             false => Ok(()),
         },
@@ -207,20 +213,23 @@ fn judged(
 ) -> Result<PeriodicOrbit, OrbitError> {
     let (x, period, turns) = equations.parts(&found.unknowns);
     let iterations = found.corrections;
-    let closure = largest(&found.at.found.gap);
-    if closure.is_nan() || closure > CLOSED * size_of(x) {
+    let gap = largest(&found.at.found.gap);
+    let closure = largest(&turns.outside(&found.at.found.gap));
+    if gap.is_nan() || gap > CLOSED * size_of(x) {
         return Err(OrbitError::NotClosed {
             iterations,
             closure,
         });
     }
     let moved = turns.moved(x, period)?;
-    if closure >= MOVED * moved || moved < RESTS * moved_at_first {
+    if gap >= MOVED * moved || moved < RESTS * moved_at_first {
         return Err(OrbitError::Equilibrium { iterations, moved });
     }
     let now = equations.invariants.values(x, &turns)?;
-    for (at, (now, held)) in now.iter().zip(&equations.held).enumerate() {
-        let off = (now - held).abs() / held.abs().max(1.0);
+    let gradients = equations.invariants.gradients(x, &turns)?;
+    let pairs = now.iter().zip(&equations.held).zip(gradients);
+    for (at, ((now, held), gradient)) in pairs.enumerate() {
+        let off = (now - held).abs() / held.abs().max(length(&gradient)).max(f64::MIN_POSITIVE);
         if at == 0 && !equations.holds_energy || off <= CLOSED {
             continue;
         }
@@ -242,10 +251,11 @@ fn judged(
     let products = opposite.map(|(a, b)| (a.modulus() * b.modulus() - 1.0).abs());
     Ok(PeriodicOrbit {
         pairing: products.fold(0.0, f64::max),
-        state: x.to_vec(),
+        state: turns.outside(x),
         period,
         energy: now[0],
         steps: turns.steps,
+        units: turns.units,
         turns: 1,
         closure,
         iterations,

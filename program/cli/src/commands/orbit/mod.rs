@@ -146,7 +146,7 @@ fn rows(orbit: &PeriodicOrbit, names: &[String]) -> Vec<Vec<String>> {
     ];
     if orbit.turns > 1 {
         let told = format!(
-            "{} of this orbit take the time that was looked for",
+            "{} of this orbit make up the one that closed first",
             orbit.turns
         );
         rows.insert(1, row("turns", told));
