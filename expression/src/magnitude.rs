@@ -44,6 +44,13 @@ fn terms_of(sum: &Expression, is_negative: bool, terms: &mut Vec<(bool, Expressi
             }
         }
         Expression::Negate(part) => terms_of(part, !is_negative, terms),
+        Expression::Product(factors) => match &factors[..] {
+            [Expression::Constant(c), rest @ ..] if c.is_negative() => {
+                let rest = std::iter::once(Expression::Constant(-c)).chain(rest.iter().cloned());
+                terms.push((!is_negative, Expression::Product(rest.collect())));
+            }
+            _ => terms.push((is_negative, sum.clone())),
+        },
         _ => terms.push((is_negative, sum.clone())),
     }
 }

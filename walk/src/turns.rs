@@ -12,6 +12,9 @@ use crate::step::{Between, LastStep, MOST_TRIED};
 /// How much more a function may bend within a step than over the steps around it.
 const SAFETY: f64 = 4.0;
 
+/// The part of a step beside a corner at which its sides are looked at: nearer, round-off decides of the side.
+const BESIDE: f64 = 1e-10;
+
 /// The part of the largest value in a step up to which a value within it is a contact with zero, no change of sign.
 const CONTACT: f64 = 1e-8;
 
@@ -159,12 +162,23 @@ pub(crate) fn corners(
         ];
         let mut rising = |_: &[f64], state: &[f64]| values.at(state)[number] * sign;
         // Where a part of the step cannot be taken, its ends show what is known.
-        if let Ok(bracket) = last.enclose(places, &|value| value >= 0.0, None, &mut rising) {
-            found.push([bracket.before, bracket.behind]);
+        let Ok(bracket) = last.enclose(places, &|value| value >= 0.0, None, &mut rising) else {
+            continue;
+        };
+        let (before, behind) = (bracket.before.part - BESIDE, bracket.behind.part + BESIDE);
+        let [begin, end] = ends.clone();
+        let sides =
+            [(before, begin), (behind, end)].map(|(part, known)| match part > 0.0 && part < 1.0 {
+                true => last.part(part).map(|state| Between {
+                    part,
+                    value: values.at(&state)[0],
+                    state,
+                }),
+                false => Ok(known),
+            });
+        if let [Ok(before), Ok(behind)] = sides {
+            found.push([before, behind]);
         }
-    }
-    for place in found.iter_mut().flatten() {
-        place.value = values.at(&place.state)[0];
     }
     found.sort_by(|[one, _], [other, _]| one.part.total_cmp(&other.part));
     found

@@ -37,7 +37,7 @@ const SYNONYMS: [Synonym; 46] = [
         "leafwise plot",
     ),
     leads(
-        &["orbit", "orbits", "periodic", "floquet"],
+        &["orbit", "periodic", "floquet"],
         "orbits",
         "periodic orbits",
         "Newton",
@@ -57,14 +57,7 @@ const SYNONYMS: [Synonym; 46] = [
         "tangent",
     ),
     leads(
-        &[
-            "equilibrium",
-            "equilibria",
-            "fixed",
-            "stability",
-            "stable",
-            "unstable",
-        ],
+        &["equilibrium", "fixed", "stability", "stable", "unstable"],
         "orbits",
         "equilibria",
         "Newton",

@@ -101,7 +101,8 @@ impl Watched<'_> {
         let (Some((stop, _)), Some(values)) = (&self.course.stop, &mut self.stop) else {
             return;
         };
-        let values = values.at(self.walk.state()).to_vec();
+        // Behind the differences of all lanes stand those of corners.
+        let values = values.at(self.walk.state())[..self.walk.lanes()].to_vec();
         for (lane, value) in values.into_iter().enumerate() {
             if !self.walk.lives(lane) {
                 continue;

@@ -23,7 +23,7 @@ pub(super) struct Corrected<A> {
     pub corrections: usize,
 }
 
-/// Corrects unknowns until no correction makes the equations better. Below `near` whole corrections alone are tried: near round-off
+/// Corrects unknowns until no correction makes the equations better, or half as good below `near`. Below `near` whole corrections alone are tried: near round-off
 /// a shorter one is no better. `columns` are derivatives of the equations, and `watch` ends the search.
 pub(super) fn corrected<A, E>(
     mut unknowns: Vec<f64>,
@@ -49,6 +49,10 @@ pub(super) fn corrected<A, E>(
         let Some((moved, next)) = better else { break };
         corrections += 1;
         (unknowns, here) = (moved, next);
+        // At round-off corrections go to and fro.
+        if before <= near && length(&here.right) > 0.5 * before {
+            break;
+        }
         watch(&unknowns, corrections)?;
     }
     Ok(Corrected {
