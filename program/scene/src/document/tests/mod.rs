@@ -202,7 +202,9 @@ fn every_unknown_key_is_underlined_and_its_nearest_key_named() {
     let stranger = broken("steps   = 1000", "steps = 1\nzzzz = 2");
     assert_eq!(
         stranger.help.as_deref(),
-        Some("valid here: initial, steps, until, t0, stop, section, seed, member, record, out")
+        Some(
+            "valid here: initial, steps, until, t0, stop, section, seed, member, error, record, out"
+        )
     );
 }
 
