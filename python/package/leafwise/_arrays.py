@@ -80,7 +80,7 @@ def real_numbers(name: str, values: Any) -> Array:
     found = given(name, values)
     if found.dtype.kind not in "iuf":
         raise TypeError(f"{name} holds {found.dtype}, not real numbers")
-    return np.ascontiguousarray(found, dtype=np.float64).reshape(found.shape)
+    return np.require(found, np.float64, ["C", "A"]).reshape(found.shape)
 
 
 def with_gaps(name: str, values: Any) -> Array:

@@ -47,17 +47,13 @@ class AskedEnsemble(NamedTuple):
 
     def shard(self, out: Path, place: tuple[int, int], threads: int | None) -> None:
         """Steps the members of a shard into a directory."""
-        scene = _leafwise.Scene(*self.origin)
-        scene.shard(
-            self.overrides, self.states, self.parameters, self.files, out, place, None, threads, self.allow_non_poisson
-        )
+        scene, (states, parameters) = _leafwise.Scene(*self.origin), self._arrays()
+        scene.shard(self.overrides, states, parameters, self.files, out, place, None, threads, self.allow_non_poisson)
 
     def join(self, out: Path, shards: Path) -> None:
         """Joins shards that follow one another into a larger one."""
-        scene = _leafwise.Scene(*self.origin)
-        scene.shard(
-            self.overrides, self.states, self.parameters, self.files, out, (1, 1), shards, None, self.allow_non_poisson
-        )
+        scene, (states, parameters) = _leafwise.Scene(*self.origin), self._arrays()
+        scene.shard(self.overrides, states, parameters, self.files, out, (1, 1), shards, None, self.allow_non_poisson)
 
     def merge(self, out: Path, shards: Path) -> _leafwise.Ensemble:
         """The whole."""
@@ -65,6 +61,11 @@ class AskedEnsemble(NamedTuple):
         return scene.ensemble(
             self.overrides, self.states, self.parameters, self.files, out, shards, None, self.allow_non_poisson, None
         )
+
+    def _arrays(self) -> tuple[Array | None, list[tuple[str, Array]]]:
+        # Arrays that have come with a message may begin anywhere.
+        states = None if self.states is None else np.require(self.states, requirements="A")
+        return states, [(name, np.require(values, requirements="A")) for name, values in self.parameters]
 
 
 class AskedSweep(NamedTuple):
