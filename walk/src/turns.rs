@@ -145,8 +145,9 @@ pub(crate) fn corners(
     let mut found: Vec<[Between; 2]> = Vec::new();
     for number in first..at_end.len() {
         let (begins, sign) = (at_begin[number], 1.0_f64.copysign(at_end[number]));
-        // Written so that nothing is looked for from a value that is no number.
-        if !(begins * at_end[number] < 0.0) {
+        // False where a value is no number.
+        let is_crossed = begins * at_end[number] < 0.0;
+        if !is_crossed {
             continue;
         }
         let [begin, end] = ends.clone();
