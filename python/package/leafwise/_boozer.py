@@ -59,9 +59,9 @@ def import_boozer(
     """Write a scene of guiding centres in a field in Boozer coordinates.
 
     Args:
-        source: the field: a mapping or a dataset of xarray with ``periods``, ``psi``, the toroidal flux at the edge over 2 pi in
-            Wb/rad, ``s``, ``iota``, ``G`` and ``I`` in T m on the surfaces, and ``B`` in T over surfaces, theta and zeta; the path of
-            such a dataset in NetCDF, which needs xarray; or the path of a JSON file. ``I`` is 0 where it is left out.
+        source: the field: a mapping, a dataset of xarray, or the path of a file in JSON or NetCDF. Datasets and NetCDF need xarray.
+            Its entries are ``periods`` and ``psi``, the toroidal flux at the edge over 2 pi in Wb/rad. On the surfaces they are ``s``,
+            ``iota``, ``G`` and ``I`` in T m. ``B`` in T is over surfaces, theta and zeta. ``I`` is 0 where it is left out.
         out: the new directory of ``scene.toml`` and its tables.
         species: the particles.
         energy: their kinetic energy, in keV.

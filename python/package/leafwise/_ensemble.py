@@ -175,8 +175,9 @@ class Ensemble:
         Path(file).write_text(self.report(), encoding="utf-8")
 
     def plot(self, x: str | None = None, y: str | None = None, *, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
-        """The members' last states, one column against another, in a colour for each outcome: coordinates, parameters, observables and
-        ``t``; the first two coordinates where none are named. Needs matplotlib.
+        """The members' last states, one column against another, in a colour for each outcome. Needs matplotlib.
+
+        Columns are coordinates, parameters, observables and ``t``; by default the first two coordinates.
 
         Raises:
             KeyError: there is no such column.

@@ -61,8 +61,9 @@ class Tried(NamedTuple):
 
 
 class Trajectory:
-    """The samples x of a scene, shape (n, d), as a function of the initial state x0, shape (d,), and the values of chosen
-    parameters, shape (p,).
+    """The samples x of a scene as a function of the initial state x0 and the values of chosen parameters.
+
+    Shapes are (n, d) of x, (d,) of x0 and (p,) of the values.
 
     Its derivatives are those of the steps that are taken, exact to round-off. ``vjp`` keeps 64 states of the run
     where the method is its own inverse, and as many checkpoints as the logarithm of the steps elsewhere. Derivatives that have
@@ -137,7 +138,7 @@ class Trajectory:
     def __call__(
         self, x0: ArrayLike | None = None, values: ArrayLike | None = None, *, throw: bool = True
     ) -> Array | Tried:
-        """The samples: shape (n, d), the program's to the bit.
+        """The samples: shape (n, d), with the bits of the program's run.
 
         With ``throw=False`` the result is a :class:`Tried`, for optimizers that go on from there. A step that cannot be taken, and an x0
         or values that are not finite, raise nothing: samples behind that step are NaN.
@@ -217,8 +218,9 @@ class Trajectory:
         x0: ArrayLike | None = None,
         values: ArrayLike | None = None,
     ) -> Tangents:
-        """The samples, and how they change in the direction (dx0, dvalues): shapes (d,) and (p,), or (k, d) and (k, p) for k
-        directions at once. An argument that is left out does not change.
+        """The samples, and their derivative in the direction (dx0, dvalues).
+
+        Shapes are (d,) and (p,), or (k, d) and (k, p) for k directions at once. An argument that is left out does not change.
 
         Raises:
             IntegrationError: a step could not be taken.
@@ -253,8 +255,10 @@ class Trajectory:
     def vjp(
         self, x0: ArrayLike | None = None, values: ArrayLike | None = None
     ) -> tuple[Array, Callable[[ArrayLike], Gradient]]:
-        """The samples, shape (n, d), and a function from the derivatives w of any function of them, shape (n, d), to its
-        gradient by x0 and the parameters.
+        """The samples, and a function that pulls derivatives by them back to x0 and the parameters.
+
+        It takes the derivatives w of any function of the samples and gives the gradient of that function. The samples and w have the
+        shape (n, d).
 
         Raises:
             IntegrationError: a step could not be taken.

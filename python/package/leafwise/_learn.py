@@ -194,8 +194,8 @@ def learn(
         scene: gives the variables, the bracket and the time step. Its Hamiltonian is not looked at.
         basis: ``"polynomial"``, ``"centred"``, ``"spline"``, ``"exponential"``, ``"fourier"``, ``"fourier:PERIOD"``, each with ``"+ln"``
             for logarithms; or one for each of some variables, by name. By default polynomials, with logarithms for a log-canonical bracket.
-        degree: the degree, or one for each variable, by name; by default the lowest that is as good as the best on pairs which
-            are held out.
+        degree: the degree, or one for each variable, by name. By default it is the lowest that is as good as the best on held-out
+            pairs.
         time_step: the time between x and x'; by default the scene's.
         ridge: the penalty of coefficients, relative to columns of unit length.
         weights: a weight for each pair. Only their ratios count, and pairs of weight 0 are left out.

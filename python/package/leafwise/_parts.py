@@ -44,8 +44,8 @@ def generating_function(S: Iterable[object], *, order: int = 0, time_step: float
         dynamics = lw.generating_function(["H", "H/12"])
 
     Args:
-        S: S_1, S_3, … at ε = 1: formulas of the variables and the system's parameters; ``H`` is the system's Hamiltonian, which
-            S_1 is in every chart.
+        S: S_1, S_3, … at ε = 1: formulas of the variables and the system's parameters. ``H`` is the system's Hamiltonian; S_1 is H
+            in every chart.
         order: the order in h that is claimed; 0 claims twice the number of coefficients.
         time_step: the length of the only steps that S holds for; 0 takes all.
 

@@ -410,7 +410,7 @@ class Scene:
     def integrator(
         self, *, initial: Any = None, parameters: Mapping[str, float] | None = None, allow_non_poisson: bool = False
     ) -> Integrator:
-        """The method's steps from the initial state, for a loop of one's own; ``initial`` and ``parameters`` are those of :meth:`run`.
+        """The method's steps from the initial state, for your loop; ``initial`` and ``parameters`` are those of :meth:`run`.
 
         Raises:
             SceneError: the scene is not valid, or its bracket is not Poisson and ``allow_non_poisson`` is not given.

@@ -35,8 +35,8 @@ _METHOD_OF_NUMBERS: dict[str, Any] = {
 class Solution(Fields):
     """A solution: the fields of SciPy's ``OdeResult``, also by ``solution["t"]``; d coordinates, m points.
 
-    Called with times, shape () or (k,) within the span, it gives the method's own states there, shape (d,) or (d, k). They are ends of
-    steps from the nearest state that it keeps, about a thousand along the span, or from the last one that was taken.
+    Called with times, shape () or (k,) within the span, it gives the method's own states there, shape (d,) or (d, k). It keeps about a
+    thousand states along the span. A state between is the end of steps from the nearest of these, or from the last one computed.
     """
 
     #: Times of the points: shape (m,).
@@ -183,7 +183,7 @@ def solve(
         bracket: the Poisson tensor as in scenes, ``{"q,p": "1"}``; ``hamiltonian``, ``parameters``, ``casimirs``, ``define``,
             ``convention`` and ``library`` are those of a scene's ``[system]``.
         system: functions of Python, in place of formulas.
-        parameters: their values by name; of a library's system or of functions those that differ from its own.
+        parameters: their values by name. A library's system and functions have defaults: give only other values.
         variables: the coordinates' names; where not given, those of the bracket's pairs in the order in which they come.
         method: a scene's ``[method]`` without its step, or the name of a stepper. By default it is Hamilton-Jacobi of order 4; for
             functions, five stages of Hamilton-Jacobi of order 2 over Karasev's realization by collocation. Points are in t with

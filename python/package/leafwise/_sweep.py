@@ -116,8 +116,9 @@ class Sweep:
         Path(file).write_text(self.report(), encoding="utf-8")
 
     def plot(self, y: str | None = None, x: str | None = None, *, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
-        """A column against a swept key, with a line for each combination of the others: the first drift against the first key where none
-        are named. Needs matplotlib.
+        """A column against a swept key, with a line for each combination of the others. Needs matplotlib.
+
+        By default it is the first drift against the first key.
 
         Raises:
             KeyError: there is no such column.

@@ -11,8 +11,8 @@ Numbers are stepped as doubles whatever JAX's own are: call ``jax.config.update(
 derivatives are refused.
 
 A step that cannot be taken is an ``IntegrationError``, also under ``jax.grad`` and ``jax.vmap``. Within compiled code JAX raises a
-``JaxRuntimeError`` of its own in its place: ``with leafwise.jax.errors():`` around the call, or as the decorator
-``@leafwise.jax.errors()`` of the function that calls it, raises the package's.
+``JaxRuntimeError`` instead. ``with leafwise.jax.errors():`` around the call, or the decorator ``@leafwise.jax.errors()`` of the
+function that calls it, raises the package's error.
 """
 
 from __future__ import annotations

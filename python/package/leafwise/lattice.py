@@ -73,8 +73,8 @@ def structure_factor(s: ArrayLike) -> Array:
 def dynamic_structure_factor(s: ArrayLike, dt: float, window: bool = True) -> tuple[Array, Array]:
     """Frequencies omega and S_c(q, omega) = |sum_{r,t} w(t) s_c(r, t) exp(-i (q r - omega t))|^2/(N sum_t w(t)^2) of samples at distances ``dt``.
 
-    ``s`` has the shape (samples, components, *lengths), the frequencies (samples,) and S (samples, components, *lengths),
-    in the order of ``numpy.fft``. w is Hann's window, or 1 without ``window``. A wave cos(k r - w t) has its peaks at
+    ``s`` and S have the shape (samples, components, *lengths), the frequencies (samples,), in the order of ``numpy.fft``.
+    w is Hann's window, or 1 without ``window``. A wave cos(k r - w t) has its peaks at
     (k, w) and (-k, -w). The mean over omega is the structure factor of the samples, weighted by w^2.
     """
     samples = _samples(s)

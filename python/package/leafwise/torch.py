@@ -8,8 +8,8 @@
     x0.grad
     torch.func.jacfwd(lambda x0: leafwise.torch.solve(trajectory, x0)[-1])(x0)
 
-Numbers are stepped as doubles on the processor, whatever the tensors' own kind and device: the samples and the gradients come
-back in those of x0 and values. ``grad``, ``vmap``, ``jacrev``, ``jacfwd`` of ``torch.func`` work; second derivatives are refused.
+Numbers are stepped as doubles on the processor, whatever the tensors' kind and device. The samples and the gradients come
+back in the kind and device of x0 and values. ``grad``, ``vmap``, ``jacrev``, ``jacfwd`` of ``torch.func`` work; second derivatives are refused.
 """
 
 from __future__ import annotations
