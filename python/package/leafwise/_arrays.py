@@ -17,7 +17,7 @@ _LARGEST = 2**63 - 1
 
 
 def given(name: str, values: Any) -> NDArray[Any]:
-    """What was given as an array, in which nothing is hidden or left out.
+    """Values as an array, in which nothing is masked and nothing has units.
 
     Raises:
         TypeError: the values have units, a scene has none.
@@ -99,9 +99,9 @@ def with_gaps(name: str, values: Any) -> Array:
 
 
 def in_order(name: str, values: Any, coordinates: Sequence[str]) -> Any:
-    """A frame's or a labelled array's columns in the order of the coordinates, by their names; anything else as it is.
+    """The columns of a frame or a labelled array in the order of the coordinates, by their names; anything else unchanged.
 
-    Names that are none of the coordinates, such as 0, 1, …, tell no order.
+    Names that are none of the coordinates, such as 0, 1, …, give no order.
 
     Raises:
         ValueError: there are the names of some coordinates, and others.
@@ -122,7 +122,7 @@ def in_order(name: str, values: Any, coordinates: Sequence[str]) -> Any:
 
 
 def labels(values: Any) -> list[Any] | None:
-    """What the last axis calls its entries: columns of a frame, the index of a series, a coordinate of xarray, fields of a table."""
+    """Names of the last axis: columns of a frame, the index of a series, a coordinate of xarray, fields of a table."""
     if hasattr(values, "columns"):
         return list(values.columns)
     if hasattr(values, "iloc") and hasattr(values, "index"):

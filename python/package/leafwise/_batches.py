@@ -47,7 +47,8 @@ def push(trajectory: Trajectory, throw: bool, x0: Any, values: Any, dx0: Any, dv
 
 
 def _rows(*given: tuple[Any, int]) -> tuple[tuple[int, ...], Iterator[tuple[Array, ...]]]:
-    """The batch in front of arrays, each with so many axes of its own, and these for each member of it."""
+    """The shape of the batch axes in front of arrays, and the arrays of each member. Each array comes with the number of its last axes
+    that are no batch."""
     arrays = [(np.asarray(of, dtype=np.float64), axes) for of, axes in given]
     batch = np.broadcast_shapes(*(of.shape[: of.ndim - axes] for of, axes in arrays))
     rows = [

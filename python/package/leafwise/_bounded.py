@@ -18,9 +18,9 @@ def corrections(
 ) -> tuple[Array, NDArray[np.bool_]]:
     """The correction c with low ≤ c ≤ high and the least ‖left − slopes·c‖, and which of its entries lie on no bound.
 
-    ``solve`` gives the one without bounds of these columns. Zero lies within the bounds. From there on the solution of the entries
-    that are free is gone to until the first reaches its bound, which is then held there; one is set free again where that makes the
-    sum smaller.
+    ``solve`` gives the one without bounds of these columns. Zero lies within the bounds. The search goes towards the
+    solution of the free entries until the first reaches its bound, and holds that entry there. It frees an entry again where that
+    makes the sum smaller.
     """
     count = len(low)
     found, free = np.zeros(count), np.ones(count, dtype=bool)
@@ -73,7 +73,7 @@ def bounds_of(given: Mapping[str, object] | None, names: Sequence[str], at: Arra
 
 
 def priors_of(given: Mapping[str, object] | None, names: Sequence[str]) -> tuple[Array, Array]:
-    """What is known of values before: means, and one over standard deviations, 0 where nothing is.
+    """Prior knowledge of values: means, and one over standard deviations, 0 where nothing is.
 
     Raises:
         ValueError, TypeError: priors that are none.

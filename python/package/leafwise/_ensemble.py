@@ -1,4 +1,4 @@
-"""What an ensemble leaves."""
+"""Results of an ensemble."""
 
 from __future__ import annotations
 
@@ -163,7 +163,7 @@ class Ensemble:
 
     @property
     def warnings(self) -> list[str]:
-        """What to change in the scene."""
+        """Changes of the scene that would help, with reasons."""
         return self._left.advice
 
     def report(self) -> str:

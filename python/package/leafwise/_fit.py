@@ -45,7 +45,7 @@ class Fit:
     scene: Scene
     """The scene with the values found."""
     names: list[str]
-    """What was fitted: parameters, then initial coordinates as ``q(0)`` with ``initial=True``."""
+    """Fitted quantities: parameters, then initial coordinates as ``q(0)`` with ``initial=True``."""
     values: dict[str, float]
     """The values found, by name."""
     errors: dict[str, float]
@@ -63,7 +63,7 @@ class Fit:
     is_converged: bool
     """Whether the last correction was a small part of the uncertainties."""
     at_bounds: list[str] = field(default_factory=list)
-    """What lies on one of its bounds."""
+    """Quantities on one of their bounds."""
 
     def _repr_html_(self) -> str:
         rows = [(name, self.values[name], f"{self.errors[name]:.2g}") for name in self.names]
@@ -173,7 +173,7 @@ def fit(
 
 
 class _Known(NamedTuple):
-    """What is known of the values beside the data."""
+    """Prior knowledge of the values, beside the data."""
 
     means: Array
     weights: Array

@@ -97,7 +97,7 @@ class System:
 
 
 def _reals(name: str, found: Any, shape: tuple[int, ...]) -> Array:
-    """What a function returned, as doubles of this shape; a number, or a row of them, may stand for all points."""
+    """The result of a function, as doubles of this shape; a number, or a row of them, may stand for all points."""
     if isinstance(found, (list, tuple)):
         found = np.stack([np.broadcast_to(row, shape[1:]) for row in found])
     values = np.asarray(found)

@@ -167,7 +167,7 @@ class Trajectory:
             return x, none, part.samples
 
     def _are_finite(self, x0: ArrayLike | None, values: ArrayLike | None) -> bool:
-        """Whether the numbers are; of other types and shapes an exception tells."""
+        """Whether all numbers are finite. Other types and shapes raise an exception."""
         are_finite = True
         for name, of, columns in (("x0", x0, self.scene.variables), ("values", values, self.parameters)):
             if of is not None:

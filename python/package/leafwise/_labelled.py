@@ -27,14 +27,14 @@ def attributes(recorded: Recorded) -> dict[str, Any]:
 
 
 def unlike(name: str, taken: Collection[str], kind: str = "observable") -> str:
-    """The name of a column, or one that says what it is where that is taken."""
+    """The name of a column, with its kind behind it where the name is taken."""
     while name in taken:
         name += f" ({kind})"
     return name
 
 
 def beside(taken: Iterable[str], columns: Mapping[str, Any], dims: Any, kind: str) -> dict[str, Any]:
-    """Variables for columns; one whose name is taken says what it is."""
+    """Variables for columns; a name that is taken has its kind behind it."""
     found: dict[str, Any] = {}
     for name, values in columns.items():
         found[unlike(name, {*taken, *found}, kind)] = (dims, values)

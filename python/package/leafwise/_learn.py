@@ -29,17 +29,17 @@ class Learned:
     """A Poisson map learned from pairs of states, and the Hamiltonian whose flow it is.
 
     Attributes:
-        scene: the scene with the Hamiltonian and the generating function in place of its own: one step of it is the learned map.
+        scene: the scene with the learned Hamiltonian and generating function: one step of it is the learned map.
         hamiltonian: H, a formula; Casimirs may be added to it.
         degree: the degree of the basis.
-        degrees: root mean square of what is left of pairs that were held out, by degree; empty where the degree was given.
+        degrees: root mean square of the residual of held-out pairs, by degree; empty for a given degree.
         coefficients: coefficients of H by function.
         errors: their errors, from the residuals and from how far H is found from orbits of the learned map.
         pairs: how many pairs of a weight above 0 there were, each counted once.
-        residual: root mean square of what is left of a direction of x' - x along leaves.
+        residual: root mean square of the residual of a direction of x' - x along leaves.
         step_error: standard error of a learned step, by the residuals.
         energy_error: error of H less its mean, over the pairs.
-        warnings: what is to be known.
+        warnings: limits of the result.
         report: everything that ``leafwise learn --json`` prints.
     """
 

@@ -21,7 +21,7 @@ class Orbit:
         energy: the Hamiltonian on it.
         time_step: that time over the number of steps.
         steps: steps of a turn.
-        turns: turns of the orbit in the period that was looked for: more than 1 where that is a multiple of its own.
+        turns: turns of the orbit in the period of the search: more than 1 where that is a multiple of the orbit's period.
         state: a state on it, by the names of the variables.
         closure: the largest distance of a coordinate after a turn from its value before.
         corrections: corrections by Newton's method.
@@ -55,14 +55,14 @@ class OrbitFamily:
     """Periodic orbits along a parameter, the energy or the period.
 
     Attributes:
-        along: what is continued.
-        ends: where the family ends: ``"reached"`` at the value that was asked for, ``"returned"`` past its beginning by a fold,
+        along: the continued quantity.
+        ends: where the family ends: ``"reached"`` at the wanted value, ``"returned"`` past its beginning by a fold,
             ``"many"`` at the greatest number of orbits, ``"equilibrium"`` where the orbits shrink to one, ``"lost"`` where no
             further one closes.
         reason: why, where it is lost.
         orbits: the orbits in their order.
-        values: what is continued, of each: shape (n,).
-        marks: what each is beside an orbit: ``"fold"``, ``"branch"``, ``"period-doubling"``, ``"energy-fold"`` or None.
+        values: the continued quantity of each orbit: shape (n,).
+        marks: events at each orbit: ``"fold"``, ``"branch"``, ``"period-doubling"``, ``"energy-fold"`` or None.
     """
 
     along: str

@@ -1,4 +1,4 @@
-"""Parts of a method that are formulas of one's own, as the tables of scenes."""
+"""Parts of a method by your formulas, as the tables of scenes."""
 
 from __future__ import annotations
 

@@ -34,8 +34,8 @@ def chosen(names: Sequence[str], coordinates: Sequence[str], known: Iterable[str
 def lines(
     ax: matplotlib.axes.Axes, t: Any, columns: Mapping[str, Any], apart: Iterable[str]
 ) -> matplotlib.axes.Axes:
-    """Columns against time; those apart have an axis of their own on the right where there are others too. The legend stands beside
-    the curves."""
+    """Columns against time. Those ``apart`` have a second axis on the right where there are others too. The legend is next to the
+    curves."""
     of_their_own = {name for name in columns if name in set(apart)}
     other = ax.twinx() if of_their_own and len(of_their_own) < len(columns) else ax
     drawn = []

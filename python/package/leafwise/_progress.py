@@ -1,4 +1,4 @@
-"""What a run shows meanwhile."""
+"""Progress of a run, while it runs."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class _Bar:
 
 @contextmanager
 def shown(progress: bool | Told | None) -> Iterator[Told | None]:
-    """The function that is told how far a run is; a bar on standard error where True, or None on a terminal."""
+    """The function that hears how far a run is; a bar on standard error where True, or None on a terminal."""
     if callable(progress):
         yield progress
         return

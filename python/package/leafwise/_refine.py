@@ -1,4 +1,4 @@
-"""The number of steps for an accuracy, foreseen by the method's order."""
+"""The number of steps for an accuracy, predicted by the method's order."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ T = TypeVar("T", bound=Tried)
 
 
 class Refined(NamedTuple):
-    """What the search has found."""
+    """Result of the search."""
 
     steps: list[int]
     """The numbers of steps of all runs, the result's last."""

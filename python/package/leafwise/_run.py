@@ -1,4 +1,4 @@
-"""What a run leaves."""
+"""Results of a run."""
 
 from __future__ import annotations
 
@@ -131,7 +131,7 @@ class Run:
 
     @property
     def warnings(self) -> list[str]:
-        """What to change in the scene."""
+        """Changes of the scene that would help, with reasons."""
         return self._recorded.advice
 
     @property

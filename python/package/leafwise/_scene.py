@@ -148,7 +148,7 @@ class Scene:
         return hash(self._identity())
 
     def _identity(self) -> tuple[str, Path, int, tuple[tuple[str, tuple[int, ...], bytes], ...]]:
-        """What it says, where the files are that it may name, which functions it has, and which arrays."""
+        """Text of the scene, folder of its files, functions and arrays: equal for equal scenes."""
         origin = self._scene.origin
         arrays = tuple((name, array.shape, array.tobytes()) for name, array in origin[4])
         return self.text, Path(self.name).parent, id(origin[3]), arrays
@@ -600,5 +600,5 @@ def _without_arrays(whole: dict[str, Any]) -> tuple[dict[str, Any], list[tuple[s
 
 
 def _overrides(values: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Keys and values as TOML, without those that are None."""
+    """Keys and values as TOML, without values of None."""
     return [(key, text_of_value(key, value)) for key, value in values.items() if value is not None]

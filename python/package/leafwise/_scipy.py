@@ -1,4 +1,4 @@
-"""What SciPy's users bring with them: the fields of its ``OdeResult``, and the names of its arguments."""
+"""Names that users of SciPy know: the fields of its ``OdeResult``, and its arguments."""
 
 from __future__ import annotations
 
@@ -93,15 +93,15 @@ class Fields:
         return list(_FIELDS)
 
     def values(self) -> list[Any]:
-        """What the fields hold."""
+        """Values of the fields."""
         return [self[name] for name in _FIELDS]
 
     def items(self) -> list[tuple[str, Any]]:
-        """Names with what the fields hold."""
+        """Names and values of the fields."""
         return [(name, self[name]) for name in _FIELDS]
 
     def get(self, field: str, default: Any = None) -> Any:
-        """What a field holds."""
+        """Value of a field."""
         return self[field] if field in _FIELDS else default
 
     def __iter__(self) -> Iterator[str]:

@@ -26,7 +26,7 @@ WIDTH = 8
 
 
 class Asked(Protocol):
-    """What is asked for of a scene; everything that a worker needs beside a shard's number."""
+    """Order of an ensemble or a sweep: everything that a worker needs beside a shard's number."""
 
     def shard(self, out: Path, place: tuple[int, int], threads: int | None) -> None:
         """Makes a shard in a directory."""
@@ -105,7 +105,7 @@ def _write(parts: Sequence[Files], folder: Path) -> Path:
 
 
 def shard(asked: Asked, number: int, of: int, threads: int | None) -> Files:
-    """The files of one shard, which depend on what is asked for alone: a worker's task."""
+    """The files of one shard: a worker's task. They depend on the order alone."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "shard"
         asked.shard(out, (number, of), threads)
@@ -143,7 +143,8 @@ def joined(
 ) -> list[Files]:
     """The shards, joined by the workers in groups of neighbours until a few are left.
 
-    The tree depends on the number of shards alone; results do not depend on it. ``told`` hears of shards that are made.
+    The tree depends on the number of shards alone; results do not depend on it. ``told`` is called with the numbers of
+    finished shards and of all.
     """
     # A client of Dask makes one.
     get = getattr(executor, "get_executor", None)

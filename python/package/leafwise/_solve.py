@@ -53,7 +53,7 @@ class Solution(Fields):
     nfev: int
     #: 0 at the end of the span, 1 where an event ended it, -1 where a step failed, the accuracy was not met or Ctrl-C ended it.
     status: int
-    #: What that means.
+    #: Meaning of the status.
     message: str
     #: The step.
     step: float

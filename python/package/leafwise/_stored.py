@@ -1,4 +1,4 @@
-"""What the compiled part of the package left, as an object that can be stored and sent to other processes."""
+"""Result of the compiled part of the package, as an object that can be stored and sent to other processes."""
 
 from __future__ import annotations
 

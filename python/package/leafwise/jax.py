@@ -116,7 +116,7 @@ def _function(trajectory: Trajectory, throw: bool) -> Any:
 
 
 def _call(function: Callable[..., Any], shapes: Any, *given: Any) -> Any:
-    """What the function of arrays of NumPy gives, within compiled code too."""
+    """Result of a function of NumPy's arrays, within compiled code too."""
     if any(isinstance(of, jax.core.Tracer) for of in given):
         kinds = jax.tree.map(lambda of: jax.ShapeDtypeStruct(of.shape, of.dtype), shapes)
         return jax.pure_callback(_told(function), kinds, *given)

@@ -193,7 +193,7 @@ def _sites(samples: Array) -> int:
 
 
 def _lengths(samples: Array) -> tuple[int, int, int]:
-    """The lengths of three axes, 1 for those that there are not."""
+    """The lengths of three axes, 1 for a missing one."""
     own = samples.shape[2:]
     nx, ny, nz = (*own, 1, 1)[:_MOST_AXES]
     return nx, ny, nz

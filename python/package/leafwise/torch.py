@@ -74,7 +74,7 @@ class _Batched(torch.autograd.Function):
 
     @classmethod
     def _vmapped(cls, in_dims: Any, trajectory: Trajectory, throw: bool, *tensors: Any) -> Any:
-        """What it is of one more axis of the batch."""
+        """Samples over one more axis of the batch."""
         rows = zip(tensors, in_dims[2:], strict=True)
         return cls.apply(trajectory, throw, *(of.unsqueeze(0) if dim is None else of.movedim(dim, 0) for of, dim in rows))
 
