@@ -16,10 +16,22 @@ use crate::error::BuildError;
 #[derive(Clone, Debug)]
 pub struct LatticeObservables {
     densities: Arc<SiteNumbers>,
-    evaluator: LatticeEvaluator,
+    parameters: Vec<f64>,
+    room: Room,
     constants: Vec<f64>,
     /// The constants as functions of the parameters.
     formulas: Vec<Expression>,
+}
+
+/// Memory of evaluations: made by the first one, since most copies of observables evaluate nothing and a long lattice's
+/// room takes as much as two of its states.
+#[derive(Debug, Default)]
+struct Room(Option<LatticeEvaluator>);
+
+impl Clone for Room {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
 }
 
 impl LatticeObservables {
@@ -53,8 +65,9 @@ impl LatticeObservables {
             &mut of_site,
         )?;
         Ok(Self {
-            evaluator: densities.evaluator(parameters),
             densities: Arc::new(densities),
+            parameters: parameters.to_vec(),
+            room: Room::default(),
             constants: values(&formulas, parameters),
             formulas,
         })
@@ -63,8 +76,9 @@ impl LatticeObservables {
     /// The same at other values of the parameters.
     pub fn at(&self, parameters: &[f64]) -> Self {
         Self {
-            evaluator: self.densities.evaluator(parameters),
             densities: Arc::clone(&self.densities),
+            parameters: parameters.to_vec(),
+            room: Room::default(),
             constants: values(&self.formulas, parameters),
             formulas: self.formulas.clone(),
         }
@@ -94,8 +108,9 @@ impl LatticeObservables {
 
     /// Writes their values at a state.
     pub fn evaluate(&mut self, state: &[f64], values: &mut [f64]) {
-        let state = state.iter().copied();
-        self.densities.evaluate(&mut self.evaluator, state);
+        let Room(room) = &mut self.room;
+        let evaluator = room.get_or_insert_with(|| self.densities.evaluator(&self.parameters));
+        self.densities.evaluate(evaluator, state.iter().copied());
         let mut number = 0;
         for (values, constants) in values
             .chunks_mut(TOGETHER)
@@ -103,8 +118,8 @@ impl LatticeObservables {
         {
             let mut sums = [Compensated::default(); TOGETHER];
             let terms: [&[f64]; TOGETHER] = std::array::from_fn(|at| match at < constants.len() {
-                true => self.densities.of_sites(&self.evaluator, number + at),
-                false => self.densities.of_sites(&self.evaluator, number),
+                true => self.densities.of_sites(evaluator, number + at),
+                false => self.densities.of_sites(evaluator, number),
             });
             for (sum, constant) in sums.iter_mut().zip(constants) {
                 sum.high = *constant;
