@@ -319,7 +319,8 @@ impl StepMap for Splitting {
 
     fn describe(&self) -> String {
         let pieces = self.shared.pieces.len();
-        format!("{} into {pieces} pieces", INFO.name)
+        let noun = if pieces == 1 { "piece" } else { "pieces" };
+        format!("{} into {pieces} {noun}", INFO.name)
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {

@@ -208,7 +208,7 @@ fn plain(line: &str) -> String {
     while let Some(middle) = rest.find("](") {
         let (head, tail) = rest.split_at(middle);
         let Some(end) = tail.find(')') else { break };
-        let Some(open) = head.rfind('[') else { break };
+        let Some(open) = opening(head) else { break };
         made.push_str(&head[..open]);
         made.push_str(&head[open + 1..]);
         rest = &tail[end + 1..];
@@ -220,10 +220,32 @@ fn plain(line: &str) -> String {
         .replace("\\*", "*")
 }
 
+/// The place of the bracket that a link's text begins with; the text may have brackets in pairs.
+fn opening(head: &str) -> Option<usize> {
+    let mut depth = 0;
+    head.rmatch_indices(['[', ']']).find_map(|(at, bracket)| {
+        match bracket {
+            "]" => depth += 1,
+            _ if depth == 0 => return Some(at),
+            _ => depth -= 1,
+        }
+        None
+    })
+}
+
 /// The page about the key of a scene where a problem stands.
 pub fn page_of(problem: &SceneDiagnostic) -> &'static str {
     let start = problem.span.start.min(problem.source_text.len());
     let before = problem.source_text.get(..start).unwrap_or_default();
+    let line = before.rfind('\n').map_or(0, |end| end + 1);
+    let is_of_header = problem.source_text.get(line..).is_some_and(|text| {
+        let line = text.lines().next().unwrap_or_default().trim();
+        line.starts_with('[') && line.ends_with(']') && !line.contains([',', '='])
+    });
+    // The name of a table itself.
+    if is_of_header {
+        return "keys";
+    }
     // Rows of a list begin with a bracket too.
     let is_header = |line: &&str| {
         let line = line.trim();
@@ -304,6 +326,10 @@ mod tests {
         assert_eq!(
             plain("see [the guide](a/b.md#c) and [x]"),
             "see the guide and [x]"
+        );
+        assert_eq!(
+            plain("[`torque = [\"0\", \"0\"]`](forces.md) and [`[ensemble]`](e.md), [x]"),
+            "`torque = [\"0\", \"0\"]` and `[ensemble]`, [x]"
         );
         assert_eq!(cells("| a | `b \\| c` |"), ["a", "`b | c`"]);
     }

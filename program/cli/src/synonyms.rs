@@ -29,7 +29,7 @@ const fn leads(
 }
 
 /// A word may stand in several rows: all parts are printed. The book's search reads these rows too (`tools/book.py`).
-const SYNONYMS: [Synonym; 46] = [
+const SYNONYMS: [Synonym; 58] = [
     leads(
         &["plot", "figure", "figures", "pdf"],
         "read-the-report",
@@ -394,6 +394,87 @@ const SYNONYMS: [Synonym; 46] = [
         "three questions",
         "go on with question 2",
     ),
+    leads(
+        &["step size", "stepsize", "dt", "h", "step"],
+        "keys",
+        "time-step",
+        "time-step",
+    ),
+    leads(
+        &["step size", "stepsize", "dt", "step"],
+        "choose",
+        "order and step",
+        "step",
+    ),
+    leads(
+        &[
+            "angle", "angles", "degrees", "degree", "radians", "pi", "log", "exp", "sin", "cos",
+            "sqrt", "function",
+        ],
+        "formulas",
+        "functions",
+        "sqrt",
+    ),
+    leads(
+        &[
+            "save", "saved", "output", "outputs", "csv", "results", "files", "write",
+        ],
+        "read-the-report",
+        "the run directory",
+        "samples.csv",
+    ),
+    leads(
+        &["save", "memory", "disk", "every"],
+        "read-the-report",
+        "which states are recorded",
+        "every",
+    ),
+    leads(
+        &["speed", "fast", "faster", "slow", "performance", "cost"],
+        "choose-a-method",
+        "let it be measured",
+        "tune",
+    ),
+    leads(
+        &["threads", "thread", "parallel", "cores"],
+        "commands",
+        "--threads n",
+        "all",
+    ),
+    leads(&["period"], "orbits", "periodic orbits", "period"),
+    leads(&["pace"], "time", "a pace: variable steps", "pace"),
+    leads(
+        &[
+            "pendulum",
+            "oscillator",
+            "kepler",
+            "top",
+            "spins",
+            "vortices",
+        ],
+        "define-a-system",
+        "systems of the library",
+        "pendulum",
+    ),
+    leads(
+        &["magnet", "magnetic", "charges"],
+        "define-a-system",
+        "shorter brackets",
+        "magnetic field",
+    ),
+    leads(
+        &["cite", "citation", "licence", "license"],
+        "commands",
+        "citation",
+        "CITATION.cff",
+    ),
+];
+
+/// Words of a question that name no subject.
+const SMALL: [&str; 40] = [
+    "a", "an", "and", "are", "at", "be", "by", "can", "do", "does", "for", "from", "get", "have",
+    "how", "i", "in", "into", "is", "it", "make", "me", "mean", "my", "of", "on", "one", "or",
+    "run", "set", "the", "there", "this", "to", "two", "use", "what", "which", "with", "you",
 ];
 
 /// The parts of the guide that explain what an everyday word stands for.
@@ -407,23 +488,76 @@ fn synonyms(word: &str) -> Vec<Explained> {
 /// 1. The page of that name, alone.
 /// 2. Parts of which it is an everyday word.
 /// 3. Rows of tables that begin with the word, and sections whose headings have it.
+/// 4. For a question of several words without these, the same of its longest parts that are known.
 pub fn explained(word: &str) -> Vec<Explained> {
     let word = folded(word.trim());
+    let whole = of_word(&word);
+    let parts: Vec<&str> = word
+        .split(|c: char| !(c.is_alphanumeric() || "-_.".contains(c)))
+        .collect();
+    let parts: Vec<&str> = parts.into_iter().filter(|part| !part.is_empty()).collect();
+    if !whole.is_empty() || parts.len() < 2 {
+        return whole;
+    }
+    (1..parts.len())
+        .rev()
+        .map(|length| {
+            let mut found = Vec::new();
+            for words in parts.windows(length) {
+                if length > 1 || !SMALL.contains(&words[0]) {
+                    add(&mut found, of_word(&words.join(" ")));
+                }
+            }
+            found
+        })
+        .find(|found| !found.is_empty())
+        .unwrap_or_default()
+}
+
+/// Adds parts that are not there yet.
+fn add(found: &mut Vec<Explained>, parts: impl IntoIterator<Item = Explained>) {
+    for part in parts {
+        if found.iter().all(|known| known.text != part.text) {
+            found.push(part);
+        }
+    }
+}
+
+/// Parts that explain a word or a phrase as it stands, in the singular or the plural, with or without hyphens.
+fn of_word(word: &str) -> Vec<Explained> {
+    let word = word.to_owned();
     if let Some((page, text)) = PAGES.into_iter().find(|(name, _)| *name == word) {
         return vec![Explained {
             page,
             text: readable(text),
         }];
     }
-    let spaced = word.replace(['-', '_'], " ");
     let mut found: Vec<Explained> = Vec::new();
-    let meant = synonyms(&word).into_iter().chain(synonyms(&spaced));
-    for part in meant.chain(named(&word)) {
-        if found.iter().all(|known| known.text != part.text) {
-            found.push(part);
+    for form in forms(&word) {
+        add(&mut found, synonyms(&form));
+    }
+    add(&mut found, named(&word));
+    for form in forms(&word) {
+        if found.is_empty() {
+            add(&mut found, named(&form));
         }
     }
     found
+}
+
+/// A word, with spaces and with hyphens, and each in the singular; `time step` and `time-step` of `timestep`.
+fn forms(word: &str) -> Vec<String> {
+    let mut forms = vec![word.to_owned(), word.replace(['-', '_'], " ")];
+    forms.push(forms[1].replace(' ', "-"));
+    if let Some(rest) = word.strip_prefix("time")
+        && rest.starts_with("step")
+    {
+        forms.push(format!("time-{rest}"));
+    }
+    for at in 0..forms.len() {
+        forms.extend(forms[at].strip_suffix('s').map(str::to_owned));
+    }
+    forms
 }
 
 #[cfg(test)]
@@ -485,6 +619,24 @@ mod tests {
             "threads",
             "time-dependent",
             "quaternion",
+            "timestep",
+            "time-steps",
+            "seeds",
+            "pendulum",
+            "magnet",
+            "degrees",
+            "save",
+            "memory",
+            "speed",
+            "cite",
+            "initial values",
+            "continue a run",
+            "how do I add friction?",
+            "exit code 6",
+            "use from C",
+            "sweep two parameters",
+            "stop at an event",
+            "units of time-step",
         ] {
             assert!(!explained(word).is_empty(), "{word}");
         }

@@ -28,6 +28,9 @@ pub struct ReportData {
     pub invariants: Vec<InvariantSeries>,
     /// Whether the drift plot has a logarithmic time axis, for long runs.
     pub logarithmic_time: bool,
+    /// How the energy of the motion itself changes, in words, as "changes by the forces"; none where it is an
+    /// invariant.
+    pub work: Option<String>,
     /// Energy at the recorded states.
     #[serde(skip)]
     pub energy: Option<TimeSeries>,

@@ -11,10 +11,12 @@ use super::number::number;
 /// Where exact zeros are drawn, unless a deviation is smaller.
 const FLOOR: f64 = 1e-17;
 
-/// max |I − I(0)| of every invariant over time; log–log when `logarithmic_time`.
+/// max |I − I(0)| of every invariant over time; log–log when `logarithmic_time`. The text `work` says how the motion
+/// itself changes the energy.
 pub(super) fn drift_figure(
     invariants: &[InvariantSeries],
     logarithmic_time: bool,
+    work: Option<&str>,
 ) -> Result<Figure, ReportError> {
     let (width, height) = (960.0, 380.0);
     let times = || {
@@ -43,6 +45,7 @@ pub(super) fn drift_figure(
         "|I(t) − I(0)|, maximum over every step",
     );
     let mut notes = Vec::new();
+    notes.extend(work.map(|work| format!("The energy {work}: its deviation is no error.")));
     if draw_round_off(&mut canvas, &frame, invariants) {
         notes.push("Dashed: 2⁻⁵² max |I(0)|, the round-off of the largest invariant.".to_owned());
     }
@@ -180,7 +183,7 @@ mod tests {
                 times: (0..50).map(f64::from).collect(),
                 deviations: (0..50).map(|k| f64::EPSILON * f64::from(1 + k)).collect(),
             };
-            drift_figure(&[series], false).expect("a figure")
+            drift_figure(&[series], false, None).expect("a figure")
         };
         let (with, without) = (drift(4.0), drift(1e30));
         let told = "Dashed: 2⁻⁵² max |I(0)|, the round-off of the largest invariant.";

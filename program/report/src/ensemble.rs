@@ -162,7 +162,7 @@ fn drift(data: &EnsembleData) -> Result<Option<Figure>, ReportError> {
     if data.drifts.iter().all(|series| series.times.is_empty()) {
         return Ok(None);
     }
-    let mut figure = drift_figure(&data.drifts, false)?;
+    let mut figure = drift_figure(&data.drifts, false, None)?;
     let over = match data.drift_every {
         1 => "every step".to_owned(),
         every => format!("every {every}th step"),

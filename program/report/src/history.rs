@@ -12,7 +12,12 @@ use super::number::number;
 const OFFSET_BELOW: f64 = 1e-2;
 
 /// Energy over time, as H(t) − H(0) where it varies little.
-pub(super) fn energy_figure(energy: &TimeSeries) -> Result<Figure, ReportError> {
+///
+/// `work` says how the motion itself changes it.
+pub(super) fn energy_figure(
+    energy: &TimeSeries,
+    work: Option<&str>,
+) -> Result<Figure, ReportError> {
     let initial = energy.values.first().copied().unwrap_or(0.0);
     let spread = energy
         .values
@@ -33,14 +38,20 @@ pub(super) fn energy_figure(energy: &TimeSeries) -> Result<Figure, ReportError> 
         values,
     };
     let (svg, notes) = history(&series, title, "Energy over time", Dense::Envelope)?;
+    let expected = match work {
+        Some(work) => format!("It {work}: these deviations are no errors."),
+        None => {
+            "The error of a Poisson map is expected to oscillate, not to grow; its amplitude is \
+                 set by the dynamic approximation and the step."
+                .to_owned()
+        }
+    };
     Ok(Figure {
         title: "Energy".to_owned(),
         svg,
         legend: Vec::new(),
         caption: format!(
-            "Energy at the recorded states; H(0) = {}, largest deviation {}. The error of a \
-             Poisson walk is expected to oscillate, not to grow; its amplitude is set by \
-             the dynamic approximation and the step.",
+            "Energy at the recorded states; H(0) = {}, largest deviation {}. {expected}",
             number(initial, 12),
             number(spread, 3)
         ),

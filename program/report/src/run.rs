@@ -26,7 +26,7 @@ const MOST_OBSERVABLES: usize = 8;
 pub fn render_report(data: &ReportData) -> Result<String, ReportError> {
     let page = Page {
         data,
-        invariants: data.invariants.iter().map(InvariantRow::of).collect(),
+        invariants: invariant_rows(data),
         figures: Figures::of(data)?,
         explored: Explored::of(data),
     };
@@ -50,6 +50,19 @@ struct InvariantRow<'a> {
     drift: Option<f64>,
     relative: Option<f64>,
     growth: Option<f64>,
+}
+
+/// The rows of all invariants; an energy that the motion itself changes has no growth of its error.
+fn invariant_rows(data: &ReportData) -> Vec<InvariantRow<'_>> {
+    let rows = data.invariants.iter().map(InvariantRow::of);
+    rows.map(|row| match row.name == "energy" && data.work.is_some() {
+        true => InvariantRow {
+            growth: None,
+            ..row
+        },
+        false => row,
+    })
+    .collect()
 }
 
 impl<'a> InvariantRow<'a> {
@@ -103,7 +116,11 @@ impl Figures {
     fn of(data: &ReportData) -> Result<Self, ReportError> {
         let mut figures = Self::default();
         if !data.invariants.is_empty() {
-            let drift = drift_figure(&data.invariants, data.logarithmic_time)?;
+            let drift = drift_figure(
+                &data.invariants,
+                data.logarithmic_time,
+                data.work.as_deref(),
+            )?;
             figures.wide.push(drift);
         }
         match &data.trajectory {
@@ -138,7 +155,9 @@ impl Figures {
             figures.small.push(section_figure(section)?);
         }
         if let Some(energy) = &data.energy {
-            figures.small.push(energy_figure(energy)?);
+            figures
+                .small
+                .push(energy_figure(energy, data.work.as_deref())?);
         }
         for (name, series) in data.observables.iter().take(MOST_OBSERVABLES) {
             figures.small.push(observable_figure(name, series)?);

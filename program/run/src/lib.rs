@@ -96,4 +96,5 @@ pub(crate) use sealed::Format;
 pub use shadow::ShadowVerdict;
 pub use shadow_step::{NoShadowStep, ShadowStep};
 pub use state_error::{NoStateError, StateError};
+pub use summary::after_origin;
 pub(crate) use summary::{file_name, method_lines, short, title};

@@ -95,6 +95,7 @@ pub(super) fn report_data(
         facts: facts(run, session, report),
         invariants,
         logarithmic_time: report.steps > LONG_RUN,
+        work: work(run),
         energy: energy.map(|at| TimeSeries {
             times: times.clone(),
             values: column(1 + width + at),
@@ -113,6 +114,13 @@ pub(super) fn report_data(
         recorded: Some(recorded(run, width, rows)),
         solver: (!solver.times.is_empty()).then_some(solver),
     })
+}
+
+/// How the motion itself changes the energy, in words.
+fn work(run: &ComposedRun) -> Option<String> {
+    let by_forces = run.work_of_forces().filter(|_| !run.keeps_energy);
+    let by_events = || Some("changes by the events".to_owned());
+    by_forces.or_else(|| run.plan.events.act.as_ref().and_then(|_| by_events()))
 }
 
 /// The samples under their names.
@@ -216,6 +224,14 @@ pub(crate) fn title(name: &str) -> String {
     }
 }
 
+/// " after t0 = 2" where formulas count the time from another origin than the run.
+pub fn after_origin(run: &ComposedRun) -> String {
+    let clock = run.plan.layout.clock();
+    let origin = clock.map(|clock| run.plan.initial[clock.time]);
+    let origin = origin.filter(|t0| *t0 != 0.0);
+    origin.map_or_else(String::new, |t0| format!(" after t0 = {}", short(t0)))
+}
+
 fn outcome(run: &ComposedRun, report: &RunReport) -> Outcome {
     let at = format!("t = {}", short(report.time));
     match &report.outcome {
@@ -224,7 +240,8 @@ fn outcome(run: &ComposedRun, report: &RunReport) -> Outcome {
         },
         RunOutcome::Stopped(condition) => Outcome::Done {
             message: format!(
-                "stopped at {at}: {condition}, after {}",
+                "stopped at {at}{}: {condition}, after {}",
+                after_origin(run),
                 counted(report.steps as usize, "step")
             ),
         },
@@ -266,7 +283,10 @@ pub(crate) fn method_lines(run: &ComposedRun) -> Vec<(String, String)> {
             match method.declared_order() {
                 0 => "none in t = εh: its tolerance sets its error".to_owned(),
                 order if method.noise().is_some() => format!("{order} in t = εh, of means"),
-                order => format!("{order} in t = εh (a lower bound: Theorem 2)"),
+                order if method.written().is_some() => {
+                    format!("{order} in t = εh (a lower bound: Theorem 2)")
+                }
+                order => format!("{order} in t = εh"),
             },
         ),
         line(

@@ -396,8 +396,12 @@ fn drift_table(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> Vec<Stri
 
 fn failures(report: &EnsembleReport, console: &Console<'_>) -> Vec<String> {
     let all = &report.reductions;
+    let statistics = match all.failed < all.members {
+        true => "the statistics are those of the others",
+        false => "there are no statistics",
+    };
     let mut lines = vec![format!(
-        "{} {} of {} members failed; the statistics are those of the others",
+        "{} {} of {} members failed; {statistics}",
         console.error_word(),
         grouped(all.failed),
         grouped(all.members)

@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 use leafwise::core::{Registry, SolverStatistics};
 use leafwise::run::{
     Advice, ChaosVerdict, Failure as StepFailure, InvariantDrift, Kind, NoStateError, RunJob,
-    RunOptions, RunOutcome, RunReport, ShadowVerdict, SolverFields, StateError, default_directory,
-    perform,
+    RunOptions, RunOutcome, RunReport, ShadowVerdict, SolverFields, StateError, after_origin,
+    default_directory, perform,
 };
 use leafwise::scene::SceneDocument;
 use leafwise::scene::compose::{ComposedRun, WIDEST_STATE, compose};
@@ -199,7 +199,8 @@ fn summary(
     );
     let mut lines = vec![match report.outcome.stopped_by() {
         Some(condition) => {
-            format!("{word} at t = {time}: {condition}, after {steps} with {method}")
+            let origin = after_origin(composed);
+            format!("{word} at t = {time}{origin}: {condition}, after {steps} with {method}")
         }
         None => format!("{word}: {steps} to t = {time} with {method}"),
     }];

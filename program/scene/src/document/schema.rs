@@ -236,7 +236,7 @@ pub(super) static RUN: [Key; 11] = [
     key(
         "t0",
         Shape::Number,
-        "The time t of formulas at the initial state, from which all times count",
+        "The time t of formulas at the initial state. `until`, `times`, samples and reports count from 0 all the same",
     )
     .default("0"),
     key(
