@@ -161,7 +161,10 @@ fn proved(
     has_parameters: bool,
     options: Options,
 ) -> Result<Option<FoundBracket>, FindError> {
-    let candidate = candidate.clone().normalized(&mut field.ring);
+    let values: Vec<f64> = (equations.parameters().iter())
+        .map(|(_, value)| value.to_f64())
+        .collect();
+    let candidate = candidate.clone().normalized(field, &values)?;
     let ring = &field.ring;
     let entries = candidate.tensor.iter();
     let entries: std::collections::BTreeMap<(usize, usize), Expression> = entries

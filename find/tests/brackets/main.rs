@@ -4,6 +4,7 @@
 
 mod changes;
 mod refusals;
+mod signs;
 mod systems;
 
 use std::time::Instant;
