@@ -29,7 +29,7 @@ pub(crate) fn affine(
             "it is looked for in at most {MOST_VARIABLES} variables"
         )));
     }
-    let Some(family) = invariant_tensors(field)? else {
+    let Some(mut family) = invariant_tensors(field)? else {
         return Ok(Attempt::none(
             "the affine J that the motion preserves have longer fractions than are tried",
         ));
@@ -41,6 +41,8 @@ pub(crate) fn affine(
             false => Attempt::none(reason),
         });
     }
+    // The first of equals is taken: of three variables this one has the entries of one cycle.
+    family.reverse();
     let identity = Identity::of(d);
     let poisson: Vec<Vec<Rational>> = (members(&family).into_iter())
         .filter(|member| identity.holds(member))
@@ -58,10 +60,10 @@ pub(crate) fn affine(
     let mut best = None;
     for coefficients in &poisson {
         let tensor = entries(field, coefficients);
-        if let Some(hamiltonian) = hamiltonian(field, &tensor, integrals)? {
+        for hamiltonian in hamiltonians(field, &tensor, integrals)? {
             let found = TensorCandidate {
                 kind: Kind::Affine,
-                tensor,
+                tensor: tensor.clone(),
                 hamiltonian,
                 family: family.len(),
                 energy: None,
@@ -81,18 +83,39 @@ pub(crate) fn affine(
     })
 }
 
-/// H among the combinations of the integrals with J ∇H = f.
-fn hamiltonian(
+/// H among the combinations of the integrals with J ∇H = f, and the same less multiples of Casimirs that take away products of two variables or more:
+/// a sum of squares is wanted.
+fn hamiltonians(
     field: &mut RingField,
     tensor: &Tensor,
     integrals: &[Polynomial],
-) -> Result<Option<Polynomial>, AlgebraError> {
+) -> Result<Vec<Polynomial>, AlgebraError> {
     let mut columns = Vec::with_capacity(integrals.len());
     for integral in integrals {
         columns.push(motion(field, tensor, integral)?);
     }
-    let solutions = relations(&columns, &field.f).solutions();
-    Ok(solutions.map(|solutions| combination(&mut field.ring, &solutions.particular, integrals)))
+    let Some(solutions) = relations(&columns, &field.f).solutions() else {
+        return Ok(Vec::new());
+    };
+    let ring = &mut field.ring;
+    let first = combination(ring, &solutions.particular, integrals);
+    let mut all = vec![first.clone()];
+    for direction in &solutions.directions {
+        let casimir = combination(ring, direction, integrals);
+        let others: BTreeMap<_, _> = (casimir.terms().iter())
+            .filter(|(monomial, _)| monomial.factors().len() > 1)
+            .map(|(monomial, coefficient)| (monomial, coefficient))
+            .collect();
+        let ratio = first.terms().iter().find_map(|(monomial, coefficient)| {
+            let other = others.get(monomial)?.as_constant()?;
+            Some(&coefficient.as_constant()? * &other.recip())
+        });
+        if let Some(ratio) = ratio {
+            let part = ring.scale(&ratio, &casimir);
+            all.push(ring.subtract(&first, &part));
+        }
+    }
+    Ok(all)
 }
 
 /// J ∇H.
