@@ -83,8 +83,8 @@ pub(crate) fn affine(
     })
 }
 
-/// H among the combinations of the integrals with J ∇H = f, and the same less multiples of Casimirs that take away products of two variables or more:
-/// a sum of squares is wanted.
+/// H among the combinations of the integrals with J ∇H = f. Beside it stands the same less multiples of Casimirs: they take away products of two
+/// variables or more, for a sum of squares is wanted.
 fn hamiltonians(
     field: &mut RingField,
     tensor: &Tensor,

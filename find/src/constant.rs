@@ -338,8 +338,8 @@ impl Rates<'_> {
     }
 }
 
-/// The sign of the energies of momenta in H, ∂H/∂z = W g: of ∂_j (W g)_j = Σ_i W_ji ∂_j g_i by constant W_ji ∂_j g_i, the ones with i < j
-/// before the others. A part of the equations that moves alone has an H of its own, whose sign no other part decides.
+/// The sign of the energies of momenta in H, ∂H/∂z = W g. Terms of ∂_j (W g)_j = Σ_i W_ji ∂_j g_i with constant ∂_j g_i are of a momentum z_j: those
+/// with i < j decide before the others. A part of the equations that moves alone has an H of its own, whose sign no other part decides.
 fn sign_of_momentum(w: &[Rational], pairs: &[(usize, usize)], slopes: &[Vec<Polynomial>]) -> i32 {
     let sign = |f: &Polynomial| match f.terms() {
         [(m, c)] if m.factors().is_empty() => c.terms().first().map_or(0, |(_, v)| v.signum()),

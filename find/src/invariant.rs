@@ -11,8 +11,8 @@ use crate::constant::pairs;
 use crate::field::RingField;
 use crate::modular::{Row, null_space};
 
-/// A basis of the J_ij = c_ij0 + Σ_k c_ijk x_k with L_f J = 0, by coefficients in the order of the pairs i < j, the constant first. `None` where its
-/// fractions are too long.
+/// A basis of the J_ij = c_ij0 + Σ_k c_ijk x_k with L_f J = 0. Coefficients stand in the order of the pairs i < j, those of a pair together, the
+/// constant first. `None` where fractions are too long.
 pub(crate) fn invariant_tensors(
     field: &mut RingField,
 ) -> Result<Option<Vec<Vec<Rational>>>, AlgebraError> {

@@ -10,8 +10,8 @@ const MOST_PRIMES: usize = 256;
 /// A row's entries by their columns.
 pub(crate) type Row = Vec<(usize, Rational)>;
 
-/// A basis of the c with A c = 0, that of the reduced row echelon form: each has 1 at a free unknown, where the others have 0. `None` where it needs
-/// longer fractions than are tried.
+/// A basis of the c with A c = 0, that of the reduced row echelon form. Each vector has 1 at a free unknown, where the others have 0. `None` where
+/// it needs longer fractions than are tried.
 ///
 /// What is found is a basis: modulo a prime the null space has at least its dimension over ℚ, and every vector is multiplied with A exactly.
 pub(crate) fn null_space(rows: &[Row], unknowns: usize) -> Option<Vec<Vec<Rational>>> {

@@ -87,8 +87,7 @@ pub fn find(equations: &Equations, options: Options) -> Result<Report, FindError
                     Some(_) => return Ok(report),
                     None => report.refused.push(RefusedKind {
                         kind,
-                        reason: "a tensor was found in doubles that is not Poisson exactly"
-                            .to_owned(),
+                        reason: "a tensor was found that was not proved to be Poisson".to_owned(),
                         is_proved: false,
                     }),
                 }
