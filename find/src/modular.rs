@@ -93,6 +93,9 @@ fn null_space_modulo(rows: &[Row], unknowns: usize, prime: u64) -> Option<Modula
                 }
             }
         }
+        if pivots.iter().all(Option::is_some) {
+            break;
+        }
     }
     for at in (0..unknowns).rev() {
         let (above, below) = pivots.split_at_mut(at);
