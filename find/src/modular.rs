@@ -57,7 +57,7 @@ fn primes() -> impl Iterator<Item = u64> {
         (3..)
             .step_by(2)
             .take_while(|q| q * q <= *n)
-            .all(|q| n % q != 0)
+            .all(|q| !n.is_multiple_of(q))
     };
     (1..1_u64 << 31).rev().step_by(2).filter(is_prime)
 }
