@@ -3,8 +3,8 @@
 
     tools/json_keys.py PROGRAM
 
-Each section with a command in `sh` is run. A key of the object that no table of the section names is an error, and so is a key
-of the first level that is named without a condition ("where …", "with …") and not printed.
+Each section with commands in `sh` is run; the last one prints the object. A key of the object that no table of the section names is an error, and so is
+a key of the first level that is named without a condition ("where …", "with …") and not printed.
 """
 
 from __future__ import annotations
@@ -31,11 +31,14 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as folder:
         os.symlink(scenes, Path(folder) / "scenes")
         for section in re.split(r"(?m)^## ", PAGE.read_text(encoding="utf-8"))[1:]:
-            command = re.search(r"```sh\nleafwise (.*)\n```", section)
-            if not command:
+            block = re.search(r"```sh\n((?:leafwise .*\n)+)```", section)
+            if not block:
                 continue
-            done = subprocess.run([program, *shlex.split(command[1])], capture_output=True, text=True, cwd=folder, check=False)
             name = section.partition("\n")[0]
+            for command in block[1].splitlines():
+                done = subprocess.run([program, *shlex.split(command)[1:]], capture_output=True, text=True, cwd=folder, check=False)
+                if done.returncode:
+                    break
             if done.returncode:
                 wrong.append(f"{name}: exit code {done.returncode}\n{done.stderr}")
                 continue

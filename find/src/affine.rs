@@ -1,4 +1,4 @@
-//! Tensors that are affine in x: Π(x) ∇H = f is linear in the coefficients for a given H, Jacobi's identity quadratic.
+//! Tensors that are affine in x: those that the motion preserves, of them the ones with Jacobi's identity, H among the first integrals.
 
 use std::collections::BTreeMap;
 
@@ -6,24 +6,19 @@ use leafwise_expression::algebra::relations;
 use leafwise_expression::{AlgebraError, Arithmetic, Polynomial, Rational};
 
 use crate::constant::{members, pairs};
-use crate::energy::{columns, hamiltonian};
 use crate::error::FindError;
-use crate::field::RingField;
+use crate::field::{RingField, dot};
 use crate::identity::Identity;
-use crate::jacobi::{Space, sparse_solution};
+use crate::invariant::invariant_tensors;
 use crate::potential::combination;
 use crate::report::{Attempt, Kind, TensorCandidate};
-
-/// Hamiltonians among the integrals that are tried.
-const MOST_HAMILTONIANS: usize = 24;
-
-/// Starts of the solve for Jacobi's identity.
-const STARTS: usize = 6;
 
 /// The largest dimension: of 12 variables the coefficients are 858.
 const MOST_VARIABLES: usize = 12;
 
-/// A tensor of this kind with one of the integrals' combinations for H.
+type Tensor = BTreeMap<(usize, usize), Polynomial>;
+
+/// A tensor of this kind with a combination of the integrals for H, the sparsest of those that are tried.
 pub(crate) fn affine(
     field: &mut RingField,
     integrals: &[Polynomial],
@@ -34,73 +29,118 @@ pub(crate) fn affine(
             "it is looked for in at most {MOST_VARIABLES} variables"
         )));
     }
+    let Some(mut family) = invariant_tensors(field)? else {
+        return Ok(Attempt::none(
+            "the affine J that the motion preserves have longer fractions than are tried",
+        ));
+    };
+    if family.is_empty() {
+        let reason = "the motion preserves no affine J ≠ 0, as each would that has {x, H} = f";
+        return Ok(match field.is_decided() {
+            true => Attempt::proved(reason),
+            false => Attempt::none(reason),
+        });
+    }
+    // The first of equals is taken: of three variables this one has the entries of one cycle.
+    family.reverse();
+    let identity = Identity::of(d);
+    let poisson: Vec<Vec<Rational>> = (members(&family).into_iter())
+        .filter(|member| identity.holds(member))
+        .collect();
+    if poisson.is_empty() && family.len() == 1 && field.is_decided() {
+        return Ok(Attempt::proved(
+            "the motion preserves one affine J alone, which Jacobi's identity excludes",
+        ));
+    }
     if integrals.is_empty() {
         return Ok(Attempt::none(
             "H must be among the first integrals, and there is none",
         ));
     }
-    let unit = |k: usize| -> Vec<Rational> {
-        let entries = 0..integrals.len();
-        entries
-            .map(|l| Rational::from_integer(i64::from(k == l)))
-            .collect()
-    };
-    let units: Vec<Vec<Rational>> = (0..integrals.len()).map(unit).collect();
-    let identity = Identity::of(d);
-    let mut solvable = 0;
-    let simple = members(&units).into_iter().take(MOST_HAMILTONIANS);
-    for choice in simple {
-        match of_combination(field, (integrals, &choice), &identity)? {
-            Some(Attempt::Found(found)) => return Ok(Attempt::Found(found)),
-            Some(_) => solvable += 1,
-            None => {}
+    let mut best = None;
+    for coefficients in &poisson {
+        let tensor = entries(field, coefficients);
+        for hamiltonian in hamiltonians(field, &tensor, integrals)? {
+            let found = TensorCandidate {
+                kind: Kind::Affine,
+                tensor: tensor.clone(),
+                hamiltonian,
+                family: family.len(),
+                energy: None,
+                casimirs: Vec::new(),
+            };
+            TensorCandidate::keep_smaller(&mut best, Some(found), &field.ring);
         }
     }
-    if let Some(choice) = hamiltonian(field, integrals, &identity)?
-        && let Some(Attempt::Found(found)) = of_combination(field, (integrals, &choice), &identity)?
-    {
-        return Ok(Attempt::Found(found));
-    }
-    Ok(Attempt::none(match solvable {
-        0 => "no combination of the first integrals that was tried has an affine Π with Π ∇H = f",
-        _ => "Π ∇H = f has affine solutions Π, and for none of them Jacobi's identity was solved",
-    }))
+    Ok(match best {
+        Some(found) => Attempt::Found(Box::new(found)),
+        None if poisson.is_empty() => {
+            Attempt::none("of the affine J that the motion preserves none was found to be Poisson")
+        }
+        None => Attempt::none(
+            "the motion preserves affine Poisson tensors, but no combination of the first integrals moves it by them",
+        ),
+    })
 }
 
-/// A tensor with a combination of integrals for H; `None` where Π ∇H = f has no affine solution.
-fn of_combination(
+/// H among the combinations of the integrals with J ∇H = f. Beside it stands the same less multiples of Casimirs: they take away products of two
+/// variables or more, for a sum of squares is wanted.
+fn hamiltonians(
     field: &mut RingField,
-    (integrals, choice): (&[Polynomial], &[Rational]),
-    identity: &Identity,
-) -> Result<Option<Attempt>, FindError> {
-    let hamiltonian = combination(&mut field.ring, choice, integrals);
-    let Some(space) = tensors(field, &hamiltonian)? else {
-        return Ok(None);
+    tensor: &Tensor,
+    integrals: &[Polynomial],
+) -> Result<Vec<Polynomial>, AlgebraError> {
+    let mut columns = Vec::with_capacity(integrals.len());
+    for integral in integrals {
+        columns.push(motion(field, tensor, integral)?);
+    }
+    let Some(solutions) = relations(&columns, &field.f).solutions() else {
+        return Ok(Vec::new());
     };
-    let Some(c) = sparse_solution(identity, &space, STARTS) else {
-        return Ok(Some(Attempt::none("Jacobi's identity was not solved")));
-    };
-    Ok(Some(Attempt::Found(Box::new(TensorCandidate {
-        kind: Kind::Affine,
-        tensor: entries(field, &c),
-        hamiltonian,
-        family: space.directions.len() + 1,
-        energy: None,
-        casimirs: Vec::new(),
-    }))))
+    let ring = &mut field.ring;
+    let first = combination(ring, &solutions.particular, integrals);
+    let mut all = vec![first.clone()];
+    for direction in &solutions.directions {
+        let casimir = combination(ring, direction, integrals);
+        let others: BTreeMap<_, _> = (casimir.terms().iter())
+            .filter(|(monomial, _)| monomial.factors().len() > 1)
+            .map(|(monomial, coefficient)| (monomial, coefficient))
+            .collect();
+        let ratio = first.terms().iter().find_map(|(monomial, coefficient)| {
+            let other = others.get(monomial)?.as_constant()?;
+            Some(&coefficient.as_constant()? * &other.recip())
+        });
+        if let Some(ratio) = ratio {
+            let part = ring.scale(&ratio, &casimir);
+            all.push(ring.subtract(&first, &part));
+        }
+    }
+    Ok(all)
 }
 
-/// All affine Π with Π ∇H = f.
-fn tensors(field: &mut RingField, hamiltonian: &Polynomial) -> Result<Option<Space>, AlgebraError> {
-    let columns = columns(field, hamiltonian)?;
-    let solutions = relations(&columns, &field.f).solutions();
-    Ok(solutions.map(|solutions| Space {
-        origin: solutions.particular,
-        directions: solutions.directions,
-    }))
+/// J ∇H.
+fn motion(
+    field: &mut RingField,
+    tensor: &Tensor,
+    hamiltonian: &Polynomial,
+) -> Result<Vec<Polynomial>, AlgebraError> {
+    let d = field.dimension();
+    let ring = &mut field.ring;
+    let gradient = ring.gradient(hamiltonian)?;
+    let mut rows: Vec<(Vec<Polynomial>, Vec<Polynomial>)> = vec![Default::default(); d];
+    for (&(i, j), entry) in tensor {
+        rows[i].0.push(entry.clone());
+        rows[i].1.push(gradient[j].clone());
+        rows[j].0.push(ring.negate(entry));
+        rows[j].1.push(gradient[i].clone());
+    }
+    Ok(rows
+        .iter()
+        .map(|(left, right)| dot(ring, left, right))
+        .collect())
 }
 
-fn entries(field: &mut RingField, c: &[Rational]) -> BTreeMap<(usize, usize), Polynomial> {
+fn entries(field: &mut RingField, c: &[Rational]) -> Tensor {
     let d = field.dimension();
     let ring = &mut field.ring;
     let mut entries = BTreeMap::new();

@@ -208,7 +208,12 @@ impl Rates<'_> {
         let elimination = relations(&columns, &[]);
         let rank = elimination.rank();
         let family = elimination.solutions().map(|s| s.directions);
-        let family = family.unwrap_or_default();
+        let mut family = family.unwrap_or_default();
+        for member in &mut family {
+            if sign_of_momentum(member, &pairs, &along) < 0 {
+                member.iter_mut().for_each(|entry| *entry = -&*entry);
+            }
+        }
         if family.is_empty() {
             let z = if self.kind == Kind::LogCanonical {
                 "ln x"
@@ -333,6 +338,26 @@ impl Rates<'_> {
     }
 }
 
+/// The sign of the energies of momenta in H, ∂H/∂z = W g. Terms of ∂_j (W g)_j = Σ_i W_ji ∂_j g_i with constant ∂_j g_i are of a momentum z_j: those
+/// with i < j decide before the others. A part of the equations that moves alone has an H of its own, whose sign no other part decides.
+fn sign_of_momentum(w: &[Rational], pairs: &[(usize, usize)], slopes: &[Vec<Polynomial>]) -> i32 {
+    let sign = |f: &Polynomial| match f.terms() {
+        [(m, c)] if m.factors().is_empty() => c.terms().first().map_or(0, |(_, v)| v.signum()),
+        _ => 0,
+    };
+    let of = |at: fn((usize, usize)) -> (usize, usize), order: i32| -> i32 {
+        let parts = w.iter().zip(pairs).map(|(entry, &pair)| {
+            let (i, j) = at(pair);
+            order * entry.signum() * sign(&slopes[i][j])
+        });
+        parts.sum()
+    };
+    match of(|pair| pair, -1) {
+        0 => of(|(i, j)| (j, i), 1),
+        sum => sum,
+    }
+}
+
 /// (i, j) with i < j < n.
 pub(crate) fn pairs(n: usize) -> Vec<(usize, usize)> {
     (0..n)
@@ -340,7 +365,8 @@ pub(crate) fn pairs(n: usize) -> Vec<(usize, usize)> {
         .collect()
 }
 
-/// Members of the linear family, the sparse ones first: a basis, sums and differences of two, sums with small integers.
+/// Members of the linear family, the sparse ones first: a basis, its sum, that of members with one entry, sums and differences of two, sums with small
+/// integers.
 pub(crate) fn members(family: &[Vec<Rational>]) -> Vec<Vec<Rational>> {
     let n = family.len();
     let combined = |factors: &dyn Fn(usize) -> i64| -> Vec<Rational> {
@@ -359,6 +385,9 @@ pub(crate) fn members(family: &[Vec<Rational>]) -> Vec<Vec<Rational>> {
     let mut all: Vec<Vec<Rational>> = family.to_vec();
     if n > 1 {
         all.push(combined(&|_| 1));
+        // Of parts that move alone and at one frequency each pair has its own member.
+        let is_single = |k: usize| family[k].iter().filter(|entry| !entry.is_zero()).count() == 1;
+        all.push(combined(&|k| i64::from(is_single(k))));
         for (a, b) in pairs(n) {
             for sign in [1, -1] {
                 all.push(combined(&|k| i64::from(k == a) + sign * i64::from(k == b)));

@@ -1,4 +1,4 @@
-//! Jacobi's identity of affine tensors, in doubles and exactly.
+//! Jacobi's identity of affine tensors.
 
 use leafwise_expression::Rational;
 
@@ -65,43 +65,17 @@ impl Identity {
         self.count += 1;
     }
 
-    /// B(a, b).
-    pub fn bilinear<T: Scalar>(&self, a: &[T], b: &[T], out: &mut Vec<T>) {
-        out.clear();
-        out.resize_with(self.count, T::default);
-        for term in &self.terms {
-            out[term.into].add_product(&a[term.left], &b[term.right], term.is_negative);
-        }
-    }
-
-    /// Whether the identity holds exactly.
+    /// Whether the identity holds.
     pub fn holds(&self, c: &[Rational]) -> bool {
-        let mut identity = Vec::new();
-        self.bilinear(c, c, &mut identity);
-        identity.iter().all(Rational::is_zero)
-    }
-}
-
-/// Numbers that the identity is formed of.
-pub(crate) trait Scalar: Default {
-    /// s ← s ± a b.
-    fn add_product(&mut self, a: &Self, b: &Self, is_negative: bool);
-}
-
-impl Scalar for f64 {
-    fn add_product(&mut self, a: &Self, b: &Self, is_negative: bool) {
-        let product = a * b;
-        *self += if is_negative { -product } else { product };
-    }
-}
-
-impl Scalar for Rational {
-    fn add_product(&mut self, a: &Self, b: &Self, is_negative: bool) {
-        if a.is_zero() || b.is_zero() {
-            return;
+        let mut identity = vec![Rational::zero(); self.count];
+        for term in &self.terms {
+            if c[term.left].is_zero() || c[term.right].is_zero() {
+                continue;
+            }
+            let product = &c[term.left] * &c[term.right];
+            identity[term.into] += &if term.is_negative { -product } else { product };
         }
-        let product = a * b;
-        *self += &if is_negative { -product } else { product };
+        identity.iter().all(Rational::is_zero)
     }
 }
 
@@ -113,17 +87,15 @@ mod tests {
     #[test]
     fn the_identity_of_so3_holds_and_that_of_another_tensor_does_not() {
         let identity = Identity::of(3);
-        let mut r = Vec::new();
-        let mut c = vec![0.0; 12];
-        for (i, j, k, value) in [(0, 1, 2, 1.0), (1, 2, 0, 1.0), (0, 2, 1, -1.0)] {
+        let number = Rational::from_integer;
+        let mut c = vec![Rational::zero(); 12];
+        for (i, j, k, value) in [(0, 1, 2, 1), (1, 2, 0, 1), (0, 2, 1, -1)] {
             let (at, is_negative) = place(3, i, j, k + 1).expect("a pair");
-            c[at] = if is_negative { -value } else { value };
+            c[at] = number(if is_negative { -value } else { value });
         }
-        identity.bilinear(&c, &c, &mut r);
-        assert_eq!(r, [0.0; 4]);
+        assert!(identity.holds(&c));
         let (at, _) = place(3, 0, 2, 1).expect("a pair");
-        c[at] = 1.0;
-        identity.bilinear(&c, &c, &mut r);
-        assert!(r.iter().any(|v| *v != 0.0), "{r:?}");
+        c[at] = number(1);
+        assert!(!identity.holds(&c));
     }
 }

@@ -3,7 +3,7 @@
 //! The function [`find`] looks for J and H with ẋ = J ∇H = {x, H} in exact algebra over ℚ.
 //!
 //! - `constant`: J constant in x, or log-canonical.
-//! - `affine`: J affine in x, H among the first integrals; `energy`: H among their combinations.
+//! - `affine`: J affine in x, of those that the motion preserves (`invariant`), H a combination of first integrals.
 //! - `low`: two or three variables, J made of first integrals.
 //! - `integrals`: first integrals, polynomials or products of powers.
 //! - `casimirs`: functions C with J ∇C = 0, of any tensor.
@@ -13,15 +13,15 @@ mod affine;
 mod candidates;
 mod casimirs;
 mod constant;
-mod energy;
 mod equations;
 mod error;
 mod field;
 mod identity;
 mod integrals;
-mod jacobi;
+mod invariant;
 mod low;
 mod matrix;
+mod modular;
 mod never;
 mod potential;
 mod report;

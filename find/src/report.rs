@@ -1,10 +1,12 @@
 //! Results of a search.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use leafwise_core::SystemFormulas;
 use leafwise_expression::algebra::{Generator, Monomial};
-use leafwise_expression::{Arithmetic, Expression, Polynomial, Rational, Ring};
+use leafwise_expression::{AlgebraError, Arithmetic, Expression, Polynomial, Rational, Ring};
+
+use crate::field::RingField;
 
 /// Kinds of brackets that are looked for, in this order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -55,8 +57,12 @@ pub(crate) struct TensorCandidate {
 }
 
 impl TensorCandidate {
-    /// The same with λJ and H/λ: the first coefficient of the first entry becomes 1 or −1, that of H positive.
-    pub fn normalized(self, ring: &mut Ring) -> Self {
+    /// The same with λJ and H/λ: the first coefficient of the first entry becomes 1 or −1, and energies of momenta become positive.
+    pub fn normalized(
+        self,
+        field: &mut RingField,
+        parameters: &[f64],
+    ) -> Result<Self, AlgebraError> {
         let first = |f: &Polynomial| {
             let coefficient = f.terms().first().map(|(_, c)| c.clone())?;
             coefficient
@@ -66,12 +72,17 @@ impl TensorCandidate {
         };
         let lead = self.tensor.values().next().and_then(first);
         let (Some(lead), Some(energy)) = (lead, first(&self.hamiltonian)) else {
-            return self;
+            return Ok(self);
         };
-        let lambda = lead.recip().abs() * Rational::from_integer(energy.signum().into());
+        let sign = match self.sign_of_momentum(field, parameters)? {
+            0 => energy.signum(),
+            sign => sign,
+        };
+        let ring = &mut field.ring;
+        let lambda = lead.recip().abs() * Rational::from_integer(sign.into());
         let tensor = self.tensor.into_iter();
         let factor = Expression::Constant(lambda.recip());
-        Self {
+        Ok(Self {
             energy: self.energy.map(|energy| match lambda.is_one() {
                 true => energy,
                 false => Expression::Product(vec![factor, energy]),
@@ -81,7 +92,47 @@ impl TensorCandidate {
                 .collect(),
             hamiltonian: ring.scale(&lambda.recip(), &self.hamiltonian),
             ..self
+        })
+    }
+
+    /// The sign of H's second derivatives by momenta, 0 where no momentum is seen.
+    ///
+    /// A momentum x_j is one in which some f_i with J_ij ≠ 0 is affine. Constant J_ij and ∂f_i/∂x_j are those of a canonical pair with a mass, and
+    /// decide before others: first those with the position x_i before x_j. H has no such derivative by a momentum of first degree.
+    fn sign_of_momentum(
+        &self,
+        field: &mut RingField,
+        parameters: &[f64],
+    ) -> Result<i32, AlgebraError> {
+        let d = field.dimension();
+        let near: Vec<f64> = (0..d).map(|i| 0.4 + 0.1 * i as f64 / d as f64).collect();
+        let is_constant = |f: &Polynomial| f.terms().iter().all(|(m, _)| m.factors().is_empty());
+        // By the orders (position, momentum) and (momentum, position), and of all other pairs.
+        let mut momenta = [const { BTreeSet::new() }; 3];
+        for (&(a, b), entry) in &self.tensor {
+            for (order, (i, j)) in [(a, b), (b, a)].into_iter().enumerate() {
+                let slope = field.ring.derivative(&field.f[i], j)?;
+                let is_affine = field.ring.derivative(&slope, j)?.is_zero();
+                if slope.is_zero() || !is_affine {
+                    continue;
+                }
+                let is_pair = is_constant(entry) && is_constant(&slope);
+                momenta[if is_pair { order } else { 2 }].insert(j);
+            }
         }
+        for momenta in momenta {
+            let mut sum = 0;
+            for j in momenta {
+                let slope = field.ring.derivative(&self.hamiltonian, j)?;
+                let mass = field.ring.derivative(&slope, j)?;
+                let value = field.ring.formula(&mass).evaluate(&near, parameters);
+                sum += i32::from(value > 0.0) - i32::from(value < 0.0);
+            }
+            if sum != 0 {
+                return Ok(sum.signum());
+            }
+        }
+        Ok(0)
     }
 
     /// Order of preference: few fractions in the tensor, then few terms, then many squares in H, then few terms in H.

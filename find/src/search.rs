@@ -87,8 +87,7 @@ pub fn find(equations: &Equations, options: Options) -> Result<Report, FindError
                     Some(_) => return Ok(report),
                     None => report.refused.push(RefusedKind {
                         kind,
-                        reason: "a tensor was found in doubles that is not Poisson exactly"
-                            .to_owned(),
+                        reason: "a tensor was found that was not proved to be Poisson".to_owned(),
                         is_proved: false,
                     }),
                 }
@@ -161,7 +160,10 @@ fn proved(
     has_parameters: bool,
     options: Options,
 ) -> Result<Option<FoundBracket>, FindError> {
-    let candidate = candidate.clone().normalized(&mut field.ring);
+    let values: Vec<f64> = (equations.parameters().iter())
+        .map(|(_, value)| value.to_f64())
+        .collect();
+    let candidate = candidate.clone().normalized(field, &values)?;
     let ring = &field.ring;
     let entries = candidate.tensor.iter();
     let entries: std::collections::BTreeMap<(usize, usize), Expression> = entries

@@ -35,6 +35,22 @@ pub enum LearnError {
         /// The first thing wrong.
         problem: String,
     },
+    /// Coordinates of which one varies by far more than another ever measures.
+    #[error(
+        "{large} varies by {spread:.1e} and {small} is at most {size:.1e}: of both in one sum of squares the small one would count for nothing. Write the system in units in which they are alike, {small}/{unit:e} in place of {small} in the pairs, the bracket and the realization"
+    )]
+    UnlikeUnits {
+        /// The variable of the largest range.
+        large: String,
+        /// Its largest less its least value.
+        spread: f64,
+        /// The variable of the smallest values.
+        small: String,
+        /// The largest |x| of them.
+        size: f64,
+        /// A power of ten near the ratio of both.
+        unit: f64,
+    },
     /// States that do not move.
     #[error(
         "no pair moves: the states after the step are those before it, and they tell nothing about H"

@@ -87,6 +87,7 @@ pub(crate) fn fit(
     setting: FitSetting,
 ) -> Result<Fitted, LearnError> {
     let (count, d, n) = (pairs.len(), pairs.dimension(), basis.len());
+    pairs.checked_units(names)?;
     let means: Vec<Vec<f64>> = (0..count)
         .map(|k| {
             let ends = pairs.before(k).iter().zip(pairs.after(k));

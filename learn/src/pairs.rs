@@ -2,6 +2,9 @@
 
 use crate::error::LearnError;
 
+/// Sizes of coordinates in one sum of squares are alike down to this part: of equations that count so little only some digits are met.
+const ALIKE: f64 = 1e-6;
+
 /// N pairs (x, x') of states of d coordinates, x' one step after x, with a weight each. The mean of the weights is 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StatePairs {
@@ -118,6 +121,30 @@ impl StatePairs {
     /// Weight of pair k in the sum of squares, 1 in the mean.
     pub fn weight(&self, k: usize) -> f64 {
         self.weights[k]
+    }
+
+    /// Whether one sum of squares can hold all coordinates: none that is not 0 measures less than the part [`ALIKE`] of what another varies by. The
+    /// size of one and not its range counts here, so that constants pass.
+    pub(crate) fn checked_units(&self, names: &[String]) -> Result<(), LearnError> {
+        let ranges = self.ranges();
+        let spreads = ranges.iter().map(|(least, most)| most - least).enumerate();
+        let sizes = ranges
+            .iter()
+            .map(|(least, most)| least.abs().max(most.abs()));
+        let sizes = sizes.enumerate().filter(|(_, size)| *size > 0.0);
+        let by_number = |a: &(usize, f64), b: &(usize, f64)| a.1.total_cmp(&b.1);
+        match (spreads.max_by(by_number), sizes.min_by(by_number)) {
+            (Some((large, spread)), Some((small, size))) if size < ALIKE * spread => {
+                Err(LearnError::UnlikeUnits {
+                    large: names[large].clone(),
+                    spread,
+                    small: names[small].clone(),
+                    size,
+                    unit: libm::pow(10.0, libm::floor(libm::log10(size / spread))),
+                })
+            }
+            _ => Ok(()),
+        }
     }
 
     /// The least and the largest value of each coordinate.

@@ -4,6 +4,7 @@
 
 mod changes;
 mod refusals;
+mod signs;
 mod systems;
 
 use std::time::Instant;
@@ -247,6 +248,13 @@ fn brackets_that_are_unique_are_those_of_the_books() {
     assert_eq!(
         hamiltonian(&found),
         "a + 2*b + c/2 + 3*d - ln(a) - 2*ln(b) - ln(c) - ln(d)"
+    );
+    // Squares alone, by a square of the Casimir.
+    let found = bracket("Toda", &equations(TODA, &[]));
+    assert_eq!(found.family, 1);
+    assert_eq!(
+        hamiltonian(&found),
+        "a1^2 + a2^2 + b1^2/2 + b2^2/2 + b3^2/2"
     );
     // e(3)*, by its nine entries, and its Casimirs.
     for (rows, vector) in [(HEAVY_TOP, "g"), (KIRCHHOFF, "p")] {

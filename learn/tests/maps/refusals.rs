@@ -90,3 +90,86 @@ fn a_basis_of_casimirs_is_singular() {
     );
     assert!(matches!(learned, Err(LearnError::Singular)));
 }
+
+/// An oscillator in units of q and p by any powers of two: what is learned is the same to round-off, or refused where the ratio is above 1e6, with both
+/// columns named. In units that the message names the same pairs are learned.
+#[test]
+fn unlike_units_are_named() {
+    let mut draws = Draws(18);
+    let unit = Place::new(&oscillator(1.0, 1.0), "constant", "[1, 0]");
+    let pairs = unit.pairs(&draws.in_box(60, &[(-1.0, 1.0); 2]), 0.3);
+    let (mut learned, mut refused) = (0, 0);
+    for (q, p) in [(0, 0), (8, 8), (-9, 9), (12, -12), (40, 32), (-60, -60)]
+        .into_iter()
+        .chain([
+            (-30, 0),
+            (0, -30),
+            (25, 0),
+            (14, -14),
+            (60, -60),
+            (-100, -10),
+        ])
+    {
+        let [q, p] = [q, p].map(|k| libm::ldexp(1.0, k));
+        let scaled = |states: &[f64]| -> Vec<f64> {
+            let states = states.chunks(2);
+            states.flat_map(|x| [q * x[0], p * x[1]]).collect()
+        };
+        let place = Place::new(&oscillator(q, p), "constant", "[1, 0]");
+        let pairs = (scaled(&pairs.0), scaled(&pairs.1));
+        match place.learn(0.3, &pairs, &polynomials(2, 2)) {
+            Ok(own) => {
+                let squares = own.functions.iter().filter(|f| f.is_determined);
+                for function in squares {
+                    let scale = match function.formula.as_str() {
+                        "q^2" => q * q,
+                        "p^2" => p * p,
+                        _ => continue,
+                    };
+                    // Ŝ/h = tan(h/2)/h (q² + p²) in the units of action.
+                    let expected = libm::tan(0.15) / 0.3;
+                    let found = function.generating * scale;
+                    // A column of equations that counts 2^−19 loses as many digits: 2^−33.
+                    assert!((found - expected).abs() < 1e-9, "{q} {p} {function:?}");
+                }
+                learned += 1;
+            }
+            Err(LearnError::UnlikeUnits {
+                large,
+                spread,
+                small,
+                size,
+                unit,
+            }) => {
+                let expected = if q > p { ["q", "p"] } else { ["p", "q"] };
+                assert_eq!([&large[..], &small[..]], expected);
+                assert!(size < 10.0 * unit * spread && unit * spread <= size * 1.001);
+                let [q, p] = if q > p { [q, p / unit] } else { [q / unit, p] };
+                let cured = |states: &[f64]| -> Vec<f64> {
+                    let states = states.chunks(2);
+                    let own = [&large[..] == "q", &large[..] == "p"];
+                    let by = own.map(|is_large| if is_large { 1.0 } else { unit });
+                    states.flat_map(|x| [x[0] / by[0], x[1] / by[1]]).collect()
+                };
+                let place = Place::new(&oscillator(q, p), "constant", "[1, 0]");
+                let pairs = (cured(&pairs.0), cured(&pairs.1));
+                let again = place.learn(0.3, &pairs, &polynomials(2, 2));
+                assert!(again.is_ok(), "{q} {p}");
+                refused += 1;
+            }
+            Err(other) => panic!("{q} {p}: {other}"),
+        }
+    }
+    assert_eq!((learned, refused), (5, 7));
+}
+
+/// q/a and p/b of an oscillator as the coordinates: {q, p} = ab.
+fn oscillator(a: f64, b: f64) -> String {
+    format!(
+        "[system]\nvariables = [\"q\", \"p\"]\nbracket = {{ \"q,p\" = \"{:e}\" }}\nconvention = \"{{x,H}}\"\n\
+         hamiltonian = \"(q^2*{:e} + p^2*{:e})/2\"\n",
+        a * b,
+        1.0 / (a * a),
+        1.0 / (b * b)
+    )
+}

@@ -159,9 +159,15 @@ fn of_text(text: &str, variables: &[String], time_step: f64) -> Result<PairTable
         .iter()
         .map(|name| column(name))
         .collect::<Result<_, _>>()?;
-    let weight = columns
-        .iter()
-        .position(|name| name == WEIGHT && !variables.contains(name));
+    // Of columns that may be there, the one that is.
+    let optional = |name: &str| -> Result<Option<usize>, String> {
+        let is_there = columns.iter().any(|column| column == name);
+        match is_there && !variables.iter().any(|variable| variable == name) {
+            true => place(columns, name).map(Some),
+            false => Ok(None),
+        }
+    };
+    let weight = optional(WEIGHT)?;
     let rows = |places: &[usize]| -> Vec<f64> {
         let rows = table.rows.iter();
         rows.flat_map(|row| places.iter().map(|at| row[*at]))
@@ -182,8 +188,9 @@ fn of_text(text: &str, variables: &[String], time_step: f64) -> Result<PairTable
             weights: weight.map(|at| rows(&[at])),
         });
     }
-    let is_time = |name: &String| TIMES.contains(&name.as_str()) && !variables.contains(name);
-    let time = columns.iter().position(is_time);
+    let times = TIMES.map(optional).into_iter();
+    let times = times.collect::<Result<Vec<_>, _>>()?;
+    let time = times.into_iter().flatten().min();
     let mut pairs = PairTable {
         weights: weight.map(|_| Vec::new()),
         ..PairTable::default()
@@ -286,6 +293,12 @@ mod tests {
             ),
             ("q,p,q'\n1,2,3\n", "it has no column `p'`"),
             ("q,p,p\n1,2,3\n", "it has two columns `p`"),
+            ("q,p,q',p',q'\n1,2,3,4,5\n", "it has two columns `q'`"),
+            ("t,q,p,t\n0,1,2,0\n", "it has two columns `t`"),
+            (
+                "q,p,q',p',weight,weight\n1,2,3,4,1,2\n",
+                "it has two columns `weight`",
+            ),
             (
                 "q,p,q',p'\n1,2,3\n",
                 "row 1 has 3 numbers, and 4 columns have names",

@@ -374,13 +374,12 @@ fn others(bracket: &FoundBracket) -> String {
             "Every function of the first integrals may stand in the place of H or of the Casimir."
                 .to_owned()
         }
-        (Kind::Affine, family) => format!(
-            "For this H the equations leave {} of the coefficients free; Jacobi's identity holds, and most others are 0.",
-            family - 1
-        ),
-        (_, 1) => {
-            "No other bracket of this kind has the same leaves, but for a factor of H.".to_owned()
+        (Kind::Affine, 1) => {
+            "The motion preserves no other affine tensor, but for a factor.".to_owned()
         }
+        (Kind::Affine, family) => format!(
+            "One of a linear family of dimension {family} that the motion preserves: the sparsest that was tried, of those with Jacobi's identity."
+        ),
         (_, family) => format!(
             "One of a linear family of dimension {family}, whose inverses give brackets: the sparsest that was tried."
         ),
