@@ -7,14 +7,20 @@ use super::events::Events;
 use crate::document::{SceneDocument, StepSpec};
 
 /// Places of a run that are looked at, and steps from each.
-const PLACES: u64 = 32;
-const STEPS: u64 = 8;
+const PLACES: u32 = 32;
+const STEPS: u32 = 8;
 
 /// Parts of a step at which the function is evaluated.
 const PARTS: u32 = 61;
 
 /// The longest step over the time between two kicks: of longer ones the walk does not resolve the function.
 const LONGEST: f64 = 2.0 / 3.0;
+
+/// How far the time between two kicks is rounded, relative to it.
+const ROUNDED: f64 = 1e-9;
+
+/// How often a step is shortened, at most, until it shows every kick.
+const MOST_HALVES: u32 = 60;
 
 /// Refuses steps that are too long for the kicks of a scene, of which they would pass over some.
 ///
@@ -41,39 +47,22 @@ pub(super) fn check_kicks(
         state[clock.time] = begins + time;
         section.difference.evaluate(&state, parameters)
     };
-    let steps = document.run.steps.value;
-    let apart = (steps / PLACES).max(STEPS);
-    let mut least = f64::INFINITY;
-    for first in (0..PLACES).map(|place| place * apart) {
-        if first >= steps {
-            break;
-        }
-        let (mut sign, mut kicked) = (0.0, None);
-        let parts = u32::try_from(STEPS).unwrap_or(1) * PARTS;
-        for part in 0..=parts {
-            // Unequal parts, which no period has in common with all of them.
-            let shift = 0.5 * (f64::from(part) * 0.618_033_988_749_895).fract();
-            let time = step * (first as f64 + (f64::from(part) + shift) / f64::from(PARTS));
-            let value = at(time);
-            if value == 0.0 || value.is_nan() {
-                continue;
-            }
-            if sign * value < 0.0 {
-                if let Some(before) = kicked {
-                    least = least.min((time - before).abs());
-                }
-                kicked = Some(time);
-            }
-            sign = value.signum();
-        }
-    }
-    // A crossing lies up to a part and a half of a step before the time at which it is seen.
-    let between = least + 1.5 * step.abs() / f64::from(PARTS);
-    if step.abs() <= LONGEST * between {
+    let end = document.run.steps.value as f64 * step;
+    let least = least_apart(&mut at, step, end);
+    let is_resolved = |step: f64, least: f64| step.abs() <= LONGEST * (1.0 + ROUNDED) * least;
+    if is_resolved(step, least) {
         return Ok(());
     }
-    // Half of the time between two of them, with three digits and no more than that.
-    let half = rounded_down(0.5 * (least - 1.5 * step.abs() / f64::from(PARTS)).max(0.25 * least));
+    // A long step shows no more than that there are many: shorter ones tell how many.
+    let mut half = 0.5 * least;
+    for _ in 0..MOST_HALVES {
+        let own = least_apart(&mut at, half.copysign(step), end);
+        if is_resolved(half, own) {
+            break;
+        }
+        half = 0.5 * own.min(half);
+    }
+    let (least, half) = (2.0 * half, rounded_down(half));
     let (place, change) = match spec {
         StepSpec::TimeStep(given) => (given.place(), half.copysign(step)),
         StepSpec::Factors { epsilon, h } => {
@@ -90,6 +79,49 @@ pub(super) fn check_kicks(
         "too long",
         Some(format!("write {} = {change:?}", spec.key())),
     )))
+}
+
+/// The least time between two changes of sign of a function, at places of a run of steps of this length.
+fn least_apart(at: &mut dyn FnMut(f64) -> f64, step: f64, end: f64) -> f64 {
+    let steps = libm::ceil(end / step);
+    let apart = libm::floor(steps / f64::from(PLACES)).max(f64::from(STEPS));
+    let mut least = f64::INFINITY;
+    for first in (0..PLACES).map(|place| f64::from(place) * apart) {
+        if first >= steps {
+            break;
+        }
+        let (mut before, mut changed) = (None::<(f64, f64)>, None::<f64>);
+        for part in 0..=STEPS * PARTS {
+            // Unequal parts, which no period has in common with all of them.
+            let shift = 0.5 * (f64::from(part) * 0.618_033_988_749_895).fract();
+            let time = step * (first + (f64::from(part) + shift) / f64::from(PARTS));
+            let value = at(time);
+            if value == 0.0 || value.is_nan() {
+                continue;
+            }
+            if let Some((known, _)) = before.filter(|(_, sign)| sign * value < 0.0) {
+                let change = changes_at(at, [known, time], value);
+                if let Some(last) = changed.replace(change) {
+                    least = least.min((change - last).abs());
+                }
+            }
+            before = Some((time, value.signum()));
+        }
+    }
+    least
+}
+
+/// The time between two at which a function takes the sign that it has at the second.
+fn changes_at(at: &mut dyn FnMut(f64) -> f64, [mut from, mut to]: [f64; 2], value: f64) -> f64 {
+    for _ in 0..60 {
+        let middle = f64::midpoint(from, to);
+        *(if at(middle) * value > 0.0 {
+            &mut to
+        } else {
+            &mut from
+        }) = middle;
+    }
+    to
 }
 
 /// A positive number with three digits, not above its value.

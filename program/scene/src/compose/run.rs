@@ -257,7 +257,8 @@ fn compose_at_its_values(
         )));
     }
     let layout = composed.layout(document);
-    let start = (&*composed.initial, &*system.parameter_values());
+    let parameters = system.parameter_values();
+    let start = (composed.initial.as_slice(), parameters.as_slice());
     check_kicks(document, &composed.events, layout.clock(), start)?;
     let states = recorded_states(document)?;
     check_axes(document, &states, &composed.observables)?;
