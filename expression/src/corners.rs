@@ -83,13 +83,22 @@ mod tests {
         assert_eq!(of("abs(x) < 1").corners().len(), 1);
     }
 
+    /// Whether the slope of a margin along x turns as slowly at the centre as elsewhere. That of √(x² + y²) turns within 1e-9.
+    fn is_smooth_at_the_centre(margin: &crate::Expression) -> bool {
+        let slope = |x: f64| {
+            let at = |x: f64| margin.evaluate(&[x, 1e-12], &[]);
+            (at(x + 1e-9) - at(x - 1e-9)) / 2e-9
+        };
+        (slope(1e-7) - slope(-1e-7)).abs() < 1e-3
+    }
+
     /// √u − b and what stands for it have one sign, for all b and beside other terms.
     #[test]
     fn magnitudes_are_compared_by_their_squares() {
         let scope = scope();
         let norm = |[x, y]: [f64; 2]| libm::hypot(x, y);
         type Margin<'a> = &'a dyn Fn([f64; 2]) -> f64;
-        let cases: [(&str, Margin<'_>); 6] = [
+        let cases: [(&str, Margin<'_>); 12] = [
             ("sqrt(x^2 + y^2) < 0.5", &|x| 0.5 - norm(x)),
             ("0.5 >= sqrt(x^2 + y^2)", &|x| 0.5 - norm(x)),
             ("2*sqrt(x*x + y^2) - 0.6 > 0", &|x| 2.0 * norm(x) - 0.6),
@@ -98,6 +107,16 @@ mod tests {
             }),
             ("-sqrt(x^2 + y^2) < x - 0.2", &|x| x[0] - 0.2 + norm(x)),
             ("sqrt(x^2 + y^2) > -0.5", &|x| norm(x) + 0.5),
+            ("(x^2 + y^2)^0.5 < 0.5", &|x| 0.5 - norm(x)),
+            ("(x^2 + y^2)^(1/2) < 0.5", &|x| 0.5 - norm(x)),
+            ("sqrt(x^2 + y^2)/2 < 0.25", &|x| 0.25 - norm(x) / 2.0),
+            ("-sqrt(x^2 + y^2)/(-2) < 0.25", &|x| 0.25 - norm(x) / 2.0),
+            ("1/2*sqrt(x^2/3 + y*y)*4 > 1", &|[x, y]| {
+                2.0 * libm::sqrt(x * x / 3.0 + y * y) - 1.0
+            }),
+            ("0.1 - (x^2 + y^2)^0.5/(1/3) < x", &|x| {
+                x[0] - 0.1 + 3.0 * norm(x)
+            }),
         ];
         for (text, expected) in cases {
             let margin = Formula::parse_condition(text).and_then(|c| c.margin(&scope));
@@ -110,6 +129,27 @@ mod tests {
                 assert_eq!(margin.evaluate(&x, &[]) > 0.0, holds, "{text} at {x:?}");
             }
             assert!(signs[1] > 10, "{text}");
+            assert!(is_smooth_at_the_centre(&margin), "{text}");
+        }
+        // Definitions are looked through, on both sides, and where they double at every level.
+        let x = || crate::Expression::from(crate::Quantity::Variable(0));
+        let norm = (x() * x()).shared();
+        let norm = crate::Expression::Apply(crate::Function::Sqrt, Box::new(norm)).shared();
+        let half = crate::Expression::Constant(crate::Rational::new(1, 2));
+        let deep = (0..60).fold(x().shared(), |sum, _| (sum.clone() + sum).shared());
+        for (left, right) in [
+            (norm.clone(), half.clone()),
+            ((norm.clone() - half.clone()).shared(), half.clone()),
+            (half.clone(), (half + norm.clone()).shared()),
+            (norm, deep),
+        ] {
+            let margin = crate::Expression::compared_magnitude(&left, &right);
+            let margin = margin.expect("a root is compared");
+            assert!(is_smooth_at_the_centre(&margin));
+            for x in [0.25, 0.75, 1.25] {
+                let expected = left.evaluate(&[x], &[]) - right.evaluate(&[x], &[]);
+                assert_eq!(margin.evaluate(&[x], &[]) > 0.0, expected > 0.0, "{x}");
+            }
         }
         // Near 0 it is smooth: a fourth of the way is a sixteenth of the square.
         let of = |text: &str| Formula::parse_condition(text).and_then(|c| c.margin(&scope));

@@ -2,6 +2,7 @@
 
 use crate::expression::{Expression, Function};
 use crate::rational::Rational;
+use crate::shared::Known;
 
 impl Expression {
     /// u − b|b| where `left − right` is c (√u − b), c > 0, of a sum of squares u. The sign is the same. Near u = 0 it turns as slowly
@@ -14,11 +15,16 @@ impl Expression {
             .iter()
             .enumerate()
             .filter_map(|(at, (_, term))| Some((at, root(term)?)));
-        let (at, square) = roots.next()?;
+        let (at, (factor, square)) = roots.next()?;
         if roots.next().is_some() {
             return None;
         }
-        let (is_negative, _) = terms.remove(at);
+        let (is_subtracted, _) = terms.remove(at);
+        let is_negative = is_subtracted != factor.is_negative();
+        let square = match &factor * &factor {
+            factor if factor.is_one() => square,
+            factor => Self::Constant(factor) * square,
+        };
         // s √u + rest = s (√u − b), b = −s rest.
         let rest = terms
             .into_iter()
@@ -35,6 +41,9 @@ impl Expression {
     }
 }
 
+/// As many terms are told apart at most: sums of definitions that stand in one another twice each grow without end.
+const MOST: usize = 64;
+
 /// The terms of a sum, and whether each is subtracted.
 fn terms_of(sum: &Expression, is_negative: bool, terms: &mut Vec<(bool, Expression)>) {
     match sum {
@@ -44,47 +53,89 @@ fn terms_of(sum: &Expression, is_negative: bool, terms: &mut Vec<(bool, Expressi
             }
         }
         Expression::Negate(part) => terms_of(part, !is_negative, terms),
-        Expression::Product(factors) => match &factors[..] {
-            [Expression::Constant(c), rest @ ..] if c.is_negative() => {
-                let rest = std::iter::once(Expression::Constant(-c)).chain(rest.iter().cloned());
-                terms.push((!is_negative, Expression::Product(rest.collect())));
-            }
-            _ => terms.push((is_negative, sum.clone())),
-        },
+        Expression::Shared(part) if is_sum(part) && terms.len() < MOST => {
+            terms_of(part, is_negative, terms);
+        }
         _ => terms.push((is_negative, sum.clone())),
     }
 }
 
-/// The square of √u or c √u, c > 0.
-fn root(term: &Expression) -> Option<Expression> {
+fn is_sum(formula: &Expression) -> bool {
+    match formula {
+        Expression::Sum(_) | Expression::Negate(_) => true,
+        Expression::Shared(part) => is_sum(part),
+        _ => false,
+    }
+}
+
+/// c ≠ 0 and u of c √u, where u is a sum of squares.
+fn root(term: &Expression) -> Option<(Rational, Expression)> {
+    let square = |u: &Expression| {
+        let is_square = is_sum_of_squares(u, &mut Known::default());
+        is_square.then(|| (Rational::one(), u.clone()))
+    };
+    let times = |c: &Rational, (factor, u): (Rational, Expression)| {
+        let factor = c * &factor;
+        (!factor.is_zero()).then_some((factor, u))
+    };
     match term {
-        Expression::Apply(Function::Sqrt, u) if is_sum_of_squares(u) => Some((**u).clone()),
-        Expression::Product(factors) => match &factors[..] {
-            [Expression::Constant(c), factor] | [factor, Expression::Constant(c)]
-                if *c > Rational::zero() =>
-            {
-                Some(Expression::Constant(c * c) * root(factor)?)
+        Expression::Apply(Function::Sqrt, u) => square(u),
+        Expression::Power(u, n) if number(n)? == Rational::new(1, 2) => square(u),
+        Expression::Shared(part) => root(part),
+        Expression::Negate(part) => times(&Rational::from(-1), root(part)?),
+        Expression::Quotient(part, c) => {
+            let c = number(c).filter(|c| !c.is_zero())?;
+            times(&(&Rational::one() / &c), root(part)?)
+        }
+        Expression::Product(factors) => {
+            let (mut c, mut found) = (Rational::one(), None);
+            for factor in factors {
+                match number(factor) {
+                    Some(number) => c = &c * &number,
+                    None if found.is_none() => found = Some(root(factor)?),
+                    None => return None,
+                }
             }
-            _ => None,
-        },
+            times(&c, found?)
+        }
+        _ => None,
+    }
+}
+
+/// The number that a formula is, where it is written as one: 2, −2, 1/2.
+fn number(formula: &Expression) -> Option<Rational> {
+    match formula {
+        Expression::Constant(c) => Some(c.clone()),
+        Expression::Negate(part) => Some(-&number(part)?),
+        Expression::Shared(part) => number(part),
+        Expression::Quotient(a, b) => {
+            let b = number(b).filter(|b| !b.is_zero())?;
+            Some(&number(a)? / &b)
+        }
         _ => None,
     }
 }
 
 /// Whether a formula is a sum of squares, so that it is nowhere negative.
-fn is_sum_of_squares(formula: &Expression) -> bool {
+fn is_sum_of_squares(formula: &Expression, known: &mut Known<Expression, bool>) -> bool {
+    if let Some(c) = number(formula) {
+        return c >= Rational::zero();
+    }
     match formula {
-        Expression::Constant(c) => *c >= Rational::zero(),
-        Expression::Sum(parts) => parts.iter().all(is_sum_of_squares),
+        Expression::Sum(parts) => parts.iter().all(|part| is_sum_of_squares(part, known)),
         Expression::Product(factors) => match &factors[..] {
             [a, b] if a == b => true,
-            _ => factors.iter().all(is_sum_of_squares),
+            _ => factors.iter().all(|part| is_sum_of_squares(part, known)),
         },
-        Expression::Quotient(a, b) => is_sum_of_squares(a) && is_sum_of_squares(b),
+        Expression::Quotient(a, b) => is_sum_of_squares(a, known) && is_sum_of_squares(b, known),
         Expression::Power(_, n) => {
-            matches!(&**n, Expression::Constant(n) if (n * &Rational::new(1, 2)).is_integer())
+            number(n).is_some_and(|n| (&n * &Rational::new(1, 2)).is_integer())
         }
-        Expression::Shared(shared) => is_sum_of_squares(shared),
+        Expression::Shared(shared) => known.get(shared).unwrap_or_else(|| {
+            let found = is_sum_of_squares(shared, known);
+            known.insert(shared, found);
+            found
+        }),
         _ => false,
     }
 }

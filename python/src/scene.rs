@@ -279,7 +279,7 @@ impl Scene {
                 }
                 Some(error) => return Err(error),
             };
-            let is_estimated = read.document.run.estimates_error;
+            let is_estimated = read.document.run.estimates_error.is_some();
             let error = is_estimated
                 .then(|| {
                     StateError::of_report(&composed, &recorded.report, &|| {

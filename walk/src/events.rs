@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::fault::Fault;
 use crate::functions::FunctionValues;
 use crate::step::{Between, CLOSE, LastStep};
-use crate::turns::{Past, corners, is_off, largest};
+use crate::turns::{Past, changes, corners, is_off, largest, sign};
 
 /// A condition that ends a walk, as `q > 1 or t >= 10`.
 #[derive(Clone, Debug, PartialEq)]
@@ -112,20 +112,20 @@ pub struct Event {
 }
 
 /// The first state of the last step at which a condition holds, to round-off; `None` where it holds nowhere in the step, as
-/// far as values `past` show. Its difference has this `value` at the state `after` the step.
+/// far as values `past` show. So do those of its corners. Its difference has this `value` at the state `after` the step.
 pub(crate) fn end(
     stop: &Stop,
     values: &mut FunctionValues,
     last: &mut LastStep<'_>,
     after: &[f64],
-    (past, value): (Past, f64),
+    (past, corner_pasts, value): (Past, &[Past], f64),
 ) -> Result<Option<Between>, Fault> {
     if value.is_nan() {
         return Err(Fault::Undefined(stop.text.clone()));
     }
     let begins = values.at(&last.start.state)[0];
     let mut ends = last.ends(after, [begins, value]);
-    let corners = corners(last, &ends, values, 1);
+    let corners = corners(last, &ends, values, (1, corner_pasts));
     let difference = &mut |state: &[f64]| values.at(state)[0];
     if !corners.is_empty() || !past.shows_all(value) {
         let mut points = past.points(last, (ends.clone(), corners), difference);
@@ -220,6 +220,11 @@ impl Side {
         }
     }
 
+    /// Whether the value after so many steps is known.
+    pub(crate) fn has_seen(&self, steps: u64) -> bool {
+        self.past.has_seen(steps)
+    }
+
     /// Where nothing is to be looked for in a step, the last of so many, after which left − right has this value: the side then.
     pub fn stays(self, value: f64, steps: u64) -> Option<Self> {
         if self.past.has_seen(steps) {
@@ -288,14 +293,14 @@ pub(crate) fn crossings(
     values: &mut FunctionValues,
     last: &mut LastStep<'_>,
     after: &[f64],
-    (side, value, steps): (Side, f64, u64),
+    (side, corner_pasts, value, steps): (Side, &[Past], f64, u64),
 ) -> Result<(Side, Vec<Between>), Fault> {
     let section = &event.section;
     if value.is_nan() {
         return Err(Fault::Undefined(section.text.clone()));
     }
     let ends = last.ends(after, [side.past.value(), value]);
-    let corners = corners(last, &ends, values, event.first_corner());
+    let corners = corners(last, &ends, values, (event.first_corner(), corner_pasts));
     if let (true, Some(side)) = (corners.is_empty(), side.stays(value, steps)) {
         return Ok((side, Vec::new()));
     }
@@ -356,42 +361,4 @@ pub(crate) fn crossings(
         }
     }
     Ok((other, found))
-}
-
-/// Two places in a step between which left − right changes its sign, and the sign behind.
-type Change = ([Between; 2], f64);
-
-/// The changes of sign between points of a step, from the first to the last. The first point is on the side with this sign.
-/// Contacts with zero within the step have no sign, as the last point where it is zero.
-fn changes(points: &[Between], first: f64) -> Vec<Change> {
-    let largest = largest(points);
-    let mut found = Vec::new();
-    let Some((begin, rest)) = points.split_first() else {
-        return found;
-    };
-    let (mut from, mut side) = (begin, first);
-    for (point, left) in rest.iter().zip((0..rest.len()).rev()) {
-        let is_signed = match left {
-            0 => point.value != 0.0,
-            _ => is_off(point.value, largest),
-        };
-        if !is_signed {
-            continue;
-        }
-        let own = sign(point.value, side);
-        if own * side < 0.0 {
-            found.push(([from.clone(), point.clone()], own));
-        }
-        (from, side) = (point, own);
-    }
-    found
-}
-
-/// The sign of a value, and what stands for it where that is zero.
-fn sign(value: f64, zero: f64) -> f64 {
-    if value == 0.0 {
-        zero
-    } else {
-        1.0_f64.copysign(value)
-    }
 }

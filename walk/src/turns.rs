@@ -130,59 +130,86 @@ impl Past {
 }
 
 /// Both sides of each place in the last step where a function from number `first` on changes its sign. They stand in the order of
-/// the places, with the values of the first function.
+/// the places, with the values of the first function. `pasts` are those of the functions from number `first` on.
 pub(crate) fn corners(
     last: &mut LastStep<'_>,
     ends: &[Between; 2],
     values: &mut FunctionValues,
-    first: usize,
+    (first, pasts): (usize, &[Past]),
 ) -> Vec<[Between; 2]> {
     let at_end = values.at(&ends[1].state).to_vec();
-    if at_end.len() <= first {
-        return Vec::new();
-    }
-    let at_begin = values.at(&ends[0].state).to_vec();
     let mut found: Vec<[Between; 2]> = Vec::new();
-    for number in first..at_end.len() {
-        let (begins, sign) = (at_begin[number], 1.0_f64.copysign(at_end[number]));
+    // Parts of a formula stand behind it: a corner turns abruptly where a part of it has one.
+    for (number, past) in (first..at_end.len()).zip(pasts).rev() {
+        let (begins, behind) = (past.value(), at_end[number]);
         // False where a value is no number.
-        let is_crossed = begins * at_end[number] < 0.0;
-        if !is_crossed {
+        let is_crossed = begins * behind < 0.0;
+        let is_undefined = (begins * behind).is_nan();
+        let shows_all = past.shows_all(behind) && found.is_empty();
+        if !is_crossed && (shows_all || is_undefined) {
             continue;
         }
         let [begin, end] = ends.clone();
-        let places = [
-            Between {
-                value: begins * sign,
-                ..begin
-            },
-            Between {
-                value: at_end[number] * sign,
-                ..end
-            },
-        ];
-        let mut rising = |_: &[f64], state: &[f64]| values.at(state)[number] * sign;
-        // Where a part of the step cannot be taken, its ends show what is known.
-        let Ok(bracket) = last.enclose(places, &|value| value >= 0.0, None, &mut rising) else {
-            continue;
-        };
-        let (before, behind) = (bracket.before.part - BESIDE, bracket.behind.part + BESIDE);
-        let [begin, end] = ends.clone();
-        let sides =
-            [(before, begin), (behind, end)].map(|(part, known)| match part > 0.0 && part < 1.0 {
-                true => last.part(part).map(|state| Between {
-                    part,
-                    value: values.at(&state)[0],
-                    state,
-                }),
-                false => Ok(known),
-            });
-        if let [Ok(before), Ok(behind)] = sides {
-            found.push([before, behind]);
+        let whole = [begin, end].map(|end| valued(end, values, number));
+        let mut places = Vec::new();
+        if !shows_all {
+            let inner = found.iter().cloned();
+            let inner = inner.map(|sides| sides.map(|side| valued(side, values, number)));
+            let inner: Vec<_> = inner.collect();
+            let at = &mut |state: &[f64]| values.at(state)[number];
+            let points = past.points(last, (whole.clone(), inner), at);
+            places = changes(&points, sign(begins, 0.0));
         }
+        if is_crossed && places.len() <= 1 {
+            places = vec![(whole, sign(behind, 0.0))];
+        }
+        let own = places
+            .into_iter()
+            .filter_map(|place| sides(last, ends, values, (number, place)));
+        found.extend(own.collect::<Vec<_>>());
+        found.sort_by(|[one, _], [other, _]| one.part.total_cmp(&other.part));
     }
-    found.sort_by(|[one, _], [other, _]| one.part.total_cmp(&other.part));
     found
+}
+
+/// A place in a step with the value of another function.
+fn valued(place: Between, values: &mut FunctionValues, number: usize) -> Between {
+    Between {
+        value: values.at(&place.state)[number],
+        ..place
+    }
+}
+
+/// Both sides of a place between two at which the function of a number changes its sign, with the values of the first function.
+fn sides(
+    last: &mut LastStep<'_>,
+    ends: &[Between; 2],
+    values: &mut FunctionValues,
+    (number, (places, sign)): (usize, Change),
+) -> Option<[Between; 2]> {
+    let places = places.map(|place| Between {
+        value: place.value * sign,
+        ..place
+    });
+    let mut rising = |_: &[f64], state: &[f64]| values.at(state)[number] * sign;
+    // Where a part of the step cannot be taken, its ends show what is known.
+    let bracket = last.enclose(places, &|value| value >= 0.0, None, &mut rising);
+    let bracket = bracket.ok()?;
+    let (before, behind) = (bracket.before.part - BESIDE, bracket.behind.part + BESIDE);
+    let [begin, end] = ends.clone();
+    let sides =
+        [(before, begin), (behind, end)].map(|(part, known)| match part > 0.0 && part < 1.0 {
+            true => last.part(part).map(|state| Between {
+                part,
+                value: values.at(&state)[0],
+                state,
+            }),
+            false => Ok(known),
+        });
+    match sides {
+        [Ok(before), Ok(behind)] => Some([before, behind]),
+        _ => None,
+    }
 }
 
 /// Whether values at the two ends of a step show every change of sign in it.
@@ -246,6 +273,44 @@ impl Points<'_, '_> {
             }
         }
         self.found.push(next);
+    }
+}
+
+/// Two places in a step between which a function changes its sign, and the sign behind.
+pub(crate) type Change = ([Between; 2], f64);
+
+/// The changes of sign between points of a step, from the first to the last. The first point is on the side with this sign.
+/// Contacts with zero within the step have no sign, as the last point where it is zero.
+pub(crate) fn changes(points: &[Between], first: f64) -> Vec<Change> {
+    let largest = largest(points);
+    let mut found = Vec::new();
+    let Some((begin, rest)) = points.split_first() else {
+        return found;
+    };
+    let (mut from, mut side) = (begin, first);
+    for (point, left) in rest.iter().zip((0..rest.len()).rev()) {
+        let is_signed = match left {
+            0 => point.value != 0.0,
+            _ => is_off(point.value, largest),
+        };
+        if !is_signed {
+            continue;
+        }
+        let own = sign(point.value, side);
+        if own * side < 0.0 {
+            found.push(([from.clone(), point.clone()], own));
+        }
+        (from, side) = (point, own);
+    }
+    found
+}
+
+/// The sign of a value, and what stands for it where that is zero.
+pub(crate) fn sign(value: f64, zero: f64) -> f64 {
+    if value == 0.0 {
+        zero
+    } else {
+        1.0_f64.copysign(value)
     }
 }
 

@@ -161,6 +161,16 @@ pub enum SyntaxErrorKind {
         /// The number of sites along the axis.
         length: usize,
     },
+    /// An offset from an index beyond half of a ring, where the other way round is shorter.
+    #[error("the offset {offset} along axis {axis} is beyond half of a ring of {length} sites")]
+    OffsetBeyondHalf {
+        /// The axis, from 0 on.
+        axis: usize,
+        /// The offset.
+        offset: i64,
+        /// The number of sites along the axis.
+        length: usize,
+    },
     /// A member of a family with too few or too many sites.
     #[error("`{name}` has {axes} {}, and {written} {} written here: write {}",
         axes_word(*axes), if *written == 1 { "is" } else { "are" }, example(name, *axes))]

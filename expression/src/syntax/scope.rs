@@ -89,6 +89,8 @@ pub struct Scope {
     longest: Option<Shape>,
     shown_length: Option<usize>,
     boundaries: [Boundary; AXES],
+    /// The lengths of the rings that families stand for along each axis; 0 for their own.
+    rings: [usize; AXES],
 }
 
 impl Scope {
@@ -169,6 +171,15 @@ impl Scope {
     /// is its last member.
     pub fn with_length(mut self, length: usize) -> Self {
         self.shown_length = Some(length);
+        self
+    }
+
+    /// Sets the lengths along the axes of a lattice that the families of this scope are a short piece of. On a ring an offset reaches up to
+    /// half of that length; up to half of the family's own unless told.
+    pub fn with_rings(mut self, lengths: &[usize]) -> Self {
+        for (own, length) in self.rings.iter_mut().zip(lengths) {
+            *own = *length;
+        }
         self
     }
 
@@ -561,6 +572,9 @@ impl Scope {
         bound: Option<&Bound<'_>>,
     ) -> Result<Result<usize, Option<usize>>, SyntaxError> {
         let (position, level) = self.position(text, axis, site, bound)?;
+        if let Anchor::Name(index) = site.anchor {
+            self.check_offset(index.of(text), site, (axis, length))?;
+        }
         if let Ok(inside) = usize::try_from(position)
             && inside < length
         {
@@ -573,6 +587,39 @@ impl Scope {
             }
             (level, _) => Err(level),
         })
+    }
+}
+
+impl Scope {
+    /// Refuses an offset from an index of more than half of a ring: its sign says the wrong way round. The neighbours of a ring of one site
+    /// are that site.
+    fn check_offset(
+        &self,
+        index: &str,
+        site: &Site,
+        (axis, length): (usize, usize),
+    ) -> Result<(), SyntaxError> {
+        let boundary = self.boundaries.get(axis).copied().unwrap_or_default();
+        let ring = match self.rings.get(axis) {
+            Some(0) | None => length,
+            Some(ring) => *ring,
+        };
+        let offset = site.offset;
+        if boundary == Boundary::Open || offset.unsigned_abs() <= (ring as u64 / 2).max(1) {
+            return Ok(());
+        }
+        let (ring_length, half) = (ring.max(1) as i128, ring as i128 / 2);
+        let same = (i128::from(offset) + half).rem_euclid(ring_length) - half;
+        let suggestion = match same {
+            0 => index.to_owned(),
+            _ => format!("{index}{same:+}"),
+        };
+        let kind = SyntaxErrorKind::OffsetBeyondHalf {
+            axis,
+            offset,
+            length: ring,
+        };
+        Err(SyntaxError::new(site.span, kind).suggesting(Some(suggestion)))
     }
 }
 

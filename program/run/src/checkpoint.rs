@@ -22,7 +22,7 @@ use crate::job::SceneDigest;
 /// Format of the checkpoint of a run: the name of its content, and its number.
 const FORMAT: Format = Format {
     name: b"leafwis",
-    number: b'G',
+    number: b'H',
 };
 
 /// A run between two steps. Another field, order or type is another format.
@@ -62,6 +62,8 @@ pub(super) struct Checkpoint {
     pub side: Side,
     /// Values of the difference of the condition that ends the run.
     pub stop: Past,
+    /// Values of the corners of both, where they are not smooth.
+    pub corners: Vec<Past>,
     /// Where the condition has ended the run between two steps.
     pub stopped: Option<StopPlace>,
     /// The state before the last step.
@@ -185,6 +187,7 @@ mod tests {
             crossings: 3,
             side: Side::begin(-1.0),
             stop: Past::begin(-0.5).then(f64::INFINITY),
+            corners: vec![Past::begin(0.5).then(-0.5)],
             stopped: Some(StopPlace {
                 steps: 7,
                 time: 0.65,

@@ -5,7 +5,8 @@
 
 use leafwise_core::solver::judge::larger;
 use leafwise_core::{SystemFormulas, Walk};
-use leafwise_scene::compose::ComposedRun;
+use leafwise_scene::compose::{ComposedRun, Refusal};
+use leafwise_scene::document::SceneDocument;
 use serde::Serialize;
 use thiserror::Error;
 
@@ -78,6 +79,22 @@ pub enum NoStateError {
         /// The solver's error.
         reason: String,
     },
+}
+
+/// Refuses a scene that asks for the estimate where there is none: of many runs at once.
+pub(crate) fn refuse_estimate(document: &SceneDocument, what: &str) -> Result<(), Refusal> {
+    match &document.run.estimates_error {
+        None => Ok(()),
+        Some(asked) => Err(Box::new(document.diagnostic(
+            &asked.place(),
+            format!("the error of states is estimated of single runs, and this is {what}"),
+            "here",
+            Some(
+                "take `error` out of [run]: `leafwise run --error` estimates it for the scene's own run"
+                    .to_owned(),
+            ),
+        ))),
+    }
 }
 
 impl StateError {

@@ -195,12 +195,17 @@ fn of_text(text: &str, variables: &[String], time_step: f64) -> Result<PairTable
         weights: weight.map(|_| Vec::new()),
         ..PairTable::default()
     };
-    let mut least = f64::INFINITY;
+    // Of growing times the shortest, of falling ones alone the shortest too, which is negative.
+    let mut shortest: Option<f64> = None;
     for rows in table.rows.windows(2) {
         if let Some(at) = time {
             let step = rows[1][at] - rows[0][at];
-            if step > 0.0 {
-                least = least.min(step);
+            let is_shorter = |known: f64| match known > 0.0 {
+                true => step > 0.0 && step < known,
+                false => step > known,
+            };
+            if step != 0.0 && step.is_finite() && shortest.is_none_or(is_shorter) {
+                shortest = Some(step);
             }
             let is_step = (step - time_step).abs() <= SAME_STEP * time_step.abs();
             if !is_step {
@@ -216,12 +221,19 @@ fn of_text(text: &str, variables: &[String], time_step: f64) -> Result<PairTable
     if !pairs.before.is_empty() {
         return Ok(pairs);
     }
-    Err(match least.is_finite() {
-        true => format!(
-            "no row is one step of {time_step} after the row before it, and the shortest time between two is {least:?}: give that step, \
-             --set method.time-step={least:?}, or rows at the times of the steps"
-        ),
-        false => "a trajectory of one row has no pair".to_owned(),
+    Err(match shortest {
+        Some(step) => {
+            let falls = if step < 0.0 { ": the times fall" } else { "" };
+            format!(
+                "no row is one step of {time_step} after the row before it, and the shortest time between two is {step:?}{falls}; \
+                 give that step, --set method.time-step={step:?}, or rows at the times of the steps"
+            )
+        }
+        None if table.rows.len() > 1 => {
+            "all rows are at one time: leave the column of times out, and each row is one step after the row before it"
+                .to_owned()
+        }
+        None => "a trajectory of one row has no pair".to_owned(),
     })
 }
 
@@ -283,6 +295,25 @@ mod tests {
         assert_eq!(found.after, [3.0, 4.0, 7.0, 8.0]);
     }
 
+    /// A trajectory whose times fall is one of negative steps: the error names that step, which takes it.
+    #[test]
+    fn falling_times_are_pairs_of_the_negative_step() {
+        let text = "t,q,p\n3,1,2\n2,3,4\n1,5,6\n";
+        let variables = ["q".to_owned(), "p".to_owned()];
+        let reason = of_text(text, &variables, 1.0).expect_err("falling times");
+        let (_, behind) = reason
+            .split_once("--set method.time-step=")
+            .expect("a cure");
+        let step: f64 = behind
+            .split(',')
+            .next()
+            .and_then(|step| step.parse().ok())
+            .expect("a number");
+        let pairs = of_text(text, &variables, step).expect("pairs");
+        assert_eq!(pairs.before, [1.0, 2.0, 3.0, 4.0]);
+        assert_eq!(pairs.after, [3.0, 4.0, 5.0, 6.0]);
+    }
+
     #[test]
     fn files_that_are_no_pairs_say_what_they_need() {
         for (text, expected) in [
@@ -305,6 +336,13 @@ mod tests {
             ),
             ("q,p\n1,2\n", "a trajectory of one row has no pair"),
             ("t,q,p\n0,1,2\n0.1,3,4\n", "--set method.time-step=0.1"),
+            // Several trajectories: the times fall where one begins.
+            (
+                "t,q,p\n0,1,2\n0.1,3,4\n0,1,3\n0.2,3,5\n",
+                "--set method.time-step=0.1,",
+            ),
+            ("t,q,p\n1,1,2\n0.5,3,4\n0,5,6\n", "is -0.5: the times fall"),
+            ("t,q,p\n1,1,2\n1,3,4\n", "all rows are at one time"),
         ] {
             let reason = table(text).expect_err(text);
             assert!(reason.contains(expected), "{text}: {reason}");

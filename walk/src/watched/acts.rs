@@ -51,18 +51,18 @@ impl Watched<'_> {
         let text = &event.section.text;
         let mut value = self.events[at].values.last()[lane];
         let mut latest = None;
+        if let Some(side) = self.events[at].stays(lane, steps) {
+            self.events[at].sides[lane] = side;
+            return Ok(());
+        }
         for _ in 0..MOST {
-            let side = self.events[at].sides[lane];
-            let is_smooth = self.events[at].is_smooth;
-            if let (true, Some(side)) = (is_smooth, side.stays(value, steps)) {
-                self.events[at].sides[lane] = side;
-                return Ok(());
-            }
+            let own = &self.events[at];
+            let side = own.sides[lane];
             let after = StepEnd::of(&self.walk, lane);
             let alone = self.alones.at(lane, &self.start)?;
             let (values, last) = (&mut alone.events[at], &mut alone.last);
-            let sides = (side, value, steps);
-            let found = crossings(event, values, last, &after.state, sides);
+            let seen = (side, own.corners.of(lane), value, steps);
+            let found = crossings(event, values, last, &after.state, seen);
             let (crossed, between) = match found {
                 Ok((crossed, found)) => match found.into_iter().next() {
                     Some(between) => (crossed, between),
@@ -112,10 +112,10 @@ impl Watched<'_> {
                 self.fail_at(lane, Fault::Undefined(text), (time, state));
                 return Ok(());
             }
-            if let (Some((stop, _)), Some(values)) = (&self.course.stop, &mut alone.stop) {
+            if let (Some(own), Some(values)) = (&mut self.stop, &mut alone.stop) {
                 let difference = values.at(&state)[0];
-                self.stop_past[lane] = self.stop_past[lane].begun_again(difference);
-                if stop.holds(difference) {
+                own.pasts[lane] = own.pasts[lane].begun_again(difference);
+                if own.stop.holds(difference) {
                     self.end_between(lane, Why::Stopped, time, state);
                     return Ok(());
                 }
@@ -164,7 +164,7 @@ impl Watched<'_> {
                 self.walk.put(lane, &end);
                 let known = if is_on { on_side(value, leaves) } else { value };
                 self.events[at].sides[lane] = side.behind(crossed, known, leaves).with_step();
-                return Ok(());
+                return Ok(self.begin_corners_again(lane)?);
             }
             let mut known = begins;
             if is_on {
@@ -193,6 +193,7 @@ impl Watched<'_> {
             }
             self.walk.put(lane, &end);
             self.events[at].sides[lane] = side.behind(crossed, known, leaves);
+            self.begin_corners_again(lane)?;
             latest = Some((time, state));
         }
         if let Some(latest) = latest {
@@ -228,20 +229,32 @@ impl Watched<'_> {
         Ok(begun)
     }
 
+    /// Takes in the corners where what is left of the step begins.
+    fn begin_corners_again(&mut self, lane: usize) -> Result<(), BuildError> {
+        let alone = self.alones.at(lane, &self.start)?;
+        let state = &alone.last.start.state;
+        for (own, values) in self.events.iter_mut().zip(&mut alone.events) {
+            own.corners.begin_again(lane, values.at(state));
+        }
+        if let (Some(own), Some(values)) = (&mut self.stop, &mut alone.stop) {
+            own.corners.begin_again(lane, values.at(state));
+        }
+        Ok(())
+    }
+
     /// Ends a lane that the condition ends in the part of the last step before an event acts.
     fn stops_before(&mut self, lane: usize, between: &Between) -> Result<bool, BuildError> {
-        let Some((stop, _)) = &self.course.stop else {
-            return Ok(false);
-        };
-        let (steps, past, part) = (self.walk.steps(), self.stop_past[lane], between.part);
+        let (steps, part) = (self.walk.steps(), between.part);
         if part <= 0.0 {
             return Ok(false);
         }
         let alone = self.alones.at(lane, &self.start)?;
-        let (Some(values), last) = (&mut alone.stop, &mut alone.last) else {
+        let (Some(own), Some(values)) = (&self.stop, &mut alone.stop) else {
             return Ok(false);
         };
-        let seen = (past, values.at(&between.state)[0]);
+        let (stop, last) = (own.stop, &mut alone.last);
+        let value = values.at(&between.state)[0];
+        let seen = (own.pasts[lane], own.corners.of(lane), value);
         let found = last.within(part, |last| end(stop, values, last, &between.state, seen));
         match found {
             Err(fault) => self.fail(lane, fault, steps),
@@ -279,7 +292,7 @@ impl Watched<'_> {
             let alone = self.alones.at(lane, &self.start)?;
             let (values, last) = (&mut alone.events[at], &mut alone.last);
             let value = values.at(&between.state)[0];
-            let seen = (side, value, steps);
+            let seen = (side, own.corners.of(lane), value, steps);
             let event = own.event;
             let found = match part > 0.0 {
                 true => last.within(part, |last| {

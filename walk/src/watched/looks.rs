@@ -1,12 +1,11 @@
 //! The looks at a step.
 
-use std::collections::VecDeque;
-
 use leafwise_core::{BuildError, StepError};
 
-use super::{EventLanes, Watched};
+use super::Watched;
+use super::lanes::{EventLanes, StopLanes};
 use crate::domain::outside;
-use crate::events::{Side, crossings, end};
+use crate::events::end;
 use crate::fault::{Ended, Fault, Why};
 use crate::look::Look;
 use crate::pace::Pace;
@@ -23,29 +22,6 @@ pub(super) fn time_of(
     match pace {
         Some(pace) => pace.time_at(&between.state),
         None => last.time(steps, between.part),
-    }
-}
-
-/// Where the last step has crossed the surface of an event.
-struct Looked {
-    /// The event's number.
-    at: usize,
-    /// The side after the step.
-    after: Side,
-    /// Times and states of the crossings that are not taken in.
-    left: VecDeque<(f64, Vec<f64>)>,
-    /// How many were.
-    taken: u64,
-}
-
-impl Looked {
-    /// The side of a walk that comes no further than what is taken in.
-    fn side(&self, now: Side) -> Side {
-        match (self.left.is_empty(), self.taken) {
-            (true, _) => self.after,
-            (false, 0) => now,
-            (false, _) => now.with_taken(1),
-        }
     }
 }
 
@@ -98,11 +74,12 @@ impl Watched<'_> {
                 }
             }
         }
-        let (Some((stop, _)), Some(values)) = (&self.course.stop, &mut self.stop) else {
+        let Some(StopLanes { stop, values, .. }) = &mut self.stop else {
             return;
         };
         // Behind the differences of all lanes stand those of corners.
-        let values = values.at(self.walk.state())[..self.walk.lanes()].to_vec();
+        let (stop, values) = (*stop, values.at(self.walk.state()));
+        let values = values[..self.walk.lanes()].to_vec();
         for (lane, value) in values.into_iter().enumerate() {
             if !self.walk.lives(lane) {
                 continue;
@@ -124,33 +101,41 @@ impl Watched<'_> {
 
     /// Ends the lanes that the condition ends in the last step.
     pub(super) fn look_for_stops(&mut self) -> Result<(), BuildError> {
-        let (Some((stop, _)), Some(values)) = (&self.course.stop, &mut self.stop) else {
+        let Some(own) = &mut self.stop else {
             return Ok(());
         };
+        let stop = own.stop;
         let looks = |value: f64| stop.holds(value) || value.is_nan();
-        let (steps, values) = (self.walk.steps(), values.at(self.walk.state()));
+        let steps = self.walk.steps();
+        own.values.at(self.walk.state());
         // Most steps end no lane.
         let mut asked = Vec::new();
-        for (lane, (value, past)) in values.iter().zip(&mut self.stop_past).enumerate() {
+        for (lane, past) in own.pasts.iter_mut().enumerate() {
             if !self.walk.lives(lane) || past.has_seen(steps) {
                 continue;
             }
-            if !self.stop_is_smooth || looks(*value) || !past.shows_all(*value) {
-                asked.push((lane, *value));
+            let all = own.values.last();
+            let value = all[lane];
+            if looks(value) || !past.shows_all(value) || own.corners.may_be_passed(lane, all) {
+                asked.push((lane, value));
             } else {
-                *past = past.then(*value);
+                *past = past.then(value);
+                own.corners.go_on(lane, steps, all);
             }
         }
         for (lane, value) in asked {
-            let past = self.stop_past[lane];
             let after = self.present(lane);
+            let Some(own) = &mut self.stop else {
+                return Ok(());
+            };
+            let seen = (own.pasts[lane], own.corners.of(lane), value);
             let alone = self.alones.at(lane, &self.start)?;
             let (Some(values), last) = (&mut alone.stop, &mut alone.last) else {
                 continue;
             };
-            match end(stop, values, last, &after, (past, value)) {
+            match end(stop, values, last, &after, seen) {
                 Err(fault) => self.fail(lane, fault, steps),
-                Ok(None) => self.stop_past[lane] = past.then(value),
+                Ok(None) => own.go_on(lane, steps, value),
                 Ok(Some(between)) => {
                     let pace = self.course.pace.as_ref();
                     let time = time_of(pace, &alone.last, steps, &between);
@@ -165,24 +150,25 @@ impl Watched<'_> {
 
     /// Ends the lanes that the condition ends in the part of a step before it leaves a table.
     pub(super) fn look_for_stops_on_the_way(&mut self) -> Result<(), BuildError> {
-        let Some((stop, _)) = &self.course.stop else {
+        if self.stop.is_none() {
             return Ok(());
-        };
+        }
         for (lane, error) in self.walk.failed().to_vec() {
             if !matches!(error, StepError::OutsideTable(_)) || self.ends[lane].is_some() {
                 continue;
             }
             let steps = self.walk.last(lane).0 + 1;
             let alone = self.alones.at(lane, &self.start)?;
-            let (Some(values), last) = (&mut alone.stop, &mut alone.last) else {
+            let (Some(own), Some(values)) = (&self.stop, &mut alone.stop) else {
                 continue;
             };
+            let (stop, last) = (own.stop, &mut alone.last);
             let found = last.reached(|state| stop.holds(values.at(state)[0]));
             let Some((part, after)) = found else {
                 continue;
             };
             let value = values.at(&after)[0];
-            let seen = (self.stop_past[lane], value);
+            let seen = (own.pasts[lane], own.corners.of(lane), value);
             let within = last.within(part, |last| end(stop, values, last, &after, seen));
             if let Ok(Some(between)) = within {
                 let between = Between {
@@ -221,158 +207,6 @@ impl Watched<'_> {
         let ended = self.ends[lane].as_ref().map(|ended| ended.time);
         let end = ended.or(self.course.until);
         end.is_none_or(|end| !self.course.is_before(end, time))
-    }
-
-    /// Takes in the events of the last step in the order in which they come, up to one that ends the lane.
-    pub(super) fn look_for_events<E: From<BuildError>, F: FnMut(Look<'_>) -> Result<(), E>>(
-        &mut self,
-        take: &mut F,
-    ) -> Result<(), E> {
-        if self.events.is_empty() {
-            return Ok(());
-        }
-        for event in &mut self.events {
-            event.values.at(self.walk.state());
-        }
-        for lane in 0..self.walk.lanes() {
-            if self.moved[lane] && !self.has_failed(lane) {
-                self.look_for_events_of(lane, take)?;
-            }
-        }
-        Ok(())
-    }
-
-    pub(super) fn has_failed(&self, lane: usize) -> bool {
-        let why = self.ends[lane].as_ref().map(|ended| &ended.why);
-        matches!(why, Some(Why::Failed(_)))
-    }
-
-    fn look_for_events_of<E: From<BuildError>, F: FnMut(Look<'_>) -> Result<(), E>>(
-        &mut self,
-        lane: usize,
-        take: &mut F,
-    ) -> Result<(), E> {
-        let steps = self.walk.steps();
-        let mut looked: Vec<Looked> = Vec::new();
-        for at in 0..self.events.len() {
-            let own = &mut self.events[at];
-            if own.event.act.is_some() {
-                continue;
-            }
-            let (side, value) = (own.sides[lane], own.values.last()[lane]);
-            if let (true, Some(side)) = (own.is_smooth, side.stays(value, steps)) {
-                own.sides[lane] = side;
-                continue;
-            }
-            let after = StepEnd::of(&self.walk, lane);
-            let alone = self.alones.at(lane, &self.start)?;
-            let values = &mut alone.events[at];
-            let last = &mut alone.last;
-            let outcome = crossings(own.event, values, last, &after.state, (side, value, steps));
-            match outcome {
-                Ok((after, found)) => {
-                    let pace = self.course.pace.as_ref();
-                    let place = |between: Between| {
-                        let time = time_of(pace, last, steps, &between);
-                        (time, between.state)
-                    };
-                    let before = side.taken();
-                    looked.push(Looked {
-                        at,
-                        after,
-                        left: found.into_iter().skip(before).map(place).collect(),
-                        taken: 0,
-                    });
-                }
-                Err(fault) => {
-                    self.fail(lane, fault, steps);
-                    return Ok(());
-                }
-            }
-        }
-        let forward = self.course.step();
-        let mut order: Vec<(f64, usize)> = (looked.iter().zip(0..))
-            .flat_map(|(own, at)| own.left.iter().map(move |(time, _)| (*time, at)))
-            .collect();
-        order.sort_by(|(one, _), (other, _)| (one * forward).total_cmp(&(other * forward)));
-        for (time, which) in order {
-            if !self.is_on_the_way(lane, time) {
-                break;
-            }
-            let own = &mut looked[which];
-            let Some((time, state)) = own.left.pop_front() else {
-                break;
-            };
-            own.taken += 1;
-            let at = own.at;
-            self.events[at].sides[lane] = own.side(self.events[at].sides[lane]);
-            self.take_crossing(at, lane, (time, state, true), take)?;
-        }
-        for own in looked {
-            if own.taken == 0 {
-                let sides = &mut self.events[own.at].sides;
-                sides[lane] = own.side(sides[lane]);
-            }
-        }
-        Ok(())
-    }
-
-    /// Takes in a crossing, and ends the lane where that is the last one asked for.
-    pub(super) fn take_crossing<E: From<BuildError>, F: FnMut(Look<'_>) -> Result<(), E>>(
-        &mut self,
-        at: usize,
-        lane: usize,
-        (time, state, is_between): (f64, Vec<f64>, bool),
-        take: &mut F,
-    ) -> Result<(), E> {
-        let event = at;
-        take(Look::Crossing {
-            event,
-            lane,
-            time,
-            state: &state,
-        })?;
-        let own = &mut self.events[at];
-        own.counts[lane] += 1;
-        if own.event.last == Some(own.counts[lane]) {
-            let ended = Ended {
-                why: Why::Event(at),
-                steps: self.walk.steps(),
-                time,
-                state,
-                is_between,
-            };
-            self.end(lane, ended);
-        }
-        Ok(())
-    }
-
-    /// Takes in the events on whose surfaces lanes end.
-    ///
-    /// # Errors
-    /// Those of `take`, and [`BuildError`] where a function has no evaluator.
-    pub fn end_on_events<E: From<BuildError>, F: FnMut(Look<'_>) -> Result<(), E>>(
-        &mut self,
-        take: &mut F,
-    ) -> Result<(), E> {
-        for lane in 0..self.walk.lanes() {
-            for at in 0..self.events.len() {
-                let Some(ended) = self.ends[lane].clone() else {
-                    continue;
-                };
-                if matches!(ended.why, Why::Failed(_)) {
-                    continue;
-                }
-                let value = self.alones.at(lane, &self.start)?.events[at].at(&ended.state)[0];
-                let own = &self.events[at];
-                let section = &own.event.section;
-                if own.sides[lane].ends_there(section, value, ended.steps) {
-                    let place = (ended.time, ended.state, ended.is_between);
-                    self.take_crossing(at, lane, place, take)?;
-                }
-            }
-        }
-        Ok(())
     }
 
     /// Evaluates the invariants: whether some lane is inside of the energy's domain, and the lanes that have left it. Where the energy is

@@ -2,23 +2,26 @@
 
 mod acts;
 mod at_once;
+mod corners;
+mod crossed;
 mod deviations;
+mod lanes;
 mod looks;
+mod memory;
 
-use leafwise_core::walk::Checkpoint;
 use leafwise_core::{BuildError, SolverStatistics, StepMap, Walk};
 
+use self::lanes::{EventLanes, StopLanes};
+pub use self::memory::Memory;
 use crate::alone::Alones;
 use crate::batch::Batch;
 use crate::course::Course;
-use crate::events::{Event, Side};
-use crate::fault::{Ended, Fault, StopPlace, Why};
+use crate::fault::{Ended, Fault, Why};
 use crate::functions::FunctionValues;
-use crate::indicators::{Deviation, Deviations};
+use crate::indicators::Deviations;
 use crate::look::{At, Look};
 use crate::pace::PacedSteps;
 use crate::step::StepStart;
-use crate::turns::Past;
 
 /// A [`Walk`] of one or of several lanes on its [`Course`]: a lane comes to what it would come to alone.
 pub struct Watched<'a> {
@@ -27,11 +30,7 @@ pub struct Watched<'a> {
     /// Where the last step begins, in all lanes; nothing where no state between is asked for.
     start: StepStart,
     invariants: FunctionValues,
-    stop: Option<FunctionValues>,
-    /// Whether the condition's difference has no corners.
-    stop_is_smooth: bool,
-    /// Values of the condition's difference after the last steps, for each lane.
-    stop_past: Vec<Past>,
+    stop: Option<StopLanes<'a>>,
     events: Vec<EventLanes<'a>>,
     paced: Vec<PacedSteps>,
     /// The number of the next sample at a time, for each lane.
@@ -57,39 +56,6 @@ pub struct Watched<'a> {
     flat: Vec<usize>,
 }
 
-/// An event in all lanes.
-struct EventLanes<'a> {
-    event: &'a Event,
-    values: FunctionValues,
-    /// Whether left − right has no corners.
-    is_smooth: bool,
-    /// Where each lane stands beside the surface after the last step.
-    sides: Vec<Side>,
-    /// How often each has crossed it.
-    counts: Vec<u64>,
-}
-
-/// Everything that later steps and looks of one lane depend on.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Memory {
-    /// x_k, its compensation and the solver's memory.
-    pub walk: Checkpoint,
-    /// Where the last step begins.
-    pub start: StepStart,
-    /// How the pace has gone.
-    pub paced: PacedSteps,
-    /// Values of the condition's difference.
-    pub stop: Past,
-    /// Where the condition has ended the walk between two steps.
-    pub stopped: Option<StopPlace>,
-    /// Where it stands beside the surface of each event, and how often it has crossed that.
-    pub events: Vec<(Side, u64)>,
-    /// Samples taken at times.
-    pub samples: u64,
-    /// Vectors of indicators of chaos; empty without one.
-    pub deviation: Deviation,
-}
-
 impl<'a> Watched<'a> {
     /// `lanes` at their initial states with their parameters, both structures of arrays.
     ///
@@ -106,27 +72,12 @@ impl<'a> Watched<'a> {
     ) -> Result<Self, BuildError> {
         let own = (parameters, initial);
         let walk = Walk::side_by_side(map, lanes, own, course.epsilon, course.h);
-        let stop = course.stop.as_ref();
-        let events = course.events.iter().map(|(event, of)| {
-            Ok::<_, BuildError>(EventLanes {
-                event,
-                values: of.values(lanes, parameters)?,
-                is_smooth: of.count() == event.first_corner(),
-                sides: vec![Side::default(); lanes],
-                counts: vec![0; lanes],
-            })
-        });
-        let events: Vec<EventLanes> = events.collect::<Result<_, _>>()?;
         let mut watched = Self {
             course,
             start: StepStart::default(),
             invariants: course.invariants.values(lanes, parameters)?,
-            stop: stop
-                .map(|(_, of)| of.values(lanes, parameters))
-                .transpose()?,
-            stop_is_smooth: stop.is_none_or(|(_, of)| of.count() == 1),
-            stop_past: vec![Past::default(); lanes],
-            events,
+            stop: StopLanes::of(course, lanes, parameters)?,
+            events: EventLanes::of(course, lanes, parameters)?,
             paced: vec![PacedSteps::default(); lanes],
             next: vec![1; lanes],
             ends: vec![None; lanes],
@@ -162,8 +113,8 @@ impl<'a> Watched<'a> {
     ) -> Result<(), BuildError> {
         self.walk.start_again(self.map, (parameters, initial));
         self.invariants.set_parameters(parameters)?;
-        if let Some(values) = &mut self.stop {
-            values.set_parameters(parameters)?;
+        if let Some(stop) = &mut self.stop {
+            stop.values.set_parameters(parameters)?;
         }
         for event in &mut self.events {
             event.values.set_parameters(parameters)?;
@@ -200,12 +151,10 @@ impl<'a> Watched<'a> {
             self.start.keep(&self.walk);
         }
         for event in &mut self.events {
-            let sides = event.sides.iter_mut().zip(event.values.at(state));
-            sides.for_each(|(side, value)| *side = Side::begin(*value));
+            event.begin(state);
         }
-        if let Some(values) = &mut self.stop {
-            let past = self.stop_past.iter_mut().zip(values.at(state));
-            past.for_each(|(past, value)| *past = Past::begin(*value));
+        if let Some(stop) = &mut self.stop {
+            stop.begin(state);
         }
         if let Some(deviations) = &mut self.deviations {
             self.flat = deviations.begin(state);
@@ -276,59 +225,6 @@ impl<'a> Watched<'a> {
     /// The solver's work so far, over all lanes.
     pub fn statistics(&self) -> SolverStatistics {
         self.earlier.and(self.walk.statistics())
-    }
-
-    /// Everything that later steps and looks of a walk of one lane depend on.
-    pub fn memory(&self) -> Memory {
-        Memory {
-            walk: self.walk.checkpoint(),
-            start: self.start.clone(),
-            paced: self.paced[0].clone(),
-            stop: self.stop_past[0],
-            stopped: self.ended(0).and_then(StopPlace::of),
-            events: (self.events.iter())
-                .map(|event| (event.sides[0], event.counts[0]))
-                .collect(),
-            samples: self.next[0],
-            deviation: (self.deviations.as_ref())
-                .map_or_else(Deviation::default, Deviations::memory),
-        }
-    }
-
-    /// Continues a walk of one lane from its memory, to the same bits as without interruption.
-    ///
-    /// # Errors
-    /// Returns the expected length of the list that belongs to another walk.
-    pub fn restore(&mut self, memory: &Memory) -> Result<(), usize> {
-        let (own, events) = (self.start.state.len(), self.events.len());
-        if memory.start.state.len() != own || memory.start.compensation.len() != own {
-            return Err(own);
-        }
-        if memory.events.len() != events {
-            return Err(events);
-        }
-        self.walk.restore(&memory.walk)?;
-        let time = self.time(0);
-        match &mut self.deviations {
-            Some(deviations) => deviations.restore(&memory.deviation, time)?,
-            None if memory.deviation == Deviation::default() => {}
-            None => return Err(0),
-        }
-        self.mark_moved();
-        self.start.clone_from(&memory.start);
-        self.paced[0].clone_from(&memory.paced);
-        self.stop_past[0] = memory.stop;
-        if let Some(stopped) = &memory.stopped {
-            if stopped.state.len() != own {
-                return Err(own);
-            }
-            self.end(0, stopped.clone().into());
-        }
-        self.next[0] = memory.samples;
-        for (event, (side, count)) in self.events.iter_mut().zip(&memory.events) {
-            (event.sides[0], event.counts[0]) = (*side, *count);
-        }
-        Ok(())
     }
 
     /// Looks whether the condition holds after the last step, unless it has ended the walk: the first thing behind

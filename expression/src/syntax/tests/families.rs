@@ -26,9 +26,57 @@ fn periodic_references_wrap_at_the_length_of_their_own_family() {
     assert_eq!(periodic("u[i+1]", 3), Some(5.0));
     assert_eq!(periodic("u[i+1]", 4), Some(1.0));
     assert_eq!(periodic("u[i-2]", 0), Some(4.0));
-    assert_eq!(periodic("u[i-12]", 0), Some(4.0));
     assert_eq!(periodic("v[i]", 4), Some(6.0));
     assert_eq!(periodic("sum(j, u[j+1])", 0), Some(15.0));
+}
+
+/// Which way round an offset of more than half goes is no longer what its sign says: it is refused at every site, with the offset of the
+/// same site.
+#[test]
+fn offsets_beyond_half_of_a_ring_name_axis_offset_and_length() {
+    let mut refused = 0;
+    for length in 1..=12_i64 {
+        let ring = Scope::new().with_family("u", 0, length as usize);
+        let members: Vec<f64> = (0..length).map(|site| site as f64).collect();
+        // A piece of a longer ring looks as far as that.
+        let piece = ring.clone().with_rings(&[100]);
+        for offset in (-40..=40_i64).filter(|offset| *offset != 0) {
+            let text = format!("u[i{offset:+}]");
+            let value = |scope: &Scope, text: &str, site: usize| {
+                let resolved = parse(text).resolve(scope, Some((&["i"], site)));
+                resolved.map(|found| found.expect("a ring").evaluate(&members, &[]))
+            };
+            for site in 0..length {
+                let expected = (site + offset).rem_euclid(length) as f64;
+                let site = site as usize;
+                assert_eq!(value(&piece, &text, site), Ok(expected));
+                if offset.abs() <= (length / 2).max(1) {
+                    assert_eq!(value(&ring, &text, site), Ok(expected));
+                    continue;
+                }
+                refused += 1;
+                let error = value(&ring, &text, site).expect_err(&text);
+                let kind = SyntaxErrorKind::OffsetBeyondHalf {
+                    axis: 0,
+                    offset,
+                    length: length as usize,
+                };
+                assert_eq!((error.kind, error.span), (kind, 2..text.len() - 1));
+                // The suggestion is the same site, and is taken.
+                let same = format!("u[{}]", error.suggestion.expect("a suggestion"));
+                assert_eq!(value(&ring, &same, site), Ok(expected), "{text} {same}");
+            }
+        }
+    }
+    assert!(refused > 5000, "{refused}");
+    let (plane, _) = plane(&[Boundary::Periodic, Boundary::Open]);
+    let error = parse("w[i+2,j+9]")
+        .resolve(&plane, Some((&["i", "j"], 0)))
+        .expect_err("three sites along i");
+    assert_eq!(
+        error.to_string(),
+        "the offset 2 along axis 0 is beyond half of a ring of 3 sites; did you mean `i-1`?"
+    );
 }
 
 #[test]

@@ -316,6 +316,12 @@ impl RandomLattice {
 
     fn name(&self, (family, offset): Slot) -> String {
         let name = self.families[family].0;
+        // On a ring an offset is written the shorter way round.
+        let length = self.length() as i64;
+        let offset = match self.is_ring {
+            true => (offset + length / 2).rem_euclid(length) - length / 2,
+            false => offset,
+        };
         match offset {
             0 => format!("{name}[i]"),
             offset => format!("{name}[i{offset:+}]"),

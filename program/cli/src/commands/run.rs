@@ -111,7 +111,7 @@ pub(super) fn integrate(
             console.prose(&line);
         }
     }
-    let is_estimated = estimates_error || document.run.estimates_error;
+    let is_estimated = estimates_error || document.run.estimates_error.is_some();
     let is_interrupted = || interrupt.load(Ordering::Relaxed);
     let error = is_estimated
         .then(|| StateError::of_report(composed, &report, &is_interrupted))

@@ -231,8 +231,52 @@ fn a_table_holds_for_its_own_step() {
         "--out",
         "half",
     ]);
-    assert_eq!(said.code, Some(1), "{}", said.out);
-    said.says(&["holds for steps of 1.5 alone, and this one is 0.75"]);
+    assert_eq!(said.code, Some(2), "{}", said.out);
+    said.says(&[
+        "holds for steps of 1.5 alone, and this one is 0.75",
+        "write time-step = 1.5",
+    ]);
+    // Before a run begins, with a cure that is one.
+    let check = |changes: &[&str]| {
+        let changes = changes.iter().flat_map(|change| ["--set", change]);
+        let arguments: Vec<&str> = ["check", "table.toml"].into_iter().chain(changes).collect();
+        here.leafwise(&arguments)
+    };
+    for step in ["method.time-step=0.75", "method.time-step=-3"] {
+        let said = check(&[step]);
+        assert_eq!(said.code, Some(2), "{step}: {}", said.out);
+        let sign = if step.contains('-') && step.contains("=-") {
+            "-"
+        } else {
+            ""
+        };
+        said.says(&["alone", &format!("write time-step = {sign}1.5")]);
+    }
+    assert_eq!(check(&["method.time-step=-1.5"]).code, Some(0));
+    let table = here.read("table.toml");
+    let (head, run) = table.split_once("[run]").expect("a table");
+    let until: Vec<&str> = run
+        .lines()
+        .map(|line| {
+            if line.starts_with("steps") {
+                "until = 10"
+            } else {
+                line
+            }
+        })
+        .collect();
+    here.write("until.toml", &format!("{head}[run]{}\n", until.join("\n")));
+    let said = here.leafwise(&["check", "until.toml"]);
+    assert_eq!(said.code, Some(2), "{}", said.out);
+    said.says(&["is no whole number of them", "write steps = 7"]);
+    here.write(
+        "until.toml",
+        &here.read("until.toml").replace("until = 10", "steps = 7"),
+    );
+    assert_eq!(here.leafwise(&["check", "until.toml"]).code, Some(0));
+    // Its declarations hold at its own step. An order is of steps that shorten.
+    let said = here.leafwise(&["verify", "table.toml", "--json"]);
+    assert_eq!(said.code, Some(0), "{}{}", said.out, said.err);
     // A crossing lies within a step.
     let cross = "run.section={ at = \"q = 0\" }";
     let said = here.leafwise(&["run", "table.toml", "--set", cross, "--out", "cross"]);

@@ -483,6 +483,17 @@ fn given_times_go_the_way_of_the_run() {
     );
     refused("[1, 1]", "13:25", &["does not come to t = 1 after t = 1"]);
     refused("[-1]", "13:22", &["does not come to t = -1 after t = 0"]);
+    // What is named as the cure is one: sorted, or with steps of the other sign.
+    refused("[3, 2, 1]", "13:25", &["times = [1, 2, 3]"]);
+    refused("[-1, -2, -3]", "13:22", &["write time-step = -0.1"]);
+    for (step, times) in [("0.1", "[1, 2, 3]"), ("-0.1", "[-1, -2, -3]")] {
+        let cured = AT_TIMES
+            .replace("time-step   = 0.1", &format!("time-step   = {step}"))
+            .replace("[0, 0.25, 0.3, 0.8, 0.81, 0.82, 3.99]", times);
+        let here = Place::with(&cured);
+        let said = here.leafwise(&["check", "scene.toml"]);
+        assert_eq!(said.code, Some(0), "{}", said.err);
+    }
     refused(
         "[1, 4.5]",
         "13:25",

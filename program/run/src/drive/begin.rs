@@ -86,6 +86,7 @@ impl<'a> Session<'a> {
             start: checkpoint.start.clone(),
             paced: checkpoint.paced.clone(),
             stop: checkpoint.stop,
+            corners: checkpoint.corners.clone(),
             stopped: checkpoint.stopped.clone(),
             events: section
                 .map(|_| (checkpoint.side, checkpoint.crossings))

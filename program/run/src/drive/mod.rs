@@ -158,6 +158,7 @@ impl Session<'_> {
                 .first()
                 .map_or_else(Side::default, |(side, _)| *side),
             stop: memory.stop,
+            corners: memory.corners,
             stopped: memory.stopped,
             start: memory.start,
             deviation: memory.deviation,

@@ -9,6 +9,7 @@ use super::clock::Clock;
 use super::population::Population;
 use super::states::Members;
 use super::statistics::Shape;
+use crate::state_error::refuse_estimate;
 use leafwise_scene::compose::{ComposedRun, Observable, Refusal, compose};
 use leafwise_scene::document::{EnsembleSection, FinalStates, SceneDocument};
 
@@ -79,6 +80,7 @@ fn compose_from(
     members: Option<&Members>,
 ) -> Result<ComposedEnsemble, Refusal> {
     let ensemble = section(document)?;
+    refuse_estimate(document, "an ensemble")?;
     let mut own = document.clone();
     own.run.record = ensemble.record.clone();
     (own.run.seed, own.run.member) = (ensemble.seed, 0);

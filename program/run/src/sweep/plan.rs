@@ -9,6 +9,7 @@ use super::columns::SweepColumns;
 use super::settings::{Settings, section};
 use crate::RunError;
 use crate::start::checked;
+use crate::state_error::refuse_estimate;
 use leafwise_scene::SceneErrors;
 use leafwise_scene::compose::{ComposedRun, Refusal, SceneChecks, compose};
 use leafwise_scene::document::{RecordSpec, SceneDocument};
@@ -56,6 +57,7 @@ pub fn compose_sweep<'a>(
     allow_non_poisson: bool,
     progress: &mut dyn FnMut(u64, u64),
 ) -> Result<ComposedSweep<'a>, RunError> {
+    refuse_estimate(document, "a sweep").map_err(RunError::Refused)?;
     let mut own = recording(document.clone()).map_err(RunError::Refused)?;
     let base = compose(&own, registry).map_err(RunError::Refused)?;
     let checks = checked(&own, &base, allow_non_poisson)?;

@@ -150,3 +150,25 @@ fn shards_of_shards_are_merged_to_the_bytes_of_one_process() {
     assert_eq!((report.done, report.failed), (24, 8));
     assert_eq!(table(&path("whole")), table(&path("merged")));
 }
+
+/// Nothing that is asked for is passed over: the estimate of a run's error is none of a sweep's.
+#[test]
+fn an_estimate_of_the_error_is_refused_where_it_is_asked_for() {
+    let registry = Registry::with_builtin();
+    let text = SCENE.replace("[run]", "[run]\nerror = \"estimate\"");
+    assert_ne!(text, SCENE);
+    let document = SceneDocument::parse("scene.toml", &text, &registry).expect("a scene");
+    let settings = Settings::of(&document)
+        .map_err(RunError::Refused)
+        .expect("settings");
+    let outcome = compose_sweep(&document, &registry, settings, 0..1, false, &mut |_, _| {});
+    let Err(RunError::Refused(refusal)) = outcome else {
+        panic!("refused");
+    };
+    assert!(
+        refusal.message.ends_with("and this is a sweep"),
+        "{}",
+        refusal.message
+    );
+    assert_eq!(&text[refusal.span.clone()], "\"estimate\"");
+}

@@ -269,6 +269,74 @@ section = {{ at = "sin(pi*t/T) = 0", set = {{ p = "p + 0.01*sin(q)" }} }}
     assert!(kicks > 6000 && at_ends > 2500, "{kicks} {at_ends}");
 }
 
+/// Steps that would pass over kicks are refused at the step, and the step that is named makes every kick.
+#[test]
+fn steps_that_pass_over_kicks_are_refused_with_one_that_does_not() {
+    let registry = leafwise_core::Registry::with_builtin();
+    let mut refused = 0;
+    for key in ["time-step = STEP", "epsilon = 0.5\nh = DOUBLE"] {
+        for (step, period) in [
+            (0.7, 1.0),
+            (1.0, 1.0),
+            (1.3, 1.0),
+            (-2.0, 1.0),
+            (5.0, 0.3),
+            (6.1, 0.1),
+            (5.0, 0.001),
+            (0.68, 1.0),
+        ] {
+            let end = f64::copysign(20.05 * f64::min(period, 1.0), step);
+            let written = key
+                .replace("STEP", &format!("{step:?}"))
+                .replace("DOUBLE", &format!("{:?}", 2.0 * step));
+            let text = format!(
+                r#"
+[system]
+variables   = ["q", "p"]
+parameters  = {{ T = {period:?} }}
+bracket     = "canonical"
+hamiltonian = "p^2/2 + 0*t"
+[method]
+stepper   = "splitting"
+{written}
+[run]
+initial = [0.3, 0.2]
+until   = {end:?}
+section = {{ at = "sin(pi*t/T) = 0", set = {{ p = "p + 0.01*sin(q)" }} }}
+"#
+            );
+            let document = leafwise_scene::SceneDocument::parse("kicks.toml", &text, &registry)
+                .expect("a scene");
+            let refusal = leafwise_scene::compose::compose(&document, &registry)
+                .err()
+                .unwrap_or_else(|| panic!("{text}"));
+            assert!(
+                refusal.message.contains("pass over some of it"),
+                "{refusal}"
+            );
+            let help = refusal.help.expect("a cure");
+            let line = help.strip_prefix("write ").expect("a line");
+            let of_step = written.lines().last().expect("a line");
+            let cured = text.replace(of_step, line);
+            let run = recorded(&cured).unwrap_or_else(|error| panic!("{cured}: {error}"));
+            let times: Vec<f64> = run
+                .crossings
+                .expect("a section")
+                .iter()
+                .step_by(4)
+                .copied()
+                .collect();
+            assert_eq!(times.len(), 20, "{cured}");
+            for (k, time) in (1_u32..).zip(&times) {
+                let expected = (period * f64::from(k)).copysign(step);
+                assert!((time - expected).abs() < 1e-10, "{cured}: {times:?}");
+            }
+            refused += 1;
+        }
+    }
+    assert_eq!(refused, 16);
+}
+
 /// A billiard in a circle: the tensor by differences of the whole run, the angular momentum, and the mirror's law against its retro-reflection.
 #[test]
 fn a_billiard_is_a_poisson_map() {

@@ -84,3 +84,28 @@ fn no_motion_in_two_dimensions_is_chaotic() {
     // Leaves of so(3)* are spheres.
     assert_eq!(Prepared::new(SCENE).composed.is_planar(), Ok(true));
 }
+
+/// Steps that keep the energy take multiples of Casimirs of their own: there is no flow whose tangent an indicator follows, and the scene
+/// says what to take out.
+#[test]
+fn indicators_beside_exact_energy_are_refused_with_what_to_take_out() {
+    let registry = leafwise_core::Registry::with_builtin();
+    let observed = SCENE.replace("[\"energy\", \"x1*x2\"]", "[\"energy\", \"megno\"]");
+    let exact = observed
+        .replace("{ name = \"karasev-truncated\", order = 4 }", "\"auto\"")
+        .replace("[run]", "energy = \"exact\"\n[run]");
+    let compose = |text: &str| {
+        let document =
+            leafwise_scene::SceneDocument::parse("top.toml", text, &registry).expect("a scene");
+        leafwise_scene::compose::compose(&document, &registry).err()
+    };
+    let refusal = compose(&exact).expect("refused");
+    assert!(
+        refusal.message.starts_with("`megno` is not offered beside"),
+        "{refusal}"
+    );
+    let help = refusal.help.as_deref().unwrap_or_default();
+    assert!(help.contains("take `energy` out of [method]"), "{help}");
+    assert!(compose(&exact.replace("energy = \"exact\"\n", "")).is_none());
+    assert!(compose(&exact.replace("megno", "x1")).is_none());
+}

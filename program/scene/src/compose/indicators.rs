@@ -51,6 +51,14 @@ pub(super) fn indicators(
             "take the noise out, or record `energy`",
         );
     }
+    if document.method.exact_energy.is_some() {
+        return refuse(
+            format!(
+                "`{name}` is not offered beside `energy = \"exact\"`: each step takes multiples of Casimirs of its own, and follows no one flow"
+            ),
+            "take `energy` out of [method]: the energy of a Poisson map does not drift",
+        );
+    }
     let map = method.map();
     let (epsilon, h) = step;
     let mut walk = Walk::new(map, &system.parameter_values(), epsilon, h, initial);

@@ -9,6 +9,7 @@ use leafwise_expression::{AlgebraError, Expression, Graph, Rational};
 
 use super::Refusal;
 use super::dense::WRITTEN_LIMIT;
+use super::geometry::geometry;
 use super::tables::tables;
 use super::time::{about_time, is_time};
 use crate::document::{Located, Number, SceneDocument, nearest};
@@ -49,7 +50,9 @@ pub(super) fn declared(
         true => Boundary::Periodic,
         false => Boundary::Open,
     });
-    scope = scope.with_boundaries(&boundaries.collect::<Vec<_>>());
+    scope = scope
+        .with_boundaries(&boundaries.collect::<Vec<_>>())
+        .with_rings(&geometry(document).lengths());
     for table in tables(document)? {
         scope = scope.with_table(table);
     }

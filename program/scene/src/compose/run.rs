@@ -1,41 +1,35 @@
 //! All of a scene, ready to step.
 
-use std::borrow::Cow;
 use std::sync::Arc;
 
-use leafwise_core::LatticeMethod;
-use leafwise_core::lattice::LatticeSource;
-use leafwise_core::system::SystemObservables;
-use leafwise_core::{
-    BuildError, Method, MotionClass, Origin, PartKind, PoissonSystem, Registry, StepMap, Structure,
-    Walk, WithoutPoles,
-};
-use leafwise_expression::{Expression, TableFunction};
-use leafwise_walk::{Direction, Indicator, SampleTimes, Section, StateLayout};
+use leafwise_core::{BuildError, PoissonSystem, Registry, StepMap};
+use leafwise_expression::TableFunction;
+use leafwise_walk::{Indicator, SampleTimes, StateLayout};
 
 use super::Refusal;
 use super::bodies::many_bodies;
 use super::contact::Contact;
 use super::definitions::numbers_of_matrices;
-use super::events::{Events, check_axes, section_of};
+use super::events::{Events, check_axes};
 use super::exact_energy::ExactEnergySteps;
-use super::extended::{Extension, PaceFormula};
-use super::fit::{check_exactness, check_first_order, check_tensor};
+use super::extended::Extension;
 use super::functions::CompiledFunctions;
 use super::indicators::indicators;
+use super::kicks::check_kicks;
 use super::lattice::{SceneLattice, has_room, shortened};
+use super::method::{check_own_parts, compose_lattice, compose_written, method_refusal};
 use super::noise::NoisySteps;
 use super::observables::Observable;
+use super::one_length::check_length;
 use super::part_choice::PartChoice;
-use super::parts::{Base, Parts, parts, system_choice, what_fits};
-use super::request::formula_refusal;
+use super::parts::{Base, parts, system_choice, what_fits};
 use super::sample_times::{check_given_times, sample_times};
 use super::shadow::{RecordedShadow, with_shadows};
 use super::states::{RecordedStates, recorded_states};
-use super::stepping::{LatticeBase, LatticeStepping, MapStepping, Stepping};
+use super::stepping::{LatticeStepping, Stepping};
 use super::system::{ComposedSystem, compose_system};
 use super::tables::tables;
-use crate::document::{Located, MatrixNumbers, Number, PartSpec, SceneDocument};
+use crate::document::{Located, MatrixNumbers, Number, SceneDocument};
 
 /// Plan of a run: its step, length, initial state, records and parts.
 #[derive(Clone, Debug)]
@@ -171,6 +165,7 @@ fn compose_at_its_values(
         .or(own);
     let mut parts = parts(document, moved, swept, registry)?;
     let choices = parts.choices.clone();
+    check_length(document, &choices)?;
     let dynamics = parts.dynamics();
     if let Base::WrittenOut(map, whole) = parts.base {
         composed = *whole;
@@ -262,6 +257,9 @@ fn compose_at_its_values(
         )));
     }
     let layout = composed.layout(document);
+    let parameters = system.parameter_values();
+    let start = (composed.initial.as_slice(), parameters.as_slice());
+    check_kicks(document, &composed.events, layout.clock(), start)?;
     let states = recorded_states(document)?;
     check_axes(document, &states, &composed.observables)?;
     let plan = RunPlan {
@@ -333,300 +331,4 @@ pub(super) fn check_times(document: &SceneDocument) -> Result<(), Refusal> {
         ))),
         None => check_given_times(document),
     }
-}
-
-/// Checks the parts of libraries and of the scene's own formulas on the system. A realization is checked by its tensor.
-/// The map of the parts is checked by its first order, on a long lattice the map of its short one.
-fn check_own_parts(
-    (system, near): (&PoissonSystem, &[f64]),
-    method: &Stepping,
-    choices: &[PartChoice],
-    epsilon: f64,
-    registry: &Registry,
-) -> Result<(), BuildError> {
-    let infos = registry.parts();
-    let is_written = |name: &str| (infos.iter()).any(|info| info.name == name && info.is_written);
-    let is_foreign = |choice: &&PartChoice| {
-        matches!(choice.origin, Some(Origin::Library { .. })) || is_written(choice.name)
-    };
-    let Some(last) = choices.iter().rfind(is_foreign) else {
-        return Ok(());
-    };
-    let built = |choice: &PartChoice| {
-        registry
-            .realization(choice.name)?
-            .build(system, &choice.given())
-    };
-    let realization = choices.iter().find(|c| c.kind == PartKind::Realization);
-    if let Some(choice) = realization.filter(is_foreign) {
-        let realization = built(choice)?;
-        check_tensor(choice.name, system, &realization, near)?;
-        if is_written(choice.name) {
-            check_exactness(choice.name, system, &realization, near)?;
-        }
-    }
-    if method.lattice().is_none() {
-        return check_first_order(last.name, system, method.map(), epsilon, near);
-    }
-    let dynamics = choices.iter().find(|c| c.kind == PartKind::Dynamics);
-    let (Some(realization), Some(dynamics)) = (realization, dynamics) else {
-        return Ok(());
-    };
-    let dynamics = registry.dynamics(dynamics.name)?.build(&dynamics.given())?;
-    let short = Method::compose(system, built(realization)?, dynamics)?;
-    check_first_order(last.name, system, &short, epsilon, near)
-}
-
-/// The map of parts that are written out.
-fn compose_written(system: &PoissonSystem, parts: Parts) -> Result<Stepping, BuildError> {
-    let (base, method): (Arc<dyn StepMap>, _) = match parts.base {
-        Base::Pair(realization, dynamics) => {
-            let method = Method::compose(system, realization, dynamics)?;
-            if parts.composition.is_none() {
-                return Ok(Stepping::Written(Box::new(method)));
-            }
-            (Arc::new(method.clone()), Some(Box::new(method)))
-        }
-        Base::Stepper(map) | Base::WrittenOut(map, _) => (map, None),
-        Base::Sweeps(lattice) => (lattice.map, None),
-    };
-    let is_composed = parts.composition.is_some();
-    let map = match parts.composition {
-        None => base,
-        Some((composition, given)) => composition.build(base, &given)?,
-    };
-    let map = WithoutPoles::of(system, map)?;
-    Ok(Stepping::Map(MapStepping {
-        map,
-        method,
-        is_composed,
-        noise: None,
-    }))
-}
-
-/// The map of a long lattice: a stepper's sweeps, or the chosen parts again, on the proxy their order
-/// asks for. The first lattice is the scene's own, the second the same with its noise.
-fn compose_lattice(
-    (own, lattice): (&SceneLattice<'_>, &SceneLattice<'_>),
-    trial: &PoissonSystem,
-    parts: Parts,
-    registry: &Registry,
-) -> Result<LatticeStepping, BuildError> {
-    let chosen = parts.realization().cloned();
-    let base = match (parts.base, chosen) {
-        (Base::Sweeps(map), _) => LatticeBase::Sweeps(map),
-        (Base::Pair(_, dynamics), Some(chosen)) => {
-            let given = chosen.given();
-            let realize =
-                |system: &PoissonSystem| registry.realization(chosen.name)?.build(system, &given);
-            let method = LatticeMethod::compose(lattice, &realize, dynamics)?;
-            LatticeBase::Method(Box::new(method))
-        }
-        (Base::Pair(..) | Base::Stepper(_) | Base::WrittenOut(..), _) => {
-            unreachable!("a long lattice is stepped by sweeps")
-        }
-    };
-    let is_composed = parts.composition.is_some();
-    let map = match parts.composition {
-        None => base.shared(),
-        Some((part, given)) => part.build(base.shared(), &given)?,
-    };
-    let [invariants, formulas] = own.functions(&trial.parameter_values())?;
-    let written = own.own(&base.map().proxy_geometry);
-    Ok(LatticeStepping {
-        interior: lattice.interior(&base.map().proxy_geometry),
-        geometry: own.own(&base.map().geometry),
-        written,
-        noise: None,
-        invariants,
-        formulas,
-        stepped: WithoutPoles::of_lattice(lattice, map)?,
-        is_composed,
-        base,
-    })
-}
-
-impl ComposedRun {
-    /// The dimension of the state that is stepped, that of a long lattice at its true length.
-    pub fn dimension(&self) -> usize {
-        self.method.map().dimension()
-    }
-
-    /// The scene's own coordinates of a state that is stepped: all but parameters of sites, the time and its energy.
-    pub fn own<'a>(&self, state: &'a [f64]) -> &'a [f64] {
-        &state[self.plan.layout.own()]
-    }
-
-    /// Whether the state that is stepped holds more than the scene's own coordinates.
-    pub fn is_extended(&self) -> bool {
-        !self.plan.layout.beside().is_empty()
-    }
-
-    /// A surface of its scene, `left = right`, beside the one that it may have itself.
-    ///
-    /// # Errors
-    /// Those of [`section_of`].
-    pub fn section(
-        &self,
-        document: &SceneDocument,
-        text: &str,
-        direction: Direction,
-    ) -> Result<Section, Refusal> {
-        let parameters = self.system.parameter_values();
-        let is_long = self.method.lattice().is_some();
-        let start = (self.plan.initial.as_slice(), parameters.as_slice());
-        section_of(document, is_long, start, text, direction)
-    }
-
-    /// Where t stands in a state, where steps are of a fictitious time τ.
-    pub fn time_place(&self) -> Option<usize> {
-        self.pace()?;
-        self.plan.layout.clock().map(|clock| clock.time)
-    }
-
-    /// e at an initial state, from which H + e is measured, where steps are of a fictitious time τ.
-    pub fn origin(&self, initial: &[f64]) -> Option<f64> {
-        self.pace()?;
-        self.plan.layout.clock().map(|clock| initial[clock.energy])
-    }
-
-    /// dt/dτ, where steps are of a fictitious time τ.
-    pub fn pace(&self) -> Option<&PaceFormula> {
-        self.extension.as_ref()?.pace.as_ref()
-    }
-
-    /// A walk at the scene's initial state, with its parameters and step sizes.
-    pub fn walk(&self) -> Walk {
-        let parameters = self.system.parameter_values();
-        let plan = &self.plan;
-        Walk::new(
-            self.method.map(),
-            &parameters,
-            plan.epsilon,
-            plan.h,
-            &plan.initial,
-        )
-    }
-
-    /// Functions of the state at the parameters' values, compiled once for this run and its copies at other values.
-    ///
-    /// # Errors
-    /// [`BuildError::Algebra`] where one has no code.
-    pub fn observables(&self, formulas: &[&Expression]) -> Result<SystemObservables, BuildError> {
-        self.functions.observables(&self.system, formulas)
-    }
-
-    /// The system whose steps are of the time itself, where those of this run are of another.
-    pub fn in_time(&self) -> Result<Cow<'_, PoissonSystem>, BuildError> {
-        let paced = self.extension.as_ref().filter(|_| self.pace().is_some());
-        Ok(match (paced, self.system.expressions()) {
-            (Some(extension), Some(formulas)) => {
-                let in_time = formulas.with_hamiltonian(extension.energy().clone())?;
-                Cow::Owned(in_time.into())
-            }
-            _ => Cow::Borrowed(&self.system),
-        })
-    }
-
-    /// Work of forces, of friction, of noise and of contact motions: how they change the energy and the Casimirs, in words. What steps that keep
-    /// the energy are. `None` elsewhere.
-    pub fn work_of_forces(&self) -> Option<String> {
-        if self.keeps_energy {
-            return Some(
-                "kept to round-off by multiples of Casimirs, each step's own: as a whole it is no Poisson map"
-                    .to_owned(),
-            );
-        }
-        if self.contact.is_some() {
-            return Some("changes as in every contact motion: dH/dt = -H dH/ds".to_owned());
-        }
-        let forces = self.system.expressions()?.forces();
-        if forces.motion() == MotionClass::OffLeaves {
-            let energy = match self.method.noise() {
-                None => "changes by the friction: dH/dt = <dH, friction>",
-                Some(_) => "changes by the noise and the friction",
-            };
-            let map = match self.system.casimir_names().is_empty() {
-                true => "no Poisson map: friction is along no symplectic leaf",
-                false => {
-                    "no Poisson map: the Casimirs change by the friction, dC/dt = <dC, friction>"
-                }
-            };
-            return Some(format!("{energy}; {map}"));
-        }
-        let energy = match (forces.one_form.is_empty(), &forces.damping) {
-            (true, None) if self.method.noise().is_some() => "changes by the noise",
-            (false, _) | (_, Some(_)) if self.method.noise().is_some() => {
-                "changes by the noise and the forces"
-            }
-            (true, None) => return None,
-            (true, Some(damping)) if damping.rate.variables().is_empty() => {
-                "falls by the damping: dH/dt = -rate <g v, v> with v = {H, x}"
-            }
-            (true, Some(_)) => "changes by the damping: dH/dt = -rate <g v, v> with v = {H, x}",
-            (false, _) => "changes by the forces: dH/dt = -<forces, {H, x}>",
-        };
-        let has_casimirs = !self.system.casimir_names().is_empty();
-        let casimirs = match self.method.map().properties().structure {
-            _ if !has_casimirs => "",
-            Structure::Leaves | Structure::Exact => "; Casimirs are kept to round-off",
-            _ => "; these steps keep Casimirs to an order alone",
-        };
-        Some(format!("{energy}{casimirs}"))
-    }
-
-    /// The names of the scene's own coordinates.
-    pub fn names(&self) -> Vec<String> {
-        match self.method.lattice() {
-            None => {
-                let mut names = self.system.variables().to_vec();
-                names.truncate(self.plan.layout.coordinates());
-                names
-            }
-            Some(geometry) => (self.plan.layout.own())
-                .map(|coordinate| geometry.name(coordinate))
-                .collect(),
-        }
-    }
-}
-
-/// Parts that do not fit each other or the system.
-fn method_refusal(document: &SceneDocument, registry: &Registry, error: &BuildError) -> Refusal {
-    let hamiltonian = &document.system.hamiltonian;
-    let formula = document.place_in_formula(hamiltonian, 0..hamiltonian.value.len());
-    let part = |spec: &Option<PartSpec>| spec.as_ref().map(|spec| spec.name.place());
-    let method = &document.method;
-    let named = |name: &str| {
-        let specs = [&method.realization, &method.dynamics, &method.stepper];
-        let spec = specs
-            .into_iter()
-            .flatten()
-            .find(|spec| spec.name.value == name);
-        spec.map(|spec| spec.name.place())
-    };
-    let mut specs = [&method.realization, &method.dynamics]
-        .into_iter()
-        .flatten();
-    if let Some(refusal) = specs.find_map(|spec| formula_refusal(document, spec, error)) {
-        return refusal;
-    }
-    let place = match error {
-        BuildError::Algebra(_) => formula,
-        BuildError::NotComposable { .. }
-        | BuildError::NoFactors { .. }
-        | BuildError::Pieces { .. } => part(&document.method.composition)
-            .unwrap_or_else(|| document.system.hamiltonian.place()),
-        BuildError::DoesNotFit { part: name, .. }
-        | BuildError::NotMade { part: name, .. }
-        | BuildError::Formula { part: name, .. }
-            if named(name).is_some() =>
-        {
-            named(name).unwrap_or(formula)
-        }
-        _ => part(&document.method.dynamics)
-            .or_else(|| part(&document.method.stepper))
-            .or_else(|| part(&document.method.realization))
-            .unwrap_or(formula),
-    };
-    Box::new(document.diagnostic(&place, registry.explain(error), "here", None))
 }

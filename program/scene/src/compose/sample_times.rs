@@ -58,8 +58,7 @@ pub(super) fn check_given_times(document: &SceneDocument) -> Result<(), Refusal>
             return refuse(
                 time,
                 format!("the run does not come to t = {literal} after t = {after}"),
-                "write times in the order of the run, from 0 on: growing where time-step is positive"
-                    .to_owned(),
+                order_of(document, &times.value),
             );
         }
         if (value - end) * step > 0.0 && !is_same_time(value, end) {
@@ -72,4 +71,42 @@ pub(super) fn check_given_times(document: &SceneDocument) -> Result<(), Refusal>
         before = Some(time);
     }
     Ok(())
+}
+
+/// How times come to stand in the order of a run: as they are, by steps of the other sign, or sorted.
+fn order_of(document: &SceneDocument, times: &[Located<Number>]) -> String {
+    let (run, spec) = (&document.run, &document.method.step);
+    let step = spec.time_step();
+    let values: Vec<f64> = times.iter().map(|time| time.value.value).collect();
+    let is_behind = values.iter().all(|time| time * step <= 0.0);
+    let is_other_way = is_behind && values.is_sorted_by(|a, b| (b - a) * step < 0.0);
+    let has_end = run.until.is_some() || run.comes_to.is_some();
+    let signs = ["negative", "positive"];
+    let (growing, sign) = match step > 0.0 {
+        true => ("growing", signs[0]),
+        false => ("falling", signs[1]),
+    };
+    if is_other_way && !has_end {
+        let (key, h) = (spec.key(), -spec.h());
+        return format!("a {sign} step comes to them in this order: write {key} = {h:?}");
+    }
+    let mut ahead: Vec<&Located<Number>> = times
+        .iter()
+        .filter(|time| time.value.value * step >= 0.0)
+        .collect();
+    ahead.sort_by(|a, b| (a.value.value * step).total_cmp(&(b.value.value * step)));
+    ahead.dedup_by(|a, b| a.value.value == b.value.value);
+    let literals: Vec<&str> = ahead
+        .iter()
+        .map(|time| time.value.literal.as_str())
+        .collect();
+    match literals.is_empty() {
+        true => {
+            format!("write times {growing} from 0 on: those on its other side need a {sign} step")
+        }
+        false => format!(
+            "write them {growing} from 0 on: times = [{}]",
+            literals.join(", ")
+        ),
+    }
 }

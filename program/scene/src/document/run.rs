@@ -82,8 +82,8 @@ pub struct RunSection {
     pub seed: u64,
     /// Which member's of the seed they are.
     pub member: u64,
-    /// Whether the error of its states is estimated when it is done.
-    pub estimates_error: bool,
+    /// Where the scene asks that the error of its states is estimated when it is done.
+    pub estimates_error: Option<Located<()>>,
     /// Records to keep.
     pub record: RecordSpec,
     /// The run directory, when the scene names one.
@@ -119,8 +119,11 @@ pub(super) fn read_run(
     };
     let (seed, member) = (number("seed"), number("member"));
     let estimates_error = match table.get("error") {
-        Some(item) => item.word("error", &[("estimate", true)], problems),
-        None => Some(false),
+        Some(item) => {
+            let word = item.word("error", &[("estimate", ())], problems);
+            word.map(|()| Some(Located::new((), item.place())))
+        }
+        None => Some(None),
     };
     let record = read_record(table, system, problems);
     let out = match table.get("out") {

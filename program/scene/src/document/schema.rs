@@ -272,7 +272,7 @@ pub(super) static RUN: [Key; 11] = [
     )
     .otherwise("none: `run --error` asks for it")
     .not_beside(&[Beside::Note(
-        "an estimate: noise, a pace, events that set, functions in pieces, a tolerance",
+        "ensembles, sweeps; an estimate: noise, a pace, events that set, functions in pieces, a tolerance",
     )]),
     key("record", table(&RECORD, &[]), "Records to keep of the run").otherwise("every step"),
     key("out", Shape::Text, "The run directory").otherwise("`runs/` and the scene's name"),

@@ -121,7 +121,7 @@ fn examine(
             return findings.push(place.open(named("order"), error.to_string()));
         }
     };
-    let measured = match measure(problem, map, &flow, horizon) {
+    let measured = match measure(problem, map, (&flow, horizon), None) {
         Ok(measured) => measured,
         Err(error) => return findings.push(place.failed(named("steps"), &error)),
     };

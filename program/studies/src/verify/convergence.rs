@@ -31,21 +31,25 @@ pub(super) const LARGEST_ERROR: f64 = 0.1;
 
 impl Convergence {
     /// Runs `map` over `horizon` at every step size, against the state `flow` there. Steps so large that the map fails
-    /// are left out. Nothing is run after two errors at round-off.
+    /// are left out. Nothing is run after two errors at round-off. Steps are of one length alone where `only_step` is given.
     ///
     /// # Errors
     /// The map's [`StepError`] when no step size succeeds.
     pub fn measure(
         problem: &Problem,
         map: &dyn StepMap,
-        flow: &[f64],
-        horizon: f64,
+        (flow, horizon): (&[f64], f64),
+        only_step: Option<f64>,
     ) -> Result<Self, StepError> {
         let values = problem.system.parameter_values();
         let mut errors: Vec<(f64, f64)> = Vec::new();
         let mut failures: Vec<(f64, StepError)> = Vec::new();
         let mut floor = Floor::new(ROUND_OFF[0], ROUND_OFF[1]);
-        for steps in STEPS {
+        let counts = match only_step {
+            None => STEPS.to_vec(),
+            Some(length) => vec![libm::round((horizon / length).abs()) as u32],
+        };
+        for steps in counts {
             let t = horizon / f64::from(steps);
             let mut walk = Walk::new(map, &values, 1.0, t, &problem.initial);
             match walk.advance(u64::from(steps)) {

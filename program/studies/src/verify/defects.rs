@@ -43,15 +43,20 @@ const PLATEAU: [f64; 2] = [8.0 * f64::EPSILON, Defect::ROUND_OFF];
 impl Defects {
     /// Measures one step at every size below the smallest that fails. Beyond it, if solves succeed at all, they are
     /// next to singular or on another branch, and their round-off is not that of a step. Nothing is measured after four
-    /// defects at round-off, or at what differences leave.
-    pub fn measure(problem: &Problem, map: &dyn StepMap) -> Self {
+    /// defects at round-off, or at what differences leave. `only_step` is the length of the only step, where there is but one.
+    pub fn measure(problem: &Problem, map: &dyn StepMap, only_step: Option<f64>) -> Self {
         let mut points = Vec::new();
         let mut of_order = Vec::new();
         let mut largest: Option<Defect> = None;
         let mut floor = Floor::new(PLATEAU[0], PLATEAU[1]);
         let mut untold = 0;
-        for k in 0..SIZES {
-            let t = problem.time_step * libm::exp2(3.0 - 0.125 * f64::from(k));
+        let octaves =
+            (0..SIZES).map(|k| problem.time_step * libm::exp2(3.0 - 0.125 * f64::from(k)));
+        let sizes = match only_step {
+            None => octaves.collect(),
+            Some(_) => vec![problem.time_step],
+        };
+        for t in sizes {
             let Some((defect, measured)) = defect(problem, map, &problem.initial, t) else {
                 points.clear();
                 of_order.clear();

@@ -80,29 +80,35 @@ fn judgements<S: Serializer>(judged: &[Judgement; 3], serializer: S) -> Result<S
 /// How often the problem's step is halved before a map is said to fail at every one.
 const HALVINGS: u32 = 6;
 
-/// Measures a step map on a problem; `flow` is the state after `horizon` by another method.
+/// Measures a step map on a problem; `flow` is the state after `horizon` by another method. Of a map that makes steps of one length
+/// alone, that is `only_step`: an order, which is of steps that shorten, is then open.
 ///
 /// # Errors
 /// The map's [`StepError`] when not even small steps succeed.
 pub fn measure(
     problem: &Problem,
     map: &dyn StepMap,
-    flow: &[f64],
-    horizon: f64,
+    (flow, horizon): (&[f64], f64),
+    only_step: Option<f64>,
 ) -> Result<Measured, StepError> {
     let declared = map.properties();
-    let convergence = Convergence::measure(problem, map, flow, horizon)?;
-    let defects = Defects::measure(problem, map);
-    let run = Run::at_largest_step(problem, map)?;
+    let convergence = Convergence::measure(problem, map, (flow, horizon), only_step)?;
+    let defects = Defects::measure(problem, map, only_step);
+    let halvings = if only_step.is_some() { 0 } else { HALVINGS };
+    let run = Run::at_largest_step(problem, map, halvings)?;
     let smooth = problem.smooth_order();
     let judgements = [
-        convergence.judge(declared).on_rough(declared.order, smooth),
+        match only_step {
+            Some(_) => Judgement::Open,
+            None => convergence.judge(declared).on_rough(declared.order, smooth),
+        },
         match declared.structure {
             Structure::Leaves => judge_leaves(problem, run.drift.casimirs),
             Structure::Exact => match defects.judge(declared) {
                 _ if !run.keeps_structure(defects.round_off()) => Judgement::NotMet,
                 judgement => judgement,
             },
+            Structure::Order(_) if only_step.is_some() => Judgement::Open,
             Structure::Order(n) => defects.judge(declared).on_rough(n, smooth),
             Structure::Contact | Structure::None => defects.judge(declared),
         },
@@ -121,7 +127,10 @@ pub fn measure(
         casimir_drift: run.drift.casimirs,
         energy_drift: run.drift.energy,
         energy_growth: run.drift.growth,
-        shadow_energy: KeptEnergy::measure(problem, map, horizon),
+        shadow_energy: match only_step {
+            Some(_) => None,
+            None => KeptEnergy::measure(problem, map, horizon),
+        },
         evaluations_per_step: run.drift.evaluations,
         nanoseconds_per_step: run.drift.nanoseconds,
         judgements,
@@ -167,9 +176,13 @@ impl Run {
         self.tensor_defect.as_ref().is_none_or(is_kept) && self.drift.keeps_casimirs != Some(false)
     }
 
-    /// At the problem's step or the largest of its halves that the map bears: a step too large for
+    /// At the problem's step or the largest of so many halves that the map bears: a step too large for
     /// a solve or a chart is not a broken promise.
-    fn at_largest_step(problem: &Problem, map: &dyn StepMap) -> Result<Self, StepError> {
+    fn at_largest_step(
+        problem: &Problem,
+        map: &dyn StepMap,
+        halvings: u32,
+    ) -> Result<Self, StepError> {
         let values = problem.system.parameter_values();
         let at = |t: f64| -> Result<(f64, Drift), StepError> {
             let defect = self_adjointness_defect(map, &values, 1.0, t, &problem.initial)?;
@@ -177,7 +190,7 @@ impl Run {
         };
         let mut time_step = problem.time_step;
         let mut too_large = None;
-        for halving in 0..=HALVINGS {
+        for halving in 0..=halvings {
             match at(time_step) {
                 Ok((self_adjointness, drift)) => {
                     let states = drift.states.iter();
@@ -190,7 +203,7 @@ impl Run {
                         drift,
                     });
                 }
-                Err(error) if halving == HALVINGS => return Err(error),
+                Err(error) if halving == halvings => return Err(error),
                 Err(error) => too_large = too_large.or(Some(error)),
             }
             time_step /= 2.0;

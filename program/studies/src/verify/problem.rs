@@ -26,11 +26,16 @@ pub struct Problem {
 
 /// A scene's own method.
 #[derive(Clone)]
-pub struct Own(pub Arc<dyn StepMap>);
+pub struct Own {
+    /// Its steps.
+    pub map: Arc<dyn StepMap>,
+    /// The length of the only steps that it makes, as a table of many steps.
+    pub only_step: Option<f64>,
+}
 
 impl fmt::Debug for Own {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0.describe())
+        f.write_str(&self.map.describe())
     }
 }
 
@@ -69,11 +74,13 @@ impl Problem {
             Some(_) => Self::of(document, run.system, run.near),
             None => Self::of_scene(document)?,
         };
+        let only_step = run.table_step();
+        let own = |map| Some(Own { map, only_step });
         // The flow and the tensor are those of the homogeneous system of a contact bracket, and so is the map.
         problem.own = match (run.homogeneous, run.method) {
-            (Some(map), _) => Some(Own(map)),
-            (None, Stepping::Written(method)) => Some(Own(Arc::new(*method))),
-            (None, Stepping::Map(stepping)) => Some(Own(stepping.map)),
+            (Some(map), _) => own(map),
+            (None, Stepping::Written(method)) => own(Arc::new(*method)),
+            (None, Stepping::Map(stepping)) => own(stepping.map),
             (None, Stepping::Lattice(_)) => None,
         };
         Ok(problem)

@@ -242,7 +242,9 @@ pub fn survey(
         }
         progress.problem(&problem.name, count);
         let measured = |at: usize| match &problem.own {
-            Some(Own(map)) if at == 0 => row(problem, map.as_ref(), true, &flow, horizon),
+            Some(scene) if at == 0 => {
+                row(problem, scene.map.as_ref(), Some(scene), (&flow, horizon))
+            }
             _ => outcome(registry, problem, &candidates[at - own], &flow, horizon),
         };
         in_order(
@@ -315,7 +317,7 @@ fn outcome(
     horizon: f64,
 ) -> Outcome {
     match candidate.build(registry, problem) {
-        Ok(map) => row(problem, map.as_ref(), false, flow, horizon),
+        Ok(map) => row(problem, map.as_ref(), None, (flow, horizon)),
         Err(error) => Outcome::Refused(Refused::new(
             registry,
             &problem.name,
@@ -325,17 +327,23 @@ fn outcome(
     }
 }
 
-fn row(problem: &Problem, map: &dyn StepMap, is_own: bool, flow: &[f64], horizon: f64) -> Outcome {
+fn row(
+    problem: &Problem,
+    map: &dyn StepMap,
+    own: Option<&Own>,
+    (flow, horizon): (&[f64], f64),
+) -> Outcome {
     let started = Instant::now();
     let properties = map.properties();
-    let (measured, failure) = match measure(problem, map, flow, horizon) {
+    let only_step = own.and_then(|own| own.only_step);
+    let (measured, failure) = match measure(problem, map, (flow, horizon), only_step) {
         Ok(measured) => (Some(measured), None),
         Err(error) => (None, Some(error.to_string())),
     };
     Outcome::Row(Box::new(Row {
         problem: problem.name.clone(),
         map: map.describe(),
-        is_own,
+        is_own: own.is_some(),
         declared_order: properties.order,
         smooth_order: problem.smooth_order(),
         declared_structure: properties.structure.to_string(),

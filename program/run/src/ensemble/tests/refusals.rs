@@ -77,3 +77,32 @@ fn a_scene_without_the_table_says_so() {
     let message = refusal.err().expect("refused").message;
     assert_eq!(message, "the scene has no [ensemble] table");
 }
+
+/// Nothing that is asked for is passed over: the estimate of a run's error is none of an ensemble's.
+#[test]
+fn an_estimate_of_the_error_is_refused_where_it_is_asked_for() {
+    let text = BODY
+        .replace("METHOD", METHODS[0])
+        .replace("ENSEMBLE", "members = 5");
+    let asked = text.replace("[run]", "[run]\nerror = \"estimate\"");
+    assert_ne!(asked, text);
+    let registry = Registry::with_builtin();
+    let compose = |text: &str| {
+        let document = SceneDocument::parse("body.toml", text, &registry).expect("a scene");
+        compose_ensemble(&document, &registry, Path::new("")).err()
+    };
+    let refusal = compose(&asked).expect("refused");
+    assert!(
+        refusal.message.ends_with("and this is an ensemble"),
+        "{}",
+        refusal.message
+    );
+    assert_eq!(&asked[refusal.span.clone()], "\"estimate\"");
+    assert!(
+        refusal
+            .help
+            .is_some_and(|help| help.contains("take `error` out"))
+    );
+    // What it says to do cures it.
+    assert!(compose(&text).is_none());
+}
