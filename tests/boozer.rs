@@ -310,6 +310,13 @@ fn orbits_pass_the_axis() {
         off.push(distance(&table, &formula));
     }
     println!("off by {off:?} with 17, 33, 65 nodes");
-    // Splines of degree 5 meet the quadratic in x and y; the harmonics of ζ have 16 nodes.
-    assert!(off.iter().all(|off| *off < 1e-4), "{off:?}");
+    // Splines of degree 5 meet the quadratic in x and y up to s = 1. Where the table goes on beyond, they ring, and that falls by 0.43
+    // from node to node: by 6 nodes from x = 0.2 to the edge with the first table, by 12 and 24 with the others. What is left is the
+    // error of 16 nodes of ζ.
+    let fall = libm::pow(0.43, 5.8);
+    assert!(off[0] < fall * 2e-5, "{off:?}");
+    assert!(
+        off[1] < 2.0 * fall * off[0] && off[2] < off[1] / 2.0,
+        "{off:?}"
+    );
 }

@@ -32,6 +32,16 @@ pub enum EquilibriumError {
         /// The word.
         word: String,
     },
+    /// An entry of a file by names that is none.
+    #[error("`{place}` is {found}, and must be {expected}")]
+    Entry {
+        /// Its name, with places in lists from 0.
+        place: String,
+        /// Its value, in words.
+        found: String,
+        /// The kind of value that belongs there.
+        expected: &'static str,
+    },
     /// Numbers that no equilibrium has.
     #[error("{0}")]
     Odd(String),

@@ -16,11 +16,12 @@ mod equilibrium;
 mod error;
 mod geqdsk;
 mod ions;
+mod roughness;
 mod surface;
 mod tokens;
 mod written;
 
-pub use boozer::{Boozer, BoozerData, written_in_boozer};
+pub use boozer::{Boozer, BoozerData, Departure, written_in_boozer};
 pub use equilibrium::{Equilibrium, Smeared};
 pub use error::EquilibriumError;
 pub use geqdsk::Geqdsk;

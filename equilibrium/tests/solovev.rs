@@ -1,5 +1,10 @@
 //! Solov'ev's equilibrium as a g-file, against its closed form.
 
+#![allow(
+    clippy::print_stdout,
+    reason = "measured errors, read with --nocapture"
+)]
+
 use std::f64::consts::PI;
 use std::fmt::Write;
 
@@ -130,6 +135,58 @@ fn a_thin_pedestal_is_told() {
     assert_eq!(with(257, 0.1), None);
     assert_eq!(equilibrium(65, -0.3).smeared(), None);
     assert_eq!(equilibrium(33, 0.0).smeared(), None);
+}
+
+/// A wave over Solov'ev's flux, below it noise of 1 %: the estimate is that of the noise, and of the spline's error where ψ is smooth.
+#[test]
+fn rough_and_coarse_fluxes_are_told() {
+    let range = psi(OUTER, 0.0);
+    let of = |nodes: usize, more: &dyn Fn(f64, f64, usize) -> f64| {
+        let mut file = Geqdsk::parse(&geqdsk(nodes, 0.0)).expect("a g-file");
+        for (at, number) in file.psi.iter_mut().enumerate() {
+            let (i, j) = (at / nodes, at % nodes);
+            let part = |at: usize| at as f64 / (nodes - 1) as f64;
+            *number += more(0.75 + 1.45 * part(i), 2.2 * part(j) - 1.1, at);
+        }
+        file
+    };
+    let roughness = |file: Geqdsk| {
+        Equilibrium::new(file, 5)
+            .expect("an equilibrium")
+            .roughness()
+    };
+    // A polynomial of degree 4 is met, to the ten digits of the file.
+    assert!(roughness(of(33, &|_, _, _| 0.0)).expect("nodes") < 1e-7);
+    for size in [3e-3, 1e-2] {
+        // But not at the axis, which is to stay an extremum.
+        let noise = |r: f64, z: f64, at: usize| match libm::hypot(r - R0, z) < 0.2 {
+            true => 0.0,
+            false => size * range * libm::sin((at * at) as f64),
+        };
+        let found = roughness(of(65, &noise)).expect("nodes");
+        println!("noise of {size}: {found:.1e}");
+        // Splines through half of the nodes overshoot by less than 1.6 along each axis.
+        assert!((size / 4.0..6.0 * size).contains(&found), "{found}");
+    }
+    // A wave along R, which the table meets to an error that is known between the nodes.
+    for (nodes, waves) in [(33, 20.0), (65, 20.0), (65, 40.0), (129, 40.0)] {
+        let wave = |r: f64, _: f64, _: usize| 1e-4 * range * libm::sin(waves * r);
+        let file = of(nodes, &wave);
+        let equilibrium = Equilibrium::new(file, 5).expect("an equilibrium");
+        let places = (0..2000).map(|k| 1.2 + 0.8 * f64::from(k) / 2000.0);
+        let [axis, edge] = equilibrium.file().psi_range;
+        let off = places.map(|r| {
+            let flux = axis + (edge - axis) * equilibrium.flux([r, 0.1]);
+            (flux - psi(r, 0.1) - wave(r, 0.0, 0)).abs() / range
+        });
+        let off = off.fold(0.0, f64::max);
+        let found = equilibrium.roughness().expect("nodes");
+        println!("{nodes} nodes, waves of {waves}: off by {off:.1e}, {found:.1e} told");
+        assert!(
+            found > off / 4.0 && found < 200.0 * off + 1e-9,
+            "{found:e} {off:e}"
+        );
+    }
 }
 
 /// As the format 1PE16.9.

@@ -204,10 +204,10 @@ pub enum BuildError {
         /// The part.
         part: String,
     },
-    /// A part whose steps stay on symplectic leaves, and a system with a friction.
+    /// A part whose steps are Poisson maps or stay on symplectic leaves, and a system with a friction.
     #[error(
-        "{part} is made for motions along symplectic leaves, where Casimirs keep their values, and the `friction` of this system \
-         is added to x' as it stands: no map along leaves follows it"
+        "{part} steps by Poisson maps or along symplectic leaves, and no such map follows the `friction` of this system, which is added \
+         to x' as it stands: it changes the tensor, and Casimirs where there are any"
     )]
     Friction {
         /// The part.

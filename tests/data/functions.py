@@ -86,5 +86,38 @@ for _ in range(300):
     exact = mp.mpf(a) - mp.mpf(b) * mp.floor(mp.mpf(a) / mp.mpf(b))
     remainders.append([repr(a), repr(b), mp.nstr(exact, 22)])
 
+# Elementary functions: intervals of everyday use, all decades of the domain, and its ends. Their own seed leaves the rest as it is.
+draw = random.Random(44)
+most, tiny = 1.7976931348623157e308, 5e-324
+angles = [0.0, 1.5707963267948966, 3.141592653589793, 6.283185307179586, 1e22, 355.0, -1e-300]
+whole_line = lambda top: uniform(-4, 4, 250) + decades(-300, top, 150, (-1, 1)) + [0.0, tiny, -tiny]
+unit = uniform(-1, 1, 300) + decades(-300, -1, 60, (-1, 1)) + [1 - t for t in decades(-15, -1, 50)] + [0.0, 1.0, -1.0]
+positive = uniform(0.1, 10, 250) + decades(-300, 300, 150) + [1.0, 1 - 2**-53, 1 + 2**-52, tiny, most]
+elementary = [
+    ("exp", uniform(-4, 4, 250) + uniform(-708, 709.7, 150) + [0.0, 709.782712893384], mp.exp),
+    ("ln", positive, mp.log),
+    ("sqrt", positive + [0.0], mp.sqrt),
+    ("sin", whole_line(15) + angles, mp.sin),
+    ("cos", whole_line(15) + angles, mp.cos),
+    ("tan", whole_line(15) + angles, mp.tan),
+    ("asin", unit, mp.asin),
+    ("acos", unit, mp.acos),
+    ("atan", whole_line(300) + [most], mp.atan),
+    ("sinh", whole_line(2) + uniform(-709, 709, 50), mp.sinh),
+    ("cosh", whole_line(2) + uniform(-709, 709, 50), mp.cosh),
+    ("tanh", whole_line(2) + [19.0, 22.0, 40.0], mp.tanh),
+    ("asinh", whole_line(300), mp.asinh),
+    ("acosh", [1 + t for t in decades(-15, 2, 250)] + decades(0, 300, 150) + [1.0], mp.acosh),
+    ("atanh", [x for x in unit if abs(x) < 1], mp.atanh),
+    ("cot", [x for x in whole_line(15) if abs(x) > 1e-300], mp.cot),
+    ("sec", whole_line(15), mp.sec),
+    ("csc", [x for x in whole_line(15) if abs(x) > 1e-300], mp.csc),
+]
+for name, arguments, value in elementary:
+    # Enough digits for the remainder of the largest arguments by pi.
+    with mp.workdps(400):
+        rows = [[repr(x), mp.nstr(value(mp.mpf(x)), 22)] for x in arguments]
+    cases.append({"function": name, "derivative": 0, "values": rows})
+
 text = json.dumps({"functions": cases, "atan2": pairs, "mod": remainders}, separators=(",", ":"))
 Path(__file__).with_name("functions.json").write_text(text.replace('{"function"', '\n{"function"') + "\n")

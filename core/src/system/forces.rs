@@ -7,7 +7,8 @@
 //! Bloch, P. Krishnaprasad, J. Marsden, T. Ratiu, *The Euler–Poincaré equations and double bracket dissipation*,
 //! Communications in Mathematical Physics 175 (1996)).
 //!
-//! Friction f is a part of the velocity that is along no leaf: dC/dt = ⟨dC, f⟩ for every Casimir C.
+//! Friction f is a part of the velocity of which nothing is asked: dH/dt = −⟨η, ẋ_H⟩ + ⟨dH, f⟩, and dC/dt = ⟨dC, f⟩ for
+//! every Casimir C. Where there are Casimirs it leaves the leaves. Where there are none it changes the symplectic form.
 
 use leafwise_expression::Expression;
 
@@ -21,7 +22,7 @@ pub enum MotionClass {
     Hamiltonian,
     /// ẋ = −Π(dH + η), along symplectic leaves.
     OnLeaves,
-    /// ẋ = −Π(dH + η) + f, with a friction f.
+    /// ẋ = −Π(dH + η) + f, with a friction f, which leaves the leaves where there are Casimirs.
     OffLeaves,
 }
 
@@ -96,6 +97,18 @@ impl Forces {
             (true, None) if self.one_form.is_empty() => MotionClass::Hamiltonian,
             (true, _) => MotionClass::OnLeaves,
         }
+    }
+
+    /// Those that are there, in words: `the forces and the friction`.
+    pub fn words(&self) -> String {
+        let kinds = [
+            (!self.one_form.is_empty(), "the forces"),
+            (self.damping.is_some(), "the damping"),
+            (!self.friction.is_empty(), "the friction"),
+        ];
+        let present = kinds.iter().filter(|(is_present, _)| *is_present);
+        let words: Vec<&str> = present.map(|(_, word)| *word).collect();
+        words.join(" and ")
     }
 
     /// Every formula in them.

@@ -16,7 +16,30 @@ pub struct Boozer {
     data: BoozerData,
     surfaces: Surfaces,
     strength: Strength,
+    repeated: [bool; 2],
+    departures: Vec<Departure>,
 }
+
+/// A place where a table leaves the range of the numbers on the surfaces.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Departure {
+    /// `|B|`, `iota` or `G`.
+    pub name: &'static str,
+    /// The surface.
+    pub s: f64,
+    /// Its number there.
+    pub value: f64,
+    /// The least and the largest of the numbers on the surfaces.
+    pub range: [f64; 2],
+    /// Where s lies among the surfaces, in words.
+    pub place: String,
+}
+
+/// The part of the range of numbers by which their table may leave it, and the part of their size that nobody sees.
+///
+/// A harmonic that is linear in s leaves it by 0.2 at the end of the tables, s = 1.2, where the last surface is the edge.
+const BEYOND: f64 = 0.5;
+const SEEN: f64 = 1e-6;
 
 /// The part of the smallest |B| between nodes below which draws of starts take it to be.
 const BELOW: f64 = 0.95;
@@ -33,14 +56,81 @@ impl Boozer {
     /// # Errors
     /// [`EquilibriumError::Odd`] for numbers that are no field.
     pub fn new(data: BoozerData) -> Result<Self, EquilibriumError> {
-        check(&data).map_err(EquilibriumError::Odd)?;
+        let (data, repeated) = data.without_repeats();
+        check(&data, repeated).map_err(EquilibriumError::Odd)?;
         let surfaces = Surfaces::new(&data.s);
         let strength = Strength::new(&data, &surfaces);
-        Ok(Self {
+        let mut field = Self {
             data,
             surfaces,
             strength,
-        })
+            repeated,
+            departures: Vec::new(),
+        };
+        field.departures = field.departed()?;
+        Ok(field)
+    }
+
+    /// Whether the numbers had a last node of θ, and of ζ, that repeats the first one and was left out.
+    pub fn repeated(&self) -> [bool; 2] {
+        self.repeated
+    }
+
+    /// Where the tables of |B|, ι and G leave the range of the numbers by most, of each that leaves it by more than half.
+    pub fn departures(&self) -> &[Departure] {
+        &self.departures
+    }
+
+    /// Those departures, from the axis to the end of the tables.
+    ///
+    /// # Errors
+    /// [`EquilibriumError::Odd`] where |B| is not above 0, or G + ιI changes its sign.
+    fn departed(&self) -> Result<Vec<Departure>, EquilibriumError> {
+        let mut found: [Option<Departure>; 3] = [None, None, None];
+        let own = [
+            ("|B|", self.range()),
+            ("iota", range_of(&self.data.iota)),
+            ("G", range_of(&self.data.g)),
+        ];
+        let along = |s: f64| self.g(s) + self.iota(s) * self.i_over_s(s) * s;
+        let outer = along(self.data.s[self.data.s.len() - 1]);
+        for s in self.surfaces.places() {
+            let strength = self.strength.range(&self.surfaces, s);
+            let place = || self.surfaces.place(s);
+            if !(strength[0] > 0.0) {
+                return Err(EquilibriumError::Odd(format!(
+                    "the table of |B| would have {:.3e} T at s = {s:.3}, {}: give surfaces there",
+                    strength[0],
+                    place()
+                )));
+            }
+            if !(along(s) * outer > 0.0) {
+                return Err(EquilibriumError::Odd(format!(
+                    "G + iota I would change its sign before s = {s:.3}, {}: give surfaces there",
+                    place()
+                )));
+            }
+            let numbers = [strength, [self.iota(s); 2], [self.g(s); 2]];
+            for ((worst, (name, range)), [least, most]) in found.iter_mut().zip(own).zip(numbers) {
+                let margin = beyond(range, range[0].abs().max(range[1].abs()));
+                for value in [least, most] {
+                    let off = (range[0] - value).max(value - range[1]);
+                    let so_far = worst.as_ref().map_or(margin, |worst| {
+                        (worst.range[0] - worst.value).max(worst.value - worst.range[1])
+                    });
+                    if off > so_far {
+                        *worst = Some(Departure {
+                            name,
+                            s,
+                            value,
+                            range,
+                            place: place(),
+                        });
+                    }
+                }
+            }
+        }
+        Ok(found.into_iter().flatten().collect())
     }
 
     /// The numbers.
@@ -76,20 +166,20 @@ impl Boozer {
         }
     }
 
-    /// Whether |B| is the same at every ζ.
+    /// Whether |B| is the same at every ζ, up to the round-off of a sum of so many harmonics as there are nodes.
     pub fn is_axisymmetric(&self) -> bool {
-        let [_, along_zeta] = self.data.nodes;
+        let [along_theta, along_zeta] = self.data.nodes;
+        let tolerance = (along_theta * along_zeta) as f64 * f64::EPSILON;
         let mut rows = self.data.strength.chunks(along_zeta);
-        rows.all(|row| row.iter().all(|b| *b == row[0]))
+        rows.all(|row| {
+            let mut off = row.iter().map(|b| (b - row[0]).abs());
+            off.all(|off| off <= tolerance * row[0])
+        })
     }
 
     /// The least and the largest |B| of the numbers, in T.
     pub fn range(&self) -> [f64; 2] {
-        let all = || self.data.strength.iter().copied();
-        [
-            all().fold(f64::INFINITY, f64::min),
-            all().fold(0.0, f64::max),
-        ]
+        range_of(&self.data.strength)
     }
 
     /// The single particle: at θ = 0 and ζ = 0 of the surface. States are x, y, ζ and ρ.
@@ -148,4 +238,17 @@ impl Boozer {
             moment: speed * speed * (1.0 - pitch * pitch) / (2.0 * strength),
         }
     }
+}
+
+fn range_of(numbers: &[f64]) -> [f64; 2] {
+    let all = || numbers.iter().copied();
+    [
+        all().fold(f64::INFINITY, f64::min),
+        all().fold(f64::NEG_INFINITY, f64::max),
+    ]
+}
+
+/// By how much a table may leave a range of numbers of this size.
+fn beyond([least, most]: [f64; 2], size: f64) -> f64 {
+    (BEYOND * (most - least)).max(SEEN * size)
 }

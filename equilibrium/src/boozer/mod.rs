@@ -12,7 +12,7 @@
 //! - Module `data`: the numbers.
 //! - Module `surfaces`: numbers between surfaces and beyond the last one.
 //! - Module `strength`: |B| anywhere, by harmonics of the angles on each surface.
-//! - Module `field`: the field, and starts of particles.
+//! - Module `field`: the field, where its tables leave the numbers, and starts of particles.
 //! - Module `scene`: the scene, and the files of its tables.
 
 mod data;
@@ -22,5 +22,5 @@ mod strength;
 mod surfaces;
 
 pub use data::BoozerData;
-pub use field::Boozer;
+pub use field::{Boozer, Departure};
 pub use scene::written_in_boozer;

@@ -4,12 +4,10 @@ use std::f64::consts::PI;
 use std::fmt::Write;
 
 use super::field::Boozer;
+use super::surfaces::LARGEST;
 use crate::error::EquilibriumError;
 use crate::ions::Ions;
 use crate::written::{Written, array, rounded, states};
-
-/// Largest s of the tables: what a step looks at beyond the edge, s = 1.
-const LARGEST: f64 = 1.2;
 
 /// Steps in the way around a surface the short way, and along a field period, with all speed along B.
 const STEPS: [f64; 2] = [400.0, 40.0];
@@ -213,19 +211,17 @@ fn disk(field: &Boozer, nodes: usize) -> (Vec<f64>, Vec<usize>) {
     (numbers, shape)
 }
 
-/// The length of field line in a turn of ζ is 2π (G + ιI)/B.
+/// A part of the shortest time on the way: around the surface the short way, and along a field period. The length of field line in
+/// a turn of ζ is 2π (G + ιI)/B.
 fn time_step(field: &Boozer, ions: &Ions) -> Result<f64, EquilibriumError> {
     let (speed, s) = (ions.checked_speed()?, ions.checked_surface()?);
     let iota = field.iota(s).abs();
     let along = (field.g(s) + field.iota(s) * field.i_over_s(s) * s).abs();
     let turn = 2.0 * PI * along / (field.strength(s, 0.0, 0.0) * speed);
     let [around, period] = STEPS;
-    let mut step = f64::INFINITY;
-    if iota > 0.0 {
-        step = turn / (iota * around);
-    }
-    if !field.is_axisymmetric() || iota == 0.0 {
-        step = step.min(turn / (f64::from(field.data().periods) * period));
-    }
-    Ok(rounded(step))
+    // Of an ι of 0 the first is infinite.
+    let around = turn / (iota * around);
+    Ok(rounded(
+        around.min(turn / (f64::from(field.data().periods) * period)),
+    ))
 }

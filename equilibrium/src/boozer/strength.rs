@@ -25,10 +25,12 @@ impl Strength {
             for l in 0..along_zeta {
                 let column: Vec<f64> = (0..along_theta).map(|j| rows[j * along_zeta + l]).collect();
                 for (a, harmonic) in analysed(&column).into_iter().enumerate() {
-                    let harmonic = match (order(a) % 2, *s > 0.0) {
+                    let harmonic = match (order(a), *s > 0.0) {
                         (0, _) => harmonic,
-                        (_, true) => harmonic / libm::sqrt(*s),
+                        // |B| on the axis has one value at each ζ.
                         (_, false) => 0.0,
+                        (order, true) if order % 2 == 1 => harmonic / libm::sqrt(*s),
+                        (_, true) => harmonic,
                     };
                     own[a * along_zeta + l] = harmonic;
                 }
@@ -44,54 +46,82 @@ impl Strength {
 
     /// |B| at one place.
     pub(super) fn at(&self, surfaces: &Surfaces, s: f64, theta: f64, zeta: f64) -> f64 {
+        let own = self.on_surface(surfaces, s);
         let [_, along_zeta] = self.nodes;
-        let along = self.along_zeta(surfaces, s, theta);
-        let basis = basis(along_zeta, self.periods * zeta);
-        along
-            .iter()
-            .zip(basis)
-            .map(|(own, value)| own * value)
-            .sum()
+        sum(
+            &self.along_zeta(&own, theta),
+            &basis(along_zeta, self.periods * zeta),
+        )
     }
 
     /// |B| at so many nodes of a field period.
     pub(super) fn line(&self, surfaces: &Surfaces, s: f64, theta: f64, count: usize) -> Vec<f64> {
-        let [_, along_zeta] = self.nodes;
-        let along = self.along_zeta(surfaces, s, theta);
-        let at = |l: usize| {
-            let basis = basis(along_zeta, 2.0 * PI * l as f64 / count as f64);
-            along
-                .iter()
-                .zip(basis)
-                .map(|(own, value)| own * value)
-                .sum()
-        };
+        let along = self.along_zeta(&self.on_surface(surfaces, s), theta);
+        let bases = self.bases(count);
+        bases.iter().map(|basis| sum(&along, basis)).collect()
+    }
+
+    /// The least and the largest |B| at one s, of twice the nodes.
+    pub(super) fn range(&self, surfaces: &Surfaces, s: f64) -> [f64; 2] {
+        let own = self.on_surface(surfaces, s);
+        let [along_theta, along_zeta] = self.nodes.map(|nodes| 2 * nodes);
+        let bases = self.bases(along_zeta);
+        let mut range = [f64::INFINITY, f64::NEG_INFINITY];
+        for j in 0..along_theta {
+            let along = self.along_zeta(&own, 2.0 * PI * j as f64 / along_theta as f64);
+            for basis in &bases {
+                let strength = sum(&along, basis);
+                range = [range[0].min(strength), range[1].max(strength)];
+            }
+        }
+        range
+    }
+
+    /// The functions of ζ at so many nodes of a field period.
+    fn bases(&self, count: usize) -> Vec<Vec<f64>> {
+        let at = |l: usize| basis(self.nodes[1], 2.0 * PI * l as f64 / count as f64);
         (0..count).map(at).collect()
     }
 
-    /// The harmonics of ζ at one s and θ.
-    fn along_zeta(&self, surfaces: &Surfaces, s: f64, theta: f64) -> Vec<f64> {
+    /// The harmonics at one s.
+    fn on_surface(&self, surfaces: &Surfaces, s: f64) -> Vec<f64> {
         let [along_theta, along_zeta] = self.nodes;
         let each = along_theta * along_zeta;
         let (even, odd) = (surfaces.parts(false, s), surfaces.parts(true, s));
-        let basis = basis(along_theta, theta);
         let root = libm::sqrt(s);
-        let mut along = vec![0.0; along_zeta];
+        let mut own = vec![0.0; each];
         let parts = even.each().iter().zip(odd.each());
         for (numbers, (even, odd)) in self.harmonics.chunks(each).zip(parts) {
-            for (a, (row, value)) in numbers.chunks(along_zeta).zip(&basis).enumerate() {
-                let factor = value
-                    * match order(a) % 2 {
-                        0 => *even,
-                        _ => odd * root,
-                    };
-                for (sum, harmonic) in along.iter_mut().zip(row) {
+            let rows = own
+                .chunks_mut(along_zeta)
+                .zip(numbers.chunks(along_zeta))
+                .enumerate();
+            for (a, (sums, row)) in rows {
+                let factor = if order(a) % 2 == 0 { *even } else { odd * root };
+                for (sum, harmonic) in sums.iter_mut().zip(row) {
                     *sum += factor * harmonic;
                 }
             }
         }
+        own
+    }
+
+    /// The harmonics of ζ at one θ, of those at one s.
+    fn along_zeta(&self, own: &[f64], theta: f64) -> Vec<f64> {
+        let [along_theta, along_zeta] = self.nodes;
+        let mut along = vec![0.0; along_zeta];
+        for (row, value) in own.chunks(along_zeta).zip(basis(along_theta, theta)) {
+            for (sum, harmonic) in along.iter_mut().zip(row) {
+                *sum += value * harmonic;
+            }
+        }
         along
     }
+}
+
+fn sum(harmonics: &[f64], basis: &[f64]) -> f64 {
+    let terms = harmonics.iter().zip(basis);
+    terms.map(|(own, value)| own * value).sum()
 }
 
 /// The order m of the function number a: 1, cos x, sin x, cos 2x, ….

@@ -6,6 +6,12 @@ const DEGREE: usize = 5;
 /// The width in s of the surfaces that the continuation beyond the last one is made of, and where it becomes constant.
 const CONTINUED: f64 = 0.3;
 
+/// Largest s of the tables: where a step looks beyond the edge, s = 1.
+pub(super) const LARGEST: f64 = 1.2;
+
+/// Places between two surfaces at which the tables are looked at, the second surface with them.
+const PLACES: usize = 4;
+
 /// Surfaces by their s.
 #[derive(Clone, Debug)]
 pub(super) struct Surfaces {
@@ -45,6 +51,35 @@ impl Surfaces {
     /// The surfaces' s.
     pub(super) fn s(&self) -> &[f64] {
         &self.s
+    }
+
+    /// Places from the axis to the end of the tables, some between each two surfaces.
+    pub(super) fn places(&self) -> Vec<f64> {
+        let inner = self.s.iter().copied().filter(|s| *s > 0.0);
+        let ends: Vec<f64> = std::iter::once(0.0).chain(inner).chain([LARGEST]).collect();
+        let between = ends.windows(2).flat_map(|pair| {
+            let of = |place: usize| place as f64 / PLACES as f64;
+            let (from, to) = (pair[0], pair[1]);
+            (1..=PLACES).map(move |place| from + (to - from) * of(place))
+        });
+        std::iter::once(0.0).chain(between).collect()
+    }
+
+    /// Where an s lies among the surfaces, in words.
+    pub(super) fn place(&self, s: f64) -> String {
+        let (first, last) = (self.s[0], self.s[self.s.len() - 1]);
+        if s < first {
+            return format!("before the first surface, s = {first}");
+        }
+        if s > last {
+            return format!("beyond the last surface, s = {last}");
+        }
+        let above = self.s.partition_point(|own| *own < s).max(1);
+        format!(
+            "between the surfaces s = {} and {}",
+            self.s[above - 1],
+            self.s[above]
+        )
     }
 
     /// A smooth function of s by its numbers on the surfaces.

@@ -13,6 +13,7 @@ from typing import Any, Literal
 import numpy as np
 
 from ._arrays import count, number, reals
+from ._booz_xform import field_of, is_booz_xform
 from ._commands import command
 from ._scene import Scene
 
@@ -32,6 +33,7 @@ class BoozerField:
         field_range: the least and the largest field strength, in T.
         iota: the rotational transform on the axis and at the edge.
         is_axisymmetric: whether the field strength is the same at every zeta.
+        warnings: nodes that were left out, and where the tables leave the numbers of the surfaces.
     """
 
     scene: Scene = field(repr=False)
@@ -41,6 +43,7 @@ class BoozerField:
     field_range: tuple[float, float]
     iota: tuple[float, float]
     is_axisymmetric: bool
+    warnings: tuple[str, ...]
 
 
 def import_boozer(
@@ -59,9 +62,10 @@ def import_boozer(
     """Write a scene of guiding centres in a field in Boozer coordinates.
 
     Args:
-        source: the field: a mapping, a dataset of xarray, or the path of a file in JSON or NetCDF. Datasets and NetCDF need xarray.
-            Its entries are ``periods`` and ``psi``, the toroidal flux at the edge over 2 pi in Wb/rad. On the surfaces they are ``s``,
-            ``iota``, ``G`` and ``I`` in T m. ``B`` in T is over surfaces, theta and zeta. ``I`` is 0 where it is left out.
+        source: the field: a mapping, a dataset of xarray, or the path of a file in JSON or NetCDF, which needs xarray or SciPy. Its
+            entries are ``periods`` and ``psi``, the toroidal flux at the edge over 2 pi in Wb/rad. On the surfaces they are ``s``,
+            ``iota``, ``G`` and ``I`` in T m. ``B`` in T is over surfaces, theta and zeta. ``I`` is 0 where it is left out. Or its
+            entries have the names of booz_xform, ``bmnc_b``, ``ixm_b``, …, as those of a file ``boozmn_*.nc``.
         out: the new directory of ``scene.toml`` and its tables.
         species: the particles.
         energy: their kinetic energy, in keV.
@@ -100,6 +104,7 @@ def import_boozer(
         field_range=tuple(told["field"]),
         iota=tuple(told["iota"]),
         is_axisymmetric=told["is_axisymmetric"],
+        warnings=tuple(told["warnings"]),
     )
 
 
@@ -109,14 +114,29 @@ def _file(source: Any, folder: Path) -> str:
         path = fspath(source)
         if not str(path).endswith((".nc", ".nc4", ".cdf")):
             return str(path)
-        import xarray
-
-        with xarray.open_dataset(path) as dataset:
-            return _written(dataset.load(), folder)
+        return _written(_dataset(str(path)), folder)
     return _written(source, folder)
 
 
+def _dataset(path: str) -> Mapping[Any, Any]:
+    """The variables of a NetCDF file, by xarray, or by SciPy, which reads the third version of the format."""
+    try:
+        import xarray
+    except ImportError:
+        try:
+            from scipy.io import netcdf_file
+        except ImportError:
+            raise ImportError(f"{path} is NetCDF: reading it needs xarray with netCDF4, or SciPy") from None
+        with netcdf_file(path, "r", mmap=False) as file:
+            return {name: np.array(variable.data) for name, variable in file.variables.items()}
+    with xarray.open_dataset(path, decode_times=False) as dataset:
+        loaded: Mapping[Any, Any] = dataset.load()
+        return loaded
+
+
 def _written(source: Mapping[Any, Any], folder: Path) -> str:
+    if is_booz_xform(source):
+        source = field_of(source)
     attributes: Mapping[str, Any] = getattr(source, "attrs", {})
     missing = [name for name in ("periods", "psi", "s", "iota", "G", "B") if name not in source and name not in attributes]
     if missing:

@@ -23,6 +23,7 @@ class Equilibrium:
         field_on_axis: B_R, B_Z and B_phi there, in T.
         safety_factors: for four surfaces the normalized flux ``s``, the safety factor ``q`` of the field, and that ``in_file``.
         has_edge: whether the edge, s = 1, is closed inside the grid.
+        warnings: where the tables do not follow the file, and an edge that is not closed.
     """
 
     scene: Scene = field(repr=False)
@@ -32,6 +33,7 @@ class Equilibrium:
     field_on_axis: tuple[float, float, float]
     safety_factors: list[dict[str, float | None]]
     has_edge: bool
+    warnings: tuple[str, ...]
 
 
 def import_equilibrium(
@@ -86,4 +88,5 @@ def import_equilibrium(
         field_on_axis=tuple(told["field_on_axis"]),
         safety_factors=told["safety_factors"],
         has_edge=told["has_edge"],
+        warnings=tuple(told["warnings"]),
     )

@@ -6,10 +6,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use leafwise::core::{Registry, SolverStatistics};
+use leafwise::run::advice::splitting_instead;
 use leafwise::run::{
-    Advice, ChaosVerdict, Failure as StepFailure, InvariantDrift, Kind, NoStateError, RunJob,
-    RunOptions, RunOutcome, RunReport, ShadowVerdict, SolverFields, StateError, after_origin,
-    default_directory, perform,
+    Advice, AdviceKind, ChaosVerdict, Failure as StepFailure, InvariantDrift, Kind, NoStateError,
+    RunJob, RunOptions, RunOutcome, RunReport, ShadowVerdict, SolverFields, StateError,
+    after_origin, default_directory, perform,
 };
 use leafwise::scene::SceneDocument;
 use leafwise::scene::compose::{ComposedRun, WIDEST_STATE, compose};
@@ -264,6 +265,7 @@ fn summary(
             .work_of_forces()
             .map(|text| format!("  energy   {text}")),
     );
+    lines.extend(splitting_line(composed, registry, report));
     lines.extend(states_line(composed).map(|line| format!("  states   {line}")));
     lines.push(format!("  report   {}", options.report().display()));
     if report.outcome == RunOutcome::Interrupted {
@@ -278,6 +280,22 @@ fn summary(
         ));
     }
     lines
+}
+
+/// The stepper that solves nothing, where H is a sum that it takes and no warning names it.
+fn splitting_line(
+    composed: &ComposedRun,
+    registry: &Registry,
+    report: &RunReport,
+) -> Option<String> {
+    let is_named = |one: &Advice| one.kind == AdviceKind::NoPoissonMap;
+    if report.outcome != RunOutcome::Done || report.advice.iter().any(is_named) {
+        return None;
+    }
+    let name = splitting_instead(composed, registry)?;
+    Some(format!(
+        "  method   H is a sum of pieces with exact flows, and stepper = \"{name}\" solves no equations: --explain measures both"
+    ))
 }
 
 /// Where states are that `samples.csv` does not hold, or how to record some.

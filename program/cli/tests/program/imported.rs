@@ -142,8 +142,61 @@ fn fields_that_are_none_are_refused_with_what_is_wrong() {
         field.to_string()
     };
     for (text, message) in [
-        ("{}".to_owned(), "missing field `periods`"),
-        (with("currents", 1.into()), "unknown field `currents`"),
+        ("{}".to_owned(), "`B` is missing"),
+        ("[1, 2]".to_owned(), "no two whole numbers"),
+        (
+            with("currents", 1.into()),
+            "`currents` is no name of a field",
+        ),
+        (
+            with("periods", 5.5.into()),
+            "`periods` is 5.5, and must be a whole number",
+        ),
+        (
+            with("periods", (-5).into()),
+            "`periods` is -5, and must be a whole number",
+        ),
+        (
+            with("periods", u32::MAX.into()),
+            "`periods` is 4294967295: a torus has 1 to 1000 field periods",
+        ),
+        (
+            with("periods", "five".into()),
+            "`periods` is the text \"five\", and must be a number",
+        ),
+        (
+            with("psi", serde_json::Value::Null),
+            "`psi` is null, and must be a number",
+        ),
+        (with("psi", 1e-300.into()), "`psi` is 1e-300 Wb/rad"),
+        (
+            with("G", serde_json::json!([3.2, null])),
+            "`G[1]` is null, and must be a number",
+        ),
+        (
+            with("s", 0.5.into()),
+            "`s` is 0.5, and must be a list of numbers",
+        ),
+        (
+            stellarator()
+                .to_string()
+                .replace("\"psi\":0.4", "\"psi\":NaN"),
+            "JSON has no NaN",
+        ),
+        (
+            stellarator()
+                .to_string()
+                .replace("\"psi\":0.4", "\"psi\":1e999"),
+            "no JSON: number out of range",
+        ),
+        (
+            with("B", serde_json::json!([[[1.0, 2.0], [1.0, "x"]]])),
+            "`B[0][1][1]` is the text \"x\", and must be a number",
+        ),
+        (
+            with("B", 1.into()),
+            "`B` is 1, and must be lists of numbers",
+        ),
         (with("B", "B.npy".into()), "B.npy"),
         (
             with("iota", vec![0.5; 8].into()),
@@ -161,4 +214,66 @@ fn fields_that_are_none_are_refused_with_what_is_wrong() {
         said.says(&[message, "field.json"]);
         assert!(!here.path("field/scene.toml").exists());
     }
+}
+
+/// Whole numbers in any spelling are taken; what is left out, and where a table leaves the numbers, is told on both outputs.
+#[test]
+fn what_an_import_leaves_out_or_guesses_is_told() {
+    let here = Place::new();
+    let mut field = stellarator();
+    field["periods"] = 5.0.into();
+    for surface in field["B"].as_array_mut().expect("surfaces") {
+        let rows = surface.as_array_mut().expect("rows");
+        rows.push(rows[0].clone());
+    }
+    // A transform that rises within the last surfaces.
+    let steep: Vec<f64> = (0..9)
+        .map(|k| libm::exp(6.0 * (f64::from(k) / 8.0 - 1.0)))
+        .collect();
+    field["iota"] = steep.into();
+    here.write("field.json", &field.to_string());
+    let said = here.leafwise(&["import", "field.json", "--nodes", "17", "--json"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let told = [
+        "the last node of theta is the end of a turn and repeats the first one: it is left out",
+        "the table of iota has",
+        "beyond the last surface, s = 1",
+    ];
+    said.says(&told);
+    let json = said.json();
+    assert_eq!(json["nodes"], serde_json::json!([9, 8, 6]));
+    assert_eq!(json["warnings"].as_array().map(Vec::len), Some(2), "{json}");
+}
+
+/// ψ with noise of a hundredth of its range warns, with a number; that of the scenes does not.
+#[test]
+fn a_noisy_flux_is_told() {
+    let here = Place::new();
+    let text = solovev();
+    here.write("shot.geqdsk", &text);
+    let said = here.leafwise(&["import", "shot.geqdsk", "--json"]);
+    assert_eq!(said.json()["warnings"], serde_json::json!([]));
+    assert!(
+        said.json()["roughness"]
+            .as_f64()
+            .is_some_and(|part| part < 1e-6)
+    );
+    // Every third number of ψ, away from the lines about the axis, a hundredth of its range larger.
+    let (first, last) = (5 + 4 * 7, 5 + 4 * 7 + 33 * 33 / 5);
+    let moved = |at: usize, line: &str| {
+        let is_far = (first + 10..first + 70).contains(&at) || (last - 70..last - 10).contains(&at);
+        if !is_far || at % 3 > 0 {
+            return line.to_owned();
+        }
+        let (head, tail) = line.split_at(16);
+        let number: f64 = head.trim().parse().expect("a number");
+        format!("{:>16}{tail}", format!("{:.9E}", number + 4e-3))
+    };
+    let noisy: Vec<String> = (text.lines().enumerate())
+        .map(|(at, line)| moved(at, line))
+        .collect();
+    here.write("noisy.geqdsk", &noisy.join("\n"));
+    let said = here.leafwise(&["import", "noisy.geqdsk"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    said.says(&["psi of the file is noisy, or its grid coarse"]);
 }

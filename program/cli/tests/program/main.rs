@@ -16,6 +16,7 @@ mod kept;
 mod kills;
 mod learned;
 mod motion;
+mod newcomers;
 mod noise;
 mod orbits;
 mod other_commands;

@@ -170,7 +170,10 @@ fn events_that_change_the_state_and_forces_are_refused() {
     let here = Place::with(&forced);
     let said = here.leafwise(&["orbit", "scene.toml"]);
     assert_eq!(said.code, Some(2), "{}", said.out);
-    said.says(&["a motion with forces does not hold the energy"]);
+    said.says(&[
+        "a motion with forces or friction does not hold the energy",
+        "take system.forces out",
+    ]);
 }
 
 /// Both ends of the family, as text, JSON and files.

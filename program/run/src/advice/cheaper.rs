@@ -5,7 +5,7 @@
 use std::sync::Arc;
 
 use leafwise_core::automatic::OverLift;
-use leafwise_core::part::{Family, PartKind};
+use leafwise_core::part::{Family, PartInfo, PartKind};
 use leafwise_core::{Method, PartParameters, Registry, StepMap, Walk};
 use leafwise_scene::compose::ComposedRun;
 use leafwise_scene::document::{MethodTable, PartUse};
@@ -146,25 +146,50 @@ fn over_lifts(run: &ComposedRun, registry: &Registry) -> Vec<Tried> {
         .collect()
 }
 
+/// The stepper by exact flows of the pieces of H, for a run over a constant tensor that solves an equation each step. No step is made.
+///
+/// `None` where it does not fit, and for runs with forces, noise or a pace, of many coordinates or few steps.
+pub fn splitting_instead(run: &ComposedRun, registry: &Registry) -> Option<&'static str> {
+    let tensor = run.system.expressions()?.tensor();
+    let is_constant = tensor.values().all(|entry| entry.variables().is_empty());
+    let is_plain = run.method.lattice().is_none()
+        && run.method.noise().is_none()
+        && run.contact.is_none()
+        && run.pace().is_none()
+        && !run.system.has_forces();
+    let is_short = run.plan.until.is_none() && run.plan.steps < TIMES * LONGEST;
+    if !is_constant || !is_plain || is_short || run.dimension() > LARGEST {
+        return None;
+    }
+    let explicit = registry.family(Family::Explicit);
+    let parts = run.plan.parts.iter();
+    let mut steppers = parts.filter(|part| part.kind == PartKind::Stepper);
+    if steppers.any(|part| explicit.iter().any(|info| info.name == part.name)) {
+        return None;
+    }
+    flows(run, registry).map(|(info, _)| info.name)
+}
+
+/// The map by exact flows of the pieces of H; none where the run's own is of these.
+fn flows(run: &ComposedRun, registry: &Registry) -> Option<(&'static PartInfo, Arc<dyn StepMap>)> {
+    let known = registry.family(Family::Splitting);
+    let parts = run.plan.parts.iter();
+    let mut steppers = parts.filter(|part| part.kind == PartKind::Stepper);
+    if steppers.any(|part| known.iter().any(|info| info.name == part.name)) {
+        return None;
+    }
+    let info = *known.first()?;
+    let part = registry.stepper(info.name).ok()?;
+    let map = part.build(&run.system, &PartParameters::new()).ok()?;
+    Some((info, map))
+}
+
 /// Flows of the pieces of H and their compositions; none where the run's own are of these.
 fn by_flows(run: &ComposedRun, registry: &Registry) -> Vec<Tried> {
-    let known = registry.family(Family::Splitting);
-    let mut parts = run
-        .plan
-        .parts
-        .iter()
-        .filter(|part| part.kind == PartKind::Stepper);
-    if parts.any(|part| known.iter().any(|info| info.name == part.name)) {
-        return Vec::new();
-    }
-    let base = known.first().and_then(|info| {
-        let part = registry.stepper(info.name).ok()?;
-        let map = part.build(&run.system, &PartParameters::new()).ok()?;
-        Some((MethodTable::stepper(PartUse::named(info.name)), map))
-    });
-    let Some((method, map)) = base else {
+    let Some((info, map)) = flows(run, registry) else {
         return Vec::new();
     };
+    let method = MethodTable::stepper(PartUse::named(info.name));
     let composed = compositions(registry).into_iter().filter_map(|part| {
         let of = part.build(Arc::clone(&map), &PartParameters::new()).ok()?;
         Some((method.clone().composed(PartUse::named(part.info.name)), of))

@@ -52,7 +52,7 @@ mod unused;
 use leafwise_core::{Registry, Walk};
 use serde::Serialize;
 
-pub use cheaper::{CheaperMethod, cheaper_method};
+pub use cheaper::{CheaperMethod, cheaper_method, splitting_instead};
 pub(crate) use claims::casimir_drift;
 pub(crate) use constraints::off_constraints;
 pub(crate) use energy::EnergyError;

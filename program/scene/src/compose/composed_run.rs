@@ -95,6 +95,11 @@ impl ComposedRun {
         })
     }
 
+    /// Forces and friction by their keys, in the words of an advice: `take system.forces and system.friction out`.
+    pub fn without_forces(&self) -> String {
+        format!("take {} out", self.force_keys.join(" and "))
+    }
+
     /// Work of forces, of friction, of noise and of contact motions: how they change the energy and the Casimirs, in words. What steps that keep
     /// the energy are. `None` elsewhere.
     pub fn work_of_forces(&self) -> Option<String> {
@@ -109,12 +114,17 @@ impl ComposedRun {
         }
         let forces = self.system.expressions()?.forces();
         if forces.motion() == MotionClass::OffLeaves {
-            let energy = match self.method.noise() {
-                None => "changes by the friction: dH/dt = <dH, friction>",
-                Some(_) => "changes by the noise and the friction",
+            let has_forces = !forces.one_form.is_empty() || forces.damping.is_some();
+            let energy = match (self.method.noise().is_some(), has_forces) {
+                (false, false) => "changes by the friction: dH/dt = <dH, friction>",
+                (false, true) => {
+                    "changes by the forces and the friction: dH/dt = -<forces, {H, x}> + <dH, friction>"
+                }
+                (true, false) => "changes by the noise and the friction",
+                (true, true) => "changes by the noise, the forces and the friction",
             };
             let map = match self.system.casimir_names().is_empty() {
-                true => "no Poisson map: friction is along no symplectic leaf",
+                true => "no Poisson map: the friction changes the tensor",
                 false => {
                     "no Poisson map: the Casimirs change by the friction, dC/dt = <dC, friction>"
                 }

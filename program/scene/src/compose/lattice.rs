@@ -353,7 +353,7 @@ fn force_reach(
     }
     if let Some(friction) = &forces.friction {
         let help = "shorten the lattice for a stepper that writes it out, or write forces along the leaves: forces = { \"q[i]\" = \"0.1*p[i]\" }";
-        let message = "on a lattice of this length every step is along symplectic leaves, and friction is along none";
+        let message = "on a lattice of this length no step follows friction: every one is a Poisson map or along symplectic leaves";
         return refuse(friction.place(), message, help);
     }
     if let Some(torque) = &forces.torque {

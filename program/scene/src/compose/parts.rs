@@ -193,6 +193,14 @@ fn pair(
     registry: &Registry,
     choices: &mut Vec<PartChoice>,
 ) -> Result<Base, Refusal> {
+    if let (Some(friction), None) = (&document.system.forces.friction, &document.method.dynamics) {
+        let part = "a realization with a dynamics".to_owned();
+        let message = registry.explain(&BuildError::Friction { part });
+        let place = friction.place();
+        return Err(Box::new(
+            document.diagnostic(&place, message, "friction", None),
+        ));
+    }
     let (default, order) = if system.has_forces() {
         (registry.of_forces().map_or("auto", |info| info.name), 0)
     } else if system.expressions().is_some() {

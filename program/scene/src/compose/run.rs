@@ -93,6 +93,8 @@ pub struct ComposedRun {
     pub method: Stepping,
     /// From where, how far, what to keep.
     pub plan: RunPlan,
+    /// The keys of the scene that give forces and friction.
+    pub force_keys: Vec<&'static str>,
     pub(super) functions: CompiledFunctions,
 }
 
@@ -289,6 +291,7 @@ fn compose_at_its_values(
             .collect(),
     };
     Ok(ComposedRun {
+        force_keys: document.system.forces.keys(),
         system: composed.system,
         near: composed.near,
         extension: composed.extension,

@@ -82,7 +82,7 @@ impl ShadowEnergy {
             return Err(NoShadow {
                 message: "a motion with forces is the flow of no Hamiltonian, and its steps have no shadow Hamiltonian"
                     .to_owned(),
-                help: "record `energy`, or take the forces out".to_owned(),
+                help: format!("record `energy`, or take {} out", formulas.forces().words()),
             });
         }
         let products = match asked {

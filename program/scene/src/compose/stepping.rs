@@ -189,7 +189,7 @@ impl Stepping {
                     "a contact map, to round-off: ds - p dq is multiplied by a function".to_owned()
                 }
                 Structure::None if motion == MotionClass::OffLeaves => {
-                    "no Poisson map, as the motion is none: friction leaves the symplectic leaves"
+                    "no Poisson map, as the motion is none: friction changes the tensor, and Casimirs where there are any"
                         .to_owned()
                 }
                 Structure::None => "not a Poisson map".to_owned(),

@@ -26,6 +26,13 @@ impl ComponentsSpec {
             Self::Named(entries) => entries.iter().map(|(_, formula)| formula).collect(),
         }
     }
+
+    /// Whether every formula is the number 0, or there is none.
+    fn is_zero(&self) -> bool {
+        let formulas = self.formulas();
+        let mut numbers = formulas.iter().map(|formula| formula.value.trim().parse());
+        numbers.all(|number| number == Ok(0.0_f64))
+    }
 }
 
 /// The one-form η beside dH, and the friction f beside Π(dH + η).
@@ -37,7 +44,7 @@ pub struct ForcesSpec {
     pub torque: Option<Located<TorqueSpec>>,
     /// λ g ẋ_H.
     pub damping: Option<DampingSpec>,
-    /// f_i.
+    /// f_i; `None` where each is 0.
     pub friction: Option<Located<ComponentsSpec>>,
 }
 
@@ -82,6 +89,18 @@ impl MetricSpec {
 }
 
 impl ForcesSpec {
+    /// The keys of the scene that give them.
+    pub fn keys(&self) -> Vec<&'static str> {
+        let keys = [
+            (self.one_form.is_some(), "system.forces"),
+            (self.torque.is_some(), "system.torque"),
+            (self.damping.is_some(), "system.damping"),
+            (self.friction.is_some(), "system.friction"),
+        ];
+        let present = keys.iter().filter(|(is_present, _)| *is_present);
+        present.map(|(_, key)| *key).collect()
+    }
+
     /// Every formula in it.
     pub fn formulas(&self) -> Vec<&Located<String>> {
         let one_form = self.one_form.iter();
@@ -118,6 +137,7 @@ pub(super) fn read_forces(
         Some(item) => Some(read_components(item, problems)?),
         None => known.friction,
     };
+    let friction = friction.filter(|components| !components.value.is_zero());
     let damping = match table.get("damping") {
         Some(item) => Some(read_damping(item, problems)?),
         None => known.damping,

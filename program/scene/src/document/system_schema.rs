@@ -206,8 +206,8 @@ pub(super) static SYSTEM: [Key; 18] = [
     key(
         "friction",
         Shape::Either(&[Shape::List(&Shape::Formula), FORMULAS]),
-        "A part of x' that is along no leaf, a formula for each variable, or { m3 = \"-0.1*m3\" } for some: x' = {H, x} + friction; \
-         Casimirs change by it, and steppers that are no Poisson maps take it",
+        "A velocity that is added to x', a formula for each variable, or { m3 = \"-0.1*m3\" } for some: x' = {H, x} + friction; \
+         the tensor and Casimirs change by it, and steppers that are no Poisson maps take it",
     )
     .otherwise("none")
     .not_beside(&[

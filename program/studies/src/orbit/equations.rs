@@ -257,7 +257,7 @@ fn values(observer: &mut Observer, x: &[f64]) -> Vec<f64> {
 fn no_code() -> OrbitError {
     OrbitError::NotOffered {
         message: "the invariants have no code",
-        help: "declare others",
+        help: "declare others".into(),
     }
 }
 

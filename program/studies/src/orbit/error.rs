@@ -1,5 +1,7 @@
 //! Errors of periodic orbits.
 
+use std::borrow::Cow;
+
 use leafwise_core::gradient::GradientError;
 use thiserror::Error;
 
@@ -13,7 +15,7 @@ pub enum OrbitError {
         /// Reason.
         message: &'static str,
         /// A remedy.
-        help: &'static str,
+        help: Cow<'static, str>,
     },
     /// A step fails.
     #[error("the orbit cannot be followed: {0}")]

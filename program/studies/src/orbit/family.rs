@@ -181,7 +181,7 @@ pub fn follow(
     if !way.is_finite() || way == 0.0 {
         return Err(OrbitError::NotOffered {
             message: "a family is followed to another value than that of its first orbit",
-            help: "name a value further away",
+            help: "name a value further away".into(),
         });
     }
     let mut unknowns = [x.as_slice(), &[1.0]].concat();

@@ -266,6 +266,12 @@ fn judged(
 }
 
 fn refuse(run: &ComposedRun, (period, steps): (f64, u64)) -> Result<(), OrbitError> {
+    if run.system.has_forces() {
+        return Err(OrbitError::NotOffered {
+            message: "a motion with forces or friction does not hold the energy, which the orbits that are closed do",
+            help: run.without_forces().into(),
+        });
+    }
     let (message, help) = if run.method.lattice().is_some() {
         (
             "orbits of long lattices are not closed",
@@ -280,11 +286,6 @@ fn refuse(run: &ComposedRun, (period, steps): (f64, u64)) -> Result<(), OrbitErr
         (
             "events of this scene change the state, and orbits are closed by the method's steps alone",
             "take `set` out of run.section",
-        )
-    } else if run.system.has_forces() {
-        (
-            "a motion with forces does not hold the energy, which the orbits that are closed do",
-            "take system.forces out",
         )
     } else if run.table_step().is_some() {
         (
@@ -304,5 +305,8 @@ fn refuse(run: &ComposedRun, (period, steps): (f64, u64)) -> Result<(), OrbitErr
     } else {
         return Ok(());
     };
-    Err(OrbitError::NotOffered { message, help })
+    Err(OrbitError::NotOffered {
+        message,
+        help: help.into(),
+    })
 }

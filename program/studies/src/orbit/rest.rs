@@ -5,6 +5,7 @@
 //! S definite keeps neighbours in the leaf near for all times: the energy–Casimir method (V. Arnold 1966; D. Holm, J. Marsden,
 //! T. Ratiu, A. Weinstein, Phys. Rep. 123 (1985)).
 
+use std::borrow::Cow;
 use std::cell::RefCell;
 
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
@@ -83,7 +84,7 @@ pub enum RestError {
         /// Reason.
         message: &'static str,
         /// A remedy.
-        help: &'static str,
+        help: Cow<'static, str>,
     },
     /// Functions without code or derivatives.
     #[error(transparent)]
@@ -311,6 +312,12 @@ fn applied(matrix: &Columns, v: &[f64]) -> Vec<f64> {
 }
 
 fn refuse(run: &ComposedRun) -> Result<(), RestError> {
+    if run.system.has_forces() {
+        return Err(RestError::NotOffered {
+            message: "with forces or friction the energy is not kept, by which equilibria are judged",
+            help: run.without_forces().into(),
+        });
+    }
     let (message, help) = if run.method.lattice().is_some() {
         (
             "equilibria of long lattices are not looked for",
@@ -318,11 +325,6 @@ fn refuse(run: &ComposedRun) -> Result<(), RestError> {
         )
     } else if run.method.noise().is_some() {
         ("a motion with noise does not rest", "take the noise out")
-    } else if run.system.has_forces() {
-        (
-            "with forces the energy is not kept, by which equilibria are judged",
-            "take system.forces out",
-        )
     } else if run.is_extended() {
         (
             "equilibria of systems whose H names the time, with a pace, parameters of sites or a contact bracket are not looked for",
@@ -331,5 +333,8 @@ fn refuse(run: &ComposedRun) -> Result<(), RestError> {
     } else {
         return Ok(());
     };
-    Err(RestError::NotOffered { message, help })
+    Err(RestError::NotOffered {
+        message,
+        help: help.into(),
+    })
 }

@@ -26,8 +26,11 @@ pub(super) fn with_chart(
     let run = while_building(shown, || compose(document, &parts.registry))?;
     if run.system.has_forces() {
         return Err(Failure::usage(
-            "a motion with forces is the flow of no Hamiltonian, and no generating function makes it",
-            "take the forces out of the scene, and out of the data",
+            "a motion with forces or friction is the flow of no Hamiltonian, and no generating function makes it",
+            format!(
+                "{} of the scene, and their work out of the data",
+                run.without_forces()
+            ),
         ));
     }
     let own = run.method.written().filter(|method| {

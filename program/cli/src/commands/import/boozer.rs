@@ -2,37 +2,12 @@
 
 use std::path::Path;
 
-use leafwise::equilibrium::{Boozer, BoozerData, EquilibriumError, Ions, written_in_boozer};
-use leafwise::scene::read_npy;
-use serde::{Deserialize, Serialize};
+use leafwise::equilibrium::{Boozer, EquilibriumError, Ions, written_in_boozer};
+use serde::Serialize;
 
 use super::Imported;
+use super::boozer_file::read;
 use crate::table::words;
-
-/// The file.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct BoozerFile {
-    periods: u32,
-    psi: f64,
-    s: Vec<f64>,
-    iota: Vec<f64>,
-    #[serde(rename = "G")]
-    g: Vec<f64>,
-    #[serde(rename = "I", default)]
-    i: Vec<f64>,
-    #[serde(rename = "B")]
-    strength: StrengthFile,
-}
-
-/// |B| on surfaces, of θ and of ζ.
-#[derive(Deserialize)]
-#[serde(untagged)]
-enum StrengthFile {
-    /// An array of NumPy's beside the file.
-    File(String),
-    Numbers(Vec<Vec<Vec<f64>>>),
-}
 
 /// A field as `import --json` has it.
 #[derive(Serialize)]
@@ -59,26 +34,11 @@ pub(super) fn imported(
     (ions, tables): (&Ions, (usize, u8)),
     source: &str,
 ) -> Result<Imported, EquilibriumError> {
-    let file: BoozerFile = serde_json::from_str(text).map_err(|error| {
-        EquilibriumError::Odd(format!(
-            "no field in Boozer coordinates, {{\"periods\": 5, \"psi\": …, \"s\": […], \"iota\": […], \"G\": […], \"I\": […], \
-             \"B\": \"B.npy\"}}: {error}"
-        ))
-    })?;
-    let (nodes, strength) = numbers(path, file.strength)?;
-    let field = Boozer::new(BoozerData {
-        periods: file.periods,
-        edge_flux: file.psi,
-        s: file.s,
-        iota: file.iota,
-        g: file.g,
-        i: file.i,
-        nodes,
-        strength,
-    })?;
+    let field = Boozer::new(read(path, text)?)?;
     let written = written_in_boozer(&field, ions, tables, source)?;
+    let [along_theta, along_zeta] = field.data().nodes;
     let json = BoozerJson {
-        nodes: [field.data().s.len(), nodes[0], nodes[1]],
+        nodes: [field.data().s.len(), along_theta, along_zeta],
         periods: field.data().periods,
         field_on_axis: field.strength(0.0, 0.0, 0.0),
         field: field.range(),
@@ -89,50 +49,37 @@ pub(super) fn imported(
         written,
         lines: lines(&field, &json),
         json: serde_json::to_value(&json).unwrap_or_default(),
-        warnings: Vec::new(),
+        warnings: warnings(&field),
     })
 }
 
-/// |B| as one list, and its nodes of θ and ζ.
-fn numbers(
-    path: &Path,
-    strength: StrengthFile,
-) -> Result<([usize; 2], Vec<f64>), EquilibriumError> {
-    let odd = EquilibriumError::Odd;
-    match strength {
-        StrengthFile::File(name) => {
-            let beside = path.parent().unwrap_or(Path::new("")).join(name);
-            let array = read_npy(&beside).map_err(odd)?;
-            match array.shape[..] {
-                [_, along_theta, along_zeta] => Ok(([along_theta, along_zeta], array.numbers)),
-                _ => Err(odd(format!(
-                    "{} has the shape {:?}: `B` has three axes, of surfaces, theta and zeta",
-                    beside.display(),
-                    array.shape
-                ))),
-            }
-        }
-        StrengthFile::Numbers(numbers) => {
-            let row = numbers.first().and_then(|surface| surface.first());
-            let nodes = [numbers.first().map_or(0, Vec::len), row.map_or(0, Vec::len)];
-            let is_even = numbers.iter().all(|surface| {
-                surface.len() == nodes[0] && surface.iter().all(|row| row.len() == nodes[1])
-            });
-            match is_even {
-                true => Ok((nodes, numbers.into_iter().flatten().flatten().collect())),
-                false => Err(odd(
-                    "`B` has rows of different lengths: it is an array over surfaces, theta and zeta"
-                        .to_owned(),
-                )),
-            }
-        }
-    }
+/// Nodes that were left out, and where the tables leave the numbers.
+fn warnings(field: &Boozer) -> Vec<String> {
+    let ends = [("theta", "a turn"), ("zeta", "a field period")];
+    let repeated = ends.iter().zip(field.repeated());
+    let repeated = repeated
+        .filter(|(_, is_repeated)| *is_repeated)
+        .map(|((angle, of), _)| {
+            format!(
+                "the last node of {angle} is the end of {of} and repeats the first one: it is left out\n  = change: end before it"
+            )
+        });
+    let departures = field.departures().iter().map(|departure| {
+        let [least, most] = departure.range;
+        format!(
+            "the table of {} has {:.4} at s = {:.3}, {}, where the numbers of the surfaces lie from {least:.4} to {most:.4}: it is a \
+             guess there\n  = change: give surfaces there",
+            departure.name, departure.value, departure.s, departure.place
+        )
+    });
+    repeated.chain(departures).collect()
 }
 
 fn lines(field: &Boozer, json: &BoozerJson) -> Vec<String> {
     let row = |name: &str, text: String| vec![name.to_owned(), text];
     let [surfaces, along_theta, along_zeta] = json.nodes;
     let [least, largest] = json.field;
+    let [minor, major] = field.data().radii();
     let kind = match (json.is_axisymmetric, json.periods) {
         (true, _) => "axisymmetric".to_owned(),
         (false, 1) => "1 field period".to_owned(),
@@ -172,7 +119,7 @@ fn lines(field: &Boozer, json: &BoozerJson) -> Vec<String> {
         row(
             "flux",
             format!(
-                "psi = {} Wb/rad at the edge; B = grad(psi) × grad(theta) + iota grad(zeta) × grad(psi)",
+                "psi = {} Wb/rad at the edge, as of a torus with radii of {minor:.3} and {major:.3} m; B = grad(psi) × grad(theta) + iota grad(zeta) × grad(psi)",
                 field.data().edge_flux
             ),
         ),

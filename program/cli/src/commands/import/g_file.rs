@@ -22,7 +22,13 @@ struct EquilibriumJson<'a> {
     has_edge: bool,
     /// Where the table of F is smeared: the normalized flux, and the part of F's variation by which it is off.
     smeared: Option<[f64; 2]>,
+    /// An estimate of the error of ψ's table within the edge, of ψ's range; null for a grid of few nodes.
+    #[serde(serialize_with = "optional")]
+    roughness: Option<f64>,
 }
+
+/// The largest such error without a warning.
+const ROUGH: f64 = 1e-3;
 
 /// The safety factor of a surface.
 #[derive(Serialize)]
@@ -49,6 +55,7 @@ pub(super) fn imported(
     let equilibrium = Equilibrium::new(Geqdsk::parse(text)?, degree)?;
     let written = written(&equilibrium, ions, source)?;
     let (factors, smeared) = (safety_factors(&equilibrium), equilibrium.smeared());
+    let roughness = equilibrium.roughness();
     let mut warnings = Vec::new();
     if !equilibrium.has_edge() {
         warnings.push(
@@ -65,18 +72,26 @@ pub(super) fn imported(
             smeared.surface
         ));
     }
+    if let Some(roughness) = roughness.filter(|roughness| *roughness > ROUGH) {
+        warnings.push(format!(
+            "psi of the file is noisy, or its grid coarse: its table is off by about {:.1} % of psi's range within the edge\n  = change: \
+             write the equilibrium on a finer grid, or smooth psi",
+            100.0 * roughness
+        ));
+    }
     let json = EquilibriumJson {
         title: &equilibrium.file().title,
         nodes: equilibrium.file().nodes,
         axis: equilibrium.axis(),
         field_on_axis: equilibrium.field(equilibrium.axis()),
         has_edge: equilibrium.has_edge(),
+        roughness,
         smeared: smeared.map(|smeared| [smeared.surface, smeared.part]),
         safety_factors: factors,
     };
     Ok(Imported {
         written,
-        lines: lines(&equilibrium, &json.safety_factors),
+        lines: lines(&equilibrium, &json),
         json: serde_json::to_value(&json).unwrap_or_default(),
         warnings,
     })
@@ -96,7 +111,7 @@ fn safety_factors(equilibrium: &Equilibrium) -> Vec<SafetyFactor> {
     SURFACES.map(of).into()
 }
 
-fn lines(equilibrium: &Equilibrium, factors: &[SafetyFactor]) -> Vec<String> {
+fn lines(equilibrium: &Equilibrium, json: &EquilibriumJson<'_>) -> Vec<String> {
     let file = equilibrium.file();
     let ([left, right], [low, high]) = (file.r, file.z);
     let [along_r, along_z] = file.nodes;
@@ -132,7 +147,13 @@ fn lines(equilibrium: &Equilibrium, factors: &[SafetyFactor]) -> Vec<String> {
             ),
         ),
     ];
-    for (at, factor) in factors.iter().enumerate() {
+    if let Some(roughness) = json.roughness {
+        rows.push(row(
+            "table",
+            format!("psi is off by about {roughness:.1e} of its range within the edge, by splines through part of the nodes"),
+        ));
+    }
+    for (at, factor) in json.safety_factors.iter().enumerate() {
         let number =
             |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.4}"));
         let name = if at == 0 { "safety factor" } else { "" };

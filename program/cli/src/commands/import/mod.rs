@@ -1,9 +1,10 @@
 //! `leafwise import`: the magnetic field of a tokamak or a stellarator as a scene of guiding centres.
 //!
 //! - `g_file`: equilibria of EFIT;
-//! - `boozer`: fields in Boozer coordinates.
+//! - `boozer`: fields in Boozer coordinates, and `boozer_file` their files.
 
 mod boozer;
+mod boozer_file;
 mod g_file;
 
 use std::fs;
@@ -33,6 +34,7 @@ struct ImportJson<'a> {
     #[serde(flatten)]
     field: &'a Value,
     scene: &'a Path,
+    warnings: &'a [String],
 }
 
 /// Reads the file of a field and writes a scene with its tables; returns the exit code.
@@ -85,6 +87,7 @@ pub fn execute(arguments: &ImportArguments, console: &mut Console<'_>) -> Result
             outcome: "written",
             field: &imported.json,
             scene: &scene,
+            warnings: &imported.warnings,
         });
     } else {
         for line in &imported.lines {
@@ -120,7 +123,7 @@ fn refused(file: &Path, error: &EquilibriumError) -> Failure {
             "a spline of degree k has more than k nodes along each axis: take a smaller --degree"
         }
         EquilibriumError::Open { .. } => "take a surface nearer to the axis: --surface 0.5",
-        EquilibriumError::Odd(_) => {
+        EquilibriumError::Odd(_) | EquilibriumError::Entry { .. } => {
             "`leafwise import --help` says what each option means, and `leafwise explain boozer` what a field in Boozer \
              coordinates is"
         }

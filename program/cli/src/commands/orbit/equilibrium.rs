@@ -132,7 +132,7 @@ fn verdict(verdict: Verdict) -> (&'static str, &'static str) {
 
 fn refused(error: RestError) -> Failure {
     let help = match &error {
-        RestError::NotOffered { help, .. } => help,
+        RestError::NotOffered { help, .. } => help.as_ref(),
         RestError::Build(_) | RestError::NoEigenvalues => {
             "equilibria need derivatives of the tensor and of H"
         }

@@ -194,7 +194,7 @@ fn stability(orbit: &PeriodicOrbit) -> String {
 
 fn refused(error: OrbitError) -> Failure {
     let help = match &error {
-        OrbitError::NotOffered { help, .. } => (*help).to_owned(),
+        OrbitError::NotOffered { help, .. } => help.clone().into_owned(),
         OrbitError::NoParameter { .. } => {
             "name `energy`, `period` or a parameter of the system".to_owned()
         }

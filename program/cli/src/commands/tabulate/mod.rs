@@ -163,8 +163,8 @@ fn refuse(document: &SceneDocument, run: &ComposedRun) -> Result<(), Failure> {
     }
     if run.system.has_forces() {
         return Err(Failure::usage(
-            "a motion with forces is the flow of no Hamiltonian, and no generating function makes it",
-            "take the forces out of the scene",
+            "a motion with forces or friction is the flow of no Hamiltonian, and no generating function makes it",
+            run.without_forces(),
         ));
     }
     if !run.plan.layout.sites().is_empty() {

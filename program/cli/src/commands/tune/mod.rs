@@ -8,6 +8,7 @@ mod text;
 use std::fs;
 
 use leafwise::core::Registry;
+use leafwise::core::system::MotionClass;
 use leafwise::scene::SceneDocument;
 use leafwise::scene::document::MethodTable;
 use leafwise::trade::{
@@ -85,7 +86,14 @@ pub fn execute(
     let options = options(arguments, &parts.registry)?;
     let bench = Bench::new(&document, &parts.registry, arguments.time)?;
     check(&document, &bench)?;
-    let is_forced = bench.own().system.has_forces();
+    let motion = bench.own().system.motion();
+    let is_forced = motion != MotionClass::Hamiltonian;
+    if motion == MotionClass::OffLeaves && (asked.energy.is_some() || asked.casimirs.is_some()) {
+        return Err(Failure::usage(
+            "friction changes the energy and the Casimirs, which are no measure of a method then",
+            "ask for --error 1e-8 alone",
+        ));
+    }
     if is_forced && asked.energy.is_some() {
         return Err(Failure::usage(
             "the energy of a system with forces is not conserved",
