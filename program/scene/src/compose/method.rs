@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use leafwise_core::lattice::LatticeSource;
 use leafwise_core::{
     BuildError, LatticeMethod, Method, Origin, PartKind, PoissonSystem, Registry, StepMap,
     WithoutPoles,

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use leafwise_core::lattice::LatticeSource;
 use leafwise_core::{BuildError, PoissonSystem, Registry, StepMap};
 use leafwise_expression::TableFunction;
 use leafwise_walk::{Indicator, SampleTimes, StateLayout};
