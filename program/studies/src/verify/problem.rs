@@ -70,11 +70,11 @@ impl Problem {
         )
         .map_err(ProblemError::Refused)?;
         let run = compose(document, registry).map_err(ProblemError::Refused)?;
+        let only_step = run.table_step();
         let mut problem = match run.system.opaque() {
             Some(_) => Self::of(document, run.system, run.near),
             None => Self::of_scene(document)?,
         };
-        let only_step = run.table_step();
         let own = |map| Some(Own { map, only_step });
         // The flow and the tensor are those of the homogeneous system of a contact bracket, and so is the map.
         problem.own = match (run.homogeneous, run.method) {
