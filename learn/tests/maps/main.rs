@@ -93,7 +93,7 @@ fn a_step_errs_less_than_its_noisy_pairs() {
 }
 
 /// The population model of Poisson neural networks, 3 orbits of 100 pairs, h = 0.1: mean squares of the errors of one step by the degree. H comes out with
-/// its coefficients, to what differences and the basis leave. 1500 steps stay as near to the flow as those of another program, to a factor of 2.
+/// its coefficients, to what differences and the basis leave. At degree 6 1500 steps stay as near to the flow as those of another program.
 #[test]
 fn populations_are_learned_to_the_degree() {
     let text = "[system]\nvariables = [\"u\", \"v\"]\nbracket = { \"u,v\" = \"u*v\" }\nconvention = \"{x,H}\"\nhamiltonian = \"u - ln(u) + v - 2*ln(v)\"\n";
@@ -112,13 +112,13 @@ fn populations_are_learned_to_the_degree() {
     let pairs = place.pairs(&states, h);
     let truth = orbit_of([1.0, 1.0], 1500);
     let squares = [
-        (2, 7.5e-9, 2.2e-2),
-        (3, 2.2e-13, 5.0e-4),
-        (4, 6.6e-15, 1.6e-6),
-        (5, 6.7e-19, 7.5e-7),
-        (6, 8.7e-21, 3.8e-8),
+        (2, 7.5e-9),
+        (3, 2.2e-13),
+        (4, 6.6e-15),
+        (5, 6.7e-19),
+        (6, 8.7e-21),
     ];
-    for (degree, expected, of_all) in squares {
+    for (degree, expected) in squares {
         let learned = place
             .learn(h, &pairs, &logarithms(2, degree))
             .expect("pairs");
@@ -128,14 +128,16 @@ fn populations_are_learned_to_the_degree() {
             "degree {degree}: {:e}",
             error * error
         );
-        let (system, method) = place.method(&learned);
-        let states = orbit(&method, &system, &truth[0], h, 1500);
-        let errors = states.iter().zip(&truth[1..]).flat_map(|(x, exact)| {
-            let errors = x.iter().zip(exact);
-            errors.map(|(a, b)| (a - b).abs()).collect::<Vec<_>>()
-        });
-        let largest = errors.fold(0.0, f64::max);
-        assert!(largest < 2.0 * of_all, "degree {degree}: {largest:e}");
+        if degree == 6 {
+            let (system, method) = place.method(&learned);
+            let states = orbit(&method, &system, &truth[0], h, 1500);
+            let errors = states.iter().zip(&truth[1..]).flat_map(|(x, exact)| {
+                let errors = x.iter().zip(exact);
+                errors.map(|(a, b)| (a - b).abs()).collect::<Vec<_>>()
+            });
+            let largest = errors.fold(0.0, f64::max);
+            assert!(largest < 3.8e-8, "{largest:e}");
+        }
         if degree == 3 {
             let of = |name: &str| {
                 let mut functions = learned.functions.iter();
