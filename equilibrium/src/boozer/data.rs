@@ -151,18 +151,7 @@ pub(super) fn check(data: &BoozerData, repeated: [bool; 2]) -> Result<(), String
             data.s[surfaces - 1]
         ));
     }
-    for (name, numbers) in [("iota", &data.iota), ("G", &data.g), ("I", &data.i)] {
-        if let Some(at) = numbers.iter().position(|number| !number.is_finite()) {
-            return Err(format!(
-                "`{name}` is {} on surface {}: it must be finite",
-                numbers[at],
-                at + 1
-            ));
-        }
-    }
-    if !data.edge_flux.is_finite() {
-        return Err(format!("`psi` is {}: it must be finite", data.edge_flux));
-    }
+    check_finite(data)?;
     if data.edge_flux == 0.0 {
         return Err("`psi`, the toroidal flux at the edge over 2 pi, is 0".to_owned());
     }
@@ -201,6 +190,28 @@ pub(super) fn check(data: &BoozerData, repeated: [bool; 2]) -> Result<(), String
     if data.s[0] == 0.0 {
         check_axis(&data.strength[..along_theta * along_zeta], along_zeta)?;
     }
+    check_size(data)
+}
+
+/// Refuses profiles and a flux that are not finite.
+fn check_finite(data: &BoozerData) -> Result<(), String> {
+    for (name, numbers) in [("iota", &data.iota), ("G", &data.g), ("I", &data.i)] {
+        if let Some(at) = numbers.iter().position(|number| !number.is_finite()) {
+            return Err(format!(
+                "`{name}` is {} on surface {}: it must be finite",
+                numbers[at],
+                at + 1
+            ));
+        }
+    }
+    if !data.edge_flux.is_finite() {
+        return Err(format!("`psi` is {}: it must be finite", data.edge_flux));
+    }
+    Ok(())
+}
+
+/// Refuses a flux that no torus with this field has.
+fn check_size(data: &BoozerData) -> Result<(), String> {
     let [minor, major] = data.radii();
     let slenderness = minor / major;
     if !(LEAST_RATIO..=1.0 / LEAST_RATIO).contains(&slenderness) {

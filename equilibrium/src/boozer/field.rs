@@ -97,14 +97,14 @@ impl Boozer {
         for s in self.surfaces.places() {
             let strength = self.strength.range(&self.surfaces, s);
             let place = || self.surfaces.place(s);
-            if !(strength[0] > 0.0) {
+            if strength[0].is_nan() || strength[0] <= 0.0 {
                 return Err(EquilibriumError::Odd(format!(
                     "the table of |B| would have {:.3e} T at s = {s:.3}, {}: give surfaces there",
                     strength[0],
                     place()
                 )));
             }
-            if !(along(s) * outer > 0.0) {
+            if (along(s) * outer).is_nan() || along(s) * outer <= 0.0 {
                 return Err(EquilibriumError::Odd(format!(
                     "G + iota I would change its sign before s = {s:.3}, {}: give surfaces there",
                     place()
