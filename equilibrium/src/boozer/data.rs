@@ -216,7 +216,7 @@ fn check_size(data: &BoozerData) -> Result<(), String> {
     let slenderness = minor / major;
     if !(LEAST_RATIO..=1.0 / LEAST_RATIO).contains(&slenderness) {
         return Err(format!(
-            "`psi` is {} Wb/rad: with |B| = {} T and G = {} T·m a torus would have the minor radius sqrt(2 psi/B) = {minor:.1e} m and \
+            "`psi` is {:?} Wb/rad: with |B| = {} T and G = {} T·m a torus would have the minor radius sqrt(2 psi/B) = {minor:.1e} m and \
              the major radius G/B = {major:.1e} m",
             data.edge_flux, data.strength[0], data.g[0]
         ));
