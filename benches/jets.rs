@@ -9,7 +9,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use leafwise::expression::table::TableAxis;
-use leafwise::expression::{Execution, Graph, Kernel, TableFunction, Term};
+use leafwise::expression::{Arithmetic, Execution, Graph, Kernel, TableFunction, Term};
 
 const LANES: usize = 8;
 const NODES: usize = 33;

@@ -51,7 +51,8 @@ impl StepMap for Declares {
 fn measured(problem: &Problem, map: &dyn StepMap) -> Measured {
     let horizon = 20.0 * problem.time_step;
     let flow = problem.flow(&Registry::with_builtin(), horizon);
-    measure(problem, map, &flow.expect("the flow exists"), horizon).expect("small steps succeed")
+    let flow = flow.expect("the flow exists");
+    measure(problem, map, (&flow, horizon), None).expect("small steps succeed")
 }
 
 /// A row of what was measured.
@@ -292,8 +293,8 @@ fn a_map_that_fails_at_every_step_fails() {
     let outcome = measure(
         &problem,
         &Limited { map, largest: 0.0 },
-        &problem.initial,
-        horizon,
+        (&problem.initial, horizon),
+        None,
     );
     assert_eq!(outcome.err(), Some(StepError::LeftChart { ratio: 2.0 }));
 }
@@ -432,7 +433,7 @@ fn round_off_of_cancelled_terms_is_no_broken_structure() {
     let document = SceneDocument::parse(file, &text, &registry).expect("a scene");
     let problem = Problem::with_method(&document, &registry).expect("a problem");
     let own = problem.own.as_ref().expect("the scene's method");
-    let judged = measured(&problem, own.0.as_ref()).judgements[1];
+    let judged = measured(&problem, own.map.as_ref()).judgements[1];
     assert!(
         matches!(judged, Judgement::Met | Judgement::Undecided),
         "{judged:?}"
