@@ -197,7 +197,9 @@ fn pair(
         let part = "a realization with a dynamics".to_owned();
         let message = registry.explain(&BuildError::Friction { part });
         let place = friction.place();
-        return Err(Box::new(document.diagnostic(&place, message, "friction", None)));
+        return Err(Box::new(
+            document.diagnostic(&place, message, "friction", None),
+        ));
     }
     let (default, order) = if system.has_forces() {
         (registry.of_forces().map_or("auto", |info| info.name), 0)

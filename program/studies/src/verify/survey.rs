@@ -104,7 +104,8 @@ impl Refused {
             ),
             BuildError::Friction { part } => (
                 part.clone(),
-                "it steps by Poisson maps or along symplectic leaves, and this system has friction".to_owned(),
+                "it steps by Poisson maps or along symplectic leaves, and this system has friction"
+                    .to_owned(),
             ),
             BuildError::DoesNotFit { part, reason } => ((*part).to_owned(), reason.clone()),
             BuildError::Incompatible { reason, .. } => (combination.clone(), reason.clone()),
