@@ -6,7 +6,7 @@ use leafwise::equilibrium::{BoozerData, EquilibriumError};
 use leafwise::scene::read_npy;
 use serde_json::{Map, Value};
 
-/// What such an object holds.
+/// The object with all its names.
 const SHAPE: &str = "{\"periods\": 5, \"psi\": 0.4, \"s\": […], \"iota\": […], \"G\": […], \"I\": […], \"B\": \"B.npy\"}";
 
 /// Its names; `I` may be left out.
