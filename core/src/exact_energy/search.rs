@@ -78,9 +78,9 @@ impl LaneOfEnergy {
         Err(self.no_root(best))
     }
 
-    /// Newton's method in all multiples at once: of the changes that take the linear error away the least, in units of the
-    /// multiples, no longer than [`LARGEST_SECANT`] and halved until the error falls. Slopes are differences at first, then secants
-    /// of rank one (C. Broyden, Math. Comp. 19 (1965)) while these halve the error.
+    /// Newton's method in all multiples at once. Of the changes that take the linear error away it makes the least, no longer than
+    /// [`LARGEST_SECANT`] units, halved until the error falls. Slopes are differences at first, then secants of rank one while
+    /// these halve the error (C. Broyden, Math. Comp. 19 (1965)).
     fn by_newton(
         &mut self,
         (start, axes): (&[f64], &[Vec<f64>]),
@@ -92,14 +92,20 @@ impl LaneOfEnergy {
         let mut error = self.attempt(&here, begin, increment).ok()?;
         let mut slopes = self.slopes((&here, axes), error, begin, increment)?;
         let mut are_new = true;
+        let unit = |axis: &Vec<f64>| axis.iter().sum::<f64>();
+        let squares: Vec<f64> = axes.iter().map(|axis| unit(axis) * unit(axis)).collect();
         for _ in 0..MOST_NEWTON {
             if error.abs() <= least {
                 break;
             }
-            let square: f64 = slopes.iter().map(|slope| slope * slope).sum();
-            let size = error.abs() / libm::sqrt(square);
+            // Along the slopes by the multiples themselves, which have the least norm.
+            let along = slopes.iter().zip(&squares);
+            let along: Vec<f64> = along.map(|(slope, square)| slope / square).collect();
+            let square: f64 = slopes.iter().zip(&along).map(|(slope, a)| slope * a).sum();
+            let size = along.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
+            let size = size * (error / square).abs();
             let part = -error / square * (LARGEST_SECANT / size).min(1.0);
-            let change: Vec<f64> = slopes.iter().map(|slope| part * slope).collect();
+            let change: Vec<f64> = along.iter().map(|a| part * a).collect();
             let next = if square > 0.0 && part.is_finite() {
                 self.halved((&here, axes), &change, error, begin, increment)
             } else {

@@ -1,15 +1,15 @@
 //! Vectors of all directions, so ordered that exponents come in pairs.
 //!
-//! q_1, …, q_n in the leaf with q_i·Πq_j = 0, then the directions across the leaf, then Πq_n, …, Πq_1. Where Π is canonical each
-//! of the spaces that the first k of them span has the symplectic complement spanned by the first d − k. DΦ keeps this, and the
-//! volumes of both grow alike: λ_{d+1−k} = −λ_k after every step, to round-off.
+//! First come q_1, …, q_n in the leaf with q_i·Πq_j = 0, then the directions across the leaf, then Πq_n, …, Πq_1. Where Π is
+//! canonical the first k of them span the symplectic complement of what the first d − k span. DΦ keeps this, and the volumes of
+//! both grow alike. Hence λ_{d+1−k} = −λ_k after every step, to round-off.
 
 use leafwise_core::random::Random;
 
 use super::vectors::{APART, norm, normalise, orthonormal, take_out};
 
-/// The first so many of them from the columns of Π, and one more at right angles to the first, in the leaf, where asked for.
-/// `None` where there are fewer.
+/// The first so many of them from the columns of Π; `None` where there are fewer. Where asked for, one more is in the leaf, at right
+/// angles to the first.
 pub(super) fn begin(
     columns: &[f64],
     d: usize,
@@ -70,7 +70,7 @@ pub(super) fn begin(
     orthonormal(vectors, (d, d), count)
 }
 
-/// What is left of a vector beside orthonormal ones, of length 1.
+/// The part of a vector at right angles to orthonormal ones, made 1 long.
 fn apart(mut vector: Vec<f64>, others: &[Vec<f64>]) -> Option<Vec<f64>> {
     let d = vector.len();
     normalise(&mut vector, d)?;
