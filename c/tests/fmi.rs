@@ -58,7 +58,7 @@ fn unit(folder: &Path, scene: &str) -> Vec<(String, Vec<u8>)> {
 fn entries(bytes: &[u8]) -> Vec<(String, Vec<u8>)> {
     let number = |at: usize, size: usize| {
         let digits = bytes[at..at + size].iter().rev();
-        digits.fold(0, |sum, digit| sum << 8 | usize::from(*digit))
+        digits.fold(0, |sum, digit| (sum << 8) | usize::from(*digit))
     };
     let end = bytes.len() - 22;
     assert_eq!(&bytes[end..end + 4], b"PK\x05\x06");

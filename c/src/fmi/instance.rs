@@ -172,21 +172,21 @@ impl Instance {
             &[Mode::Instantiated, Mode::Initialization],
             "fmi3SetFloat64",
         )?;
-        let before = self.set.clone();
-        for (reference, value) in references.iter().zip(values) {
-            let (number, role) = self.variable(*reference)?;
-            let name = &self.variables[number].name;
+        let asked = references.iter().map(|reference| self.variable(*reference));
+        let asked: Vec<(usize, Role)> = asked.collect::<Result<_, _>>()?;
+        for ((number, role), value) in asked.iter().zip(values) {
+            let name = &self.variables[*number].name;
             if matches!(role, Role::Time | Role::Invariant(_)) {
-                self.set = before;
                 return Err(CallError::usage(format!("{name} is not for setting")));
             }
             if !value.is_finite() {
                 let message = format!("{value} for {name} is no finite number");
-                self.set = before;
                 return Err(CallError::usage(message));
             }
-            self.set.insert(number, *value);
         }
+        let before = self.set.clone();
+        let numbers = asked.iter().map(|(number, _)| *number);
+        self.set.extend(numbers.zip(values.iter().copied()));
         match self.begun() {
             Ok(begun) => {
                 self.integrator = Some(begun);

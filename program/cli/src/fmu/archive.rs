@@ -4,7 +4,7 @@
 const LARGEST: usize = u32::MAX as usize;
 
 /// The first of 1980, the earliest date that an entry can have: the same files are the same bytes.
-const DATE: u16 = 1 << 5 | 1;
+const DATE: u16 = (1 << 5) | 1;
 
 /// Names are in UTF-8.
 const UTF_8: u16 = 1 << 11;
@@ -74,11 +74,11 @@ impl Archive {
 fn checksum(content: &[u8]) -> u32 {
     let table: [u32; 256] = std::array::from_fn(|at| {
         (0..8).fold(at as u32, |sum, _| {
-            sum >> 1 ^ if sum & 1 == 1 { 0xEDB8_8320 } else { 0 }
+            (sum >> 1) ^ if sum & 1 == 1 { 0xEDB8_8320 } else { 0 }
         })
     });
     !content.iter().fold(u32::MAX, |sum, byte| {
-        sum >> 8 ^ table[usize::from(sum as u8 ^ byte)]
+        (sum >> 8) ^ table[usize::from(sum as u8 ^ byte)]
     })
 }
 
