@@ -15,17 +15,29 @@ const ORDER_8: &str =
 const GAUSS: &str = "stepper = { name = \"gauss\", stages = 6 }";
 
 fn followed(
+    scene: (&str, &str),
+    initial: &str,
+    turn: (f64, usize),
+    hold: Hold,
+    along: (Along, f64),
+) -> OrbitFamily {
+    followed_by(scene, initial, turn, hold, (along, None))
+}
+
+/// The family of an orbit, or that which comes through at a branch point.
+fn followed_by(
     (system, method): (&str, &str),
     initial: &str,
     (period, steps): (f64, usize),
     hold: Hold,
-    (along, to): (Along, f64),
+    ((along, to), branch): ((Along, f64), Option<i64>),
 ) -> OrbitFamily {
     let run = until(system, method, initial, (period, steps));
     let following = Following {
         along,
         to,
         most: 200,
+        branch,
     };
     let family = follow(&run, (period, steps as u64), hold, &following);
     let family = family.unwrap_or_else(|error| panic!("{error}"));
@@ -335,6 +347,90 @@ fn halo_orbits_branch_off_where_the_vertical_equation_says() {
     );
 }
 
+/// Periods of halo orbits about L₁ at Jacobi constants −2H, by shooting with SciPy's DOP853 at a tolerance of 3e-14 from y = 0 to the
+/// next crossing, and Brent's method in z. The Lyapunov family has the branch point, from where the other family is followed:
+/// at right angles to the plane, to both of its sides.
+#[test]
+fn halo_orbits_have_the_periods_of_another_program() {
+    let system = format!(
+        "variables = [\"x\", \"y\", \"z\", \"px\", \"py\", \"pz\"]\nparameters = {{ mu = {MU} }}\nbracket = \"canonical\"\n\
+         hamiltonian = \"(px^2 + py^2 + pz^2)/2 + y*px - x*py - (1 - mu)/sqrt((x + mu)^2 + y^2 + z^2) \
+         - mu/sqrt((x - 1 + mu)^2 + y^2 + z^2)\""
+    );
+    let l1 = zero(|x| restricted([x, 0.0, 0.0, 0.0, 0.0, 0.0])[2], 0.8, 0.9);
+    let begin = l1 - 0.005;
+    let (v, turn) = lyapunov(begin, 8.4 * 0.005);
+    let initial = format!("[{begin:?}, 0, 0, 0, {:?}, 0]", v + begin);
+    for (branch, constant, period) in [
+        (1, 3.15, 2.761_405_245_584),
+        (-1, 3.10, 2.786_506_126_877),
+        (1, 3.05, 2.760_497_271_677),
+    ] {
+        let along = (Along::Energy, -0.5 * constant);
+        let family = followed_by(
+            (&system, GAUSS),
+            &initial,
+            (turn, 100),
+            Hold::Energy,
+            (along, Some(branch)),
+        );
+        assert!(matches!(family.ends, Ends::Reached), "{:?}", family.ends);
+        let last = family.members.last().expect("an orbit");
+        assert!((last.orbit.energy + 0.5 * constant).abs() < 1e-9);
+        assert!(
+            (last.orbit.period - period).abs() < 1e-7,
+            "{} {period}",
+            last.orbit.period
+        );
+        // It is off the plane; before the branch point none is.
+        assert!(last.orbit.state[2].abs().max(last.orbit.state[5].abs()) > 0.01);
+        assert!(family.members[0].orbit.state[2].abs() < 1e-9);
+    }
+}
+
+/// Beside an oscillator of its own, (x, y) is the motion about the triangular points with U = x²/8 − 5y²/8 − κxy: its two frequencies,
+/// of opposite signature, meet at κ² = 23/16, as at Routh's value. Multipliers of the oscillator's orbit meet there and leave the
+/// circle.
+#[test]
+fn multipliers_of_opposite_signature_collide_at_rouths_value() {
+    let system = "variables = [\"u\", \"x\", \"y\", \"pu\", \"px\", \"py\"]\nparameters = { k = 1.25 }\nbracket = \"canonical\"\n\
+        hamiltonian = \"pu^2/2 + u^2/2 + u^4/4 + (px^2 + py^2)/2 + y*px - x*py + x^2/8 - 5*y^2/8 - k*x*y\"";
+    let along = (Along::Parameter("k".to_owned()), 1.12);
+    let family = followed(
+        (system, GAUSS),
+        "[1, 0, 0, 0, 0, 0]",
+        (4.8, 60),
+        Hold::Energy,
+        along,
+    );
+    let found = marks(&family);
+    println!("{found:?}");
+    let exact = 0.25 * libm::sqrt(23.0);
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert_eq!(found[0].0, Mark::Krein);
+    assert!((found[0].1 - exact).abs() < 1e-8, "{} {exact}", found[0].1);
+    let [first, last] = [
+        &family.members[0],
+        &family.members[family.members.len() - 1],
+    ];
+    assert!(first.orbit.is_stable() && !last.orbit.is_stable());
+}
+
+#[test]
+fn a_branch_that_is_not_there_is_told() {
+    let system =
+        "variables = [\"q\", \"p\"]\nbracket = \"canonical\"\nhamiltonian = \"p^2/2 - cos(q)\"";
+    let along = (Along::Energy, 0.2);
+    let family = followed_by(
+        (system, ORDER_8),
+        "[1, 0]",
+        (6.7, 100),
+        Hold::Energy,
+        (along, Some(1)),
+    );
+    assert!(matches!(family.ends, Ends::NoBranch), "{:?}", family.ends);
+}
+
 #[test]
 fn what_is_no_family_is_refused() {
     let system =
@@ -345,6 +441,7 @@ fn what_is_no_family_is_refused() {
             along,
             to,
             most: 10,
+            branch: None,
         };
         follow(&run, (6.7, 100), Hold::Energy, &following).expect_err("a refusal")
     };

@@ -344,13 +344,86 @@ fn the_energy_has_an_exponent_of_zero_and_casimirs_have_none() {
         assert!(first > 3.0 * power, "{first}");
         // Ȳ = λt/2 where the growth is even.
         assert!((megno / (0.5 * first * time) - 1.0).abs() < 0.5, "{megno}");
-        let three = composed(&with(scene, 10, "\"lyapunov 3\""));
-        let (_, ends) = followed(&three, std::slice::from_ref(&three.plan.initial), 1);
+        let beyond = format!("\"lyapunov {}\"", run.plan.initial.len() + 1);
+        let beyond = composed(&with(scene, 10, &beyond));
+        let (_, ends) = followed(&beyond, std::slice::from_ref(&beyond.plan.initial), 1);
         assert_eq!(
             (&ends[0].why, ends[0].steps),
             (&Why::Failed(Fault::Leaf), 0)
         );
     }
+}
+
+/// All exponents after so many steps of a scene, the largest first, and the time.
+fn spectrum(scene: &str, steps: u64) -> (Vec<f64>, f64) {
+    let d = composed(&with(scene, 1, "\"energy\"")).plan.initial.len();
+    let names: Vec<String> = (1..=d).map(|k| format!("\"lyapunov {k}\"")).collect();
+    let text = with(scene, steps, &names.join(", "));
+    let found = alone(&text, steps)[0].1.clone();
+    println!("{found:?}");
+    (found, steps as f64 * composed(&text).plan.h)
+}
+
+/// Over a canonical bracket vectors keep a flag of symplectic complements: after every step exponents are pairs to round-off,
+/// chaotic or not. n steps round n times, at sizes e^{λh} of a step.
+#[test]
+fn the_whole_spectrum_comes_in_pairs() {
+    let chaotic = HENON_HEILES.replace("[0, 0.1, 0.3, 0.1]", "[0, 0.1, 0.49057, 0.1]");
+    for scene in [HENON_HEILES, chaotic.as_str(), KEPLER] {
+        let (found, time) = spectrum(scene, 20_000);
+        for (own, other) in found.iter().zip(found.iter().rev()) {
+            assert!((own + other).abs() < 1e-6, "{found:?}");
+        }
+        // The pair of the energy and of the time.
+        let power = (libm::log(time) + 8.0) / time;
+        assert!(
+            found[1].abs() < power && found[2].abs() < power,
+            "{found:?}"
+        );
+        assert_eq!(scene == chaotic, found[0] > 3.0 * power, "{found:?}");
+        // The first half is what it is alone, up to where vectors begin.
+        let alone = alone(&with(scene, 20_000, "\"lyapunov\""), 20_000)[0].1[0];
+        assert!((alone - found[0]).abs() < power, "{alone} {found:?}");
+    }
+}
+
+/// A free body of the momentum m that turns a rotor with momentum l about its third axis, on so(3)*: one Casimir.
+const GYROSTAT: &str = "[system]\nvariables = [\"m1\", \"m2\", \"m3\"]\nparameters = { l = 0.4 }\nbracket = { lie-algebra = \"so3\" }\n\
+    hamiltonian = \"m1^2/2 + m2^2/3 + (m3 - l)^2/4\"\ncasimirs = { spin = \"m1^2 + m2^2 + m3^2\" }\n[method]\nrealization = \"auto\"\n\
+    dynamics = { name = \"hamilton-jacobi\", order = 4 }\ntime-step = 0.05\n[run]\ninitial = [0.3, 1.0, 0.6]\nsteps = STEPS\n\
+    record = { observables = [OBSERVABLES] }\n";
+
+/// Across leaves volumes grow by what the gradients of the Casimirs do, which is bounded: a zero for each, two for the energy, and
+/// pairs (λ, −λ), each up to (ln t + a few)/t.
+#[test]
+fn the_whole_spectrum_has_a_zero_for_every_casimir() {
+    for (scene, zeros) in [(TOP, 4), (GYROSTAT, 3), (BODY, 3)] {
+        let (found, time) = spectrum(scene, 20_000);
+        let power = (libm::log(time) + 8.0) / time;
+        assert!(found.is_sorted_by(|a, b| *a > b - power), "{found:?}");
+        let pairs = found.iter().zip(found.iter().rev());
+        assert!(
+            pairs.clone().all(|(a, b)| (a + b).abs() < power),
+            "{found:?}"
+        );
+        let nought = found.iter().filter(|own| own.abs() < power).count();
+        assert_eq!(nought, zeros, "{found:?}");
+        // All volumes of a motion without divergence.
+        assert!(found.iter().sum::<f64>().abs() < 1e-10, "{found:?}");
+    }
+}
+
+/// With forces exponents are no pairs, and those beyond half of the leaf are refused at the start.
+#[test]
+fn forces_leave_half_of_the_exponents() {
+    let damped = GYROSTAT.replace("casimirs", "damping = { rate = 0.1 }\ncasimirs");
+    let damped = damped.replace(
+        "dynamics = { name = \"hamilton-jacobi\", order = 4 }",
+        "dynamics = \"one-form\"",
+    );
+    let run = composed(&with(&damped, 10, "\"lyapunov 2\""));
+    let (_, ends) = followed(&run, std::slice::from_ref(&run.plan.initial), 1);
+    assert_eq!(ends[0].why, Why::Failed(Fault::Leaf));
 }
 
 proptest! {

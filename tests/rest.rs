@@ -136,6 +136,178 @@ fn triangular_points_are_stable_up_to_rouths_value() {
     assert_eq!(at(0.01), Verdict::SpectrallyStable);
 }
 
+/// A system of formulas in other units: x_i = X_i/s_i, t = T/τ and H = K/e have {X_i, X_j} = s_i s_j {x_i, x_j}/(τ e).
+struct InUnits<'a> {
+    names: &'a [&'a str],
+    /// Pairs of coordinates with their brackets.
+    brackets: &'a [(usize, usize, &'a str)],
+    hamiltonian: &'a str,
+    casimir: Option<&'a str>,
+    initial: &'a [f64],
+}
+
+impl InUnits<'_> {
+    /// Found with these units, powers of two.
+    fn found(&self, units: &[f64], (time, energy): (f64, f64)) -> Result<Rest, RestError> {
+        let list = |words: Vec<String>| words.join(", ");
+        let own = |i: usize| format!("X{i}");
+        let define = self.names.iter().enumerate();
+        let define = define.map(|(i, name)| format!("{name} = \"{}/({:e})\"", own(i), units[i]));
+        let brackets = self.brackets.iter().map(|(i, j, bracket)| {
+            let factor = units[*i] * units[*j] / (time * energy);
+            format!("\"{},{}\" = \"({factor:e})*({bracket})\"", own(*i), own(*j))
+        });
+        let casimirs = self.casimir.map_or_else(String::new, |casimir| {
+            format!("casimirs = {{ C = \"{casimir}\" }}\n")
+        });
+        let variables = (0..self.names.len()).map(|i| format!("\"{}\"", own(i)));
+        let system = format!(
+            "variables = [{}]\nconvention = \"{{x,H}}\"\ndefine = {{ {} }}\nbracket = {{ {} }}\n{casimirs}hamiltonian = \"({energy:e})*({})\"",
+            list(variables.collect()),
+            list(define.collect()),
+            list(brackets.collect()),
+            self.hamiltonian
+        );
+        let initial: Vec<f64> = self.initial.iter().zip(units).map(|(x, s)| x * s).collect();
+        found(&system, &initial)
+    }
+}
+
+const CANONICAL: [(usize, usize, &str); 1] = [(0, 1, "1")];
+const PAIRS: [(usize, usize, &str); 2] = [(0, 2, "1"), (1, 3, "1")];
+const SO3: [(usize, usize, &str); 3] = [(0, 1, "-m3"), (1, 2, "-m1"), (0, 2, "m2")];
+const E3: [(usize, usize, &str); 9] = [
+    (0, 1, "-m3"),
+    (1, 2, "-m1"),
+    (0, 2, "m2"),
+    (0, 4, "-g3"),
+    (0, 5, "g2"),
+    (1, 3, "g3"),
+    (1, 5, "-g1"),
+    (2, 3, "-g2"),
+    (2, 4, "g1"),
+];
+
+fn in_units() -> Vec<(InUnits<'static>, Verdict)> {
+    let triangle = "(px^2 + py^2)/2 + y*px - x*py - 0.99/sqrt((x + 0.01)^2 + y^2) - 0.01/sqrt((x - 0.99)^2 + y^2)";
+    let canonical = |hamiltonian, initial| InUnits {
+        names: &["q", "p"],
+        brackets: &CANONICAL,
+        hamiltonian,
+        casimir: None,
+        initial,
+    };
+    let body = |initial| InUnits {
+        names: &["m1", "m2", "m3"],
+        brackets: &SO3,
+        hamiltonian: "m1^2/2 + m2^2/4 + m3^2/6",
+        casimir: Some("(m1^2 + m2^2 + m3^2)/2"),
+        initial,
+    };
+    let top = |initial| InUnits {
+        names: &["m1", "m2", "m3", "g1", "g2", "g3"],
+        brackets: &E3,
+        hamiltonian: "(m1^2 + m2^2)/2 + m3^2/1.2 + 0.7*g3",
+        casimir: None,
+        initial,
+    };
+    vec![
+        (canonical("p^2/2 - cos(q)", &[0.2, 0.1]), Verdict::Stable),
+        (canonical("p^2/2 - cos(q)", &[3.0, 0.1]), Verdict::Unstable),
+        (canonical("p^2/2 - cos(q)", &[0.0, 0.0]), Verdict::Stable),
+        (body(&[1.5, 0.1, -0.05]), Verdict::Stable),
+        (body(&[0.1, 1.5, -0.05]), Verdict::Unstable),
+        (body(&[0.0, 0.0, 1.5]), Verdict::Stable),
+        (
+            top(&[0.0, 0.0, 4.0, 0.0, 0.0, 1.0]),
+            Verdict::SpectrallyStable,
+        ),
+        (top(&[0.0, 0.0, 1.0, 0.0, 0.0, 1.0]), Verdict::Unstable),
+        (
+            InUnits {
+                names: &["x", "y", "px", "py"],
+                brackets: &PAIRS,
+                hamiltonian: triangle,
+                casimir: None,
+                initial: &[0.495, 0.87, -0.866, 0.49],
+            },
+            Verdict::SpectrallyStable,
+        ),
+    ]
+}
+
+/// Units of coordinates, time and energy change no verdict, nor an eigenvalue over that of time.
+#[test]
+fn equilibria_know_no_units() {
+    let two = |n: i32| libm::exp2(f64::from(n));
+    let mut cases = 0;
+    for (system, verdict) in in_units() {
+        let d = system.names.len();
+        let own = system
+            .found(&vec![1.0; d], (1.0, 1.0))
+            .expect("an equilibrium");
+        assert_eq!(own.verdict, verdict, "{}", system.hamiltonian);
+        let size = own.eigenvalues[0].modulus();
+        for (time, energy, base) in [
+            (-30, 0, 0),
+            (30, 0, 20),
+            (0, 40, -20),
+            (20, -20, 40),
+            (-20, 20, 13),
+        ] {
+            // Each coordinate has a unit of its own: 2^±20 and the like.
+            let units: Vec<f64> = (0..d as i32)
+                .map(|i| two(base * (1 - 2 * (i % 2)) + 7 * (i % 3)))
+                .collect();
+            let found = system.found(&units, (two(time), two(energy)));
+            let found = found.unwrap_or_else(|error| {
+                panic!("{error}: {} {units:?} {time} {energy}", system.hamiltonian)
+            });
+            let said = format!(
+                "{} {units:?} {time} {energy}: {found:?}",
+                system.hamiltonian
+            );
+            assert_eq!(
+                (found.verdict, found.leaf),
+                (own.verdict, own.leaf),
+                "{said}"
+            );
+            assert_eq!(found.eigenvalues.len(), own.eigenvalues.len());
+            // Of equal sizes any may be the first.
+            for b in &own.eigenvalues {
+                let is_near = |a: &leafwise::orbit::Complex| {
+                    let [re, im] = [a.re * two(time) - b.re, a.im * two(time) - b.im];
+                    re.abs().max(im.abs()) < 1e-7 * size
+                };
+                assert!(found.eigenvalues.iter().any(is_near), "{said}\n{own:?}");
+            }
+            assert_eq!(found.multiples.is_some(), own.multiples.is_some(), "{said}");
+            cases += 1;
+        }
+    }
+    assert_eq!(cases, 45);
+}
+
+/// A motion that falls without end rests in no units.
+#[test]
+fn no_unit_makes_a_motion_rest() {
+    let falling = InUnits {
+        names: &["q", "p"],
+        brackets: &CANONICAL,
+        hamiltonian: "p^2/2 + q",
+        casimir: None,
+        initial: &[0.3, 0.2],
+    };
+    for (length, time) in [(0, 0), (-40, 0), (0, 60), (30, -60)] {
+        let two = |n: i32| libm::exp2(f64::from(n));
+        let found = falling.found(
+            &[two(length), two(length - time)],
+            (two(time), two(2 * length - 2 * time)),
+        );
+        assert!(matches!(found, Err(RestError::Moves { .. })), "{found:?}");
+    }
+}
+
 #[test]
 fn what_does_not_rest_is_refused() {
     let free = "variables = [\"q\", \"p\"]\nbracket = \"canonical\"\nhamiltonian = \"p + q^2\"";

@@ -8,16 +8,19 @@
 //! - Arrays are the caller's, with a length and a stride in doubles. Lengths are compared before anything is read.
 //! - Each call returns a [`LeafwiseCode`]; [`leafwise_last_error`] has the message of this thread's last call.
 //! - Calls may come from any thread. An integrator that steps in another thread is [`LeafwiseCode::LEAFWISE_BUSY`].
+//! - The library is that of functional mock-up units too: the functions of FMI 3.0 for co-simulation, `fmi3…`.
 //! - No panic leaves a call. Results have the bits of the program's.
 
 #![allow(
     non_camel_case_types,
-    reason = "names of C: an enumeration's values stand in one namespace"
+    non_snake_case,
+    reason = "names of C: an enumeration's values stand in one namespace, and the standard FMI names its functions"
 )]
 
 mod call_error;
 mod calls;
 mod code;
+mod fmi;
 mod handle;
 mod integrator;
 mod samples;
@@ -26,5 +29,6 @@ mod strided;
 
 pub use calls::*;
 pub use code::LeafwiseCode;
+pub use fmi::*;
 pub use handle::LeafwiseHandle;
 pub use scene::{LeafwiseName, LeafwiseShape};

@@ -129,6 +129,11 @@ impl Scene {
         }
     }
 
+    /// The scene's text.
+    pub(crate) fn text(&self) -> &str {
+        &self.document.text
+    }
+
     pub(crate) fn shape(&self) -> LeafwiseShape {
         LeafwiseShape {
             coordinates: self.run.plan.layout.coordinates(),

@@ -25,9 +25,9 @@ pub enum Fault {
     /// The state is outside the domain of the first invariant, the energy.
     #[error("energy has no finite value at this state")]
     Outside,
-    /// The symplectic leaf of the initial state has less than two dimensions for each exponent.
+    /// The initial state has too few directions for the exponents.
     #[error(
-        "the symplectic leaf of the initial state has less than two dimensions for each Lyapunov exponent up to the last that is recorded"
+        "the initial state has too few directions for the Lyapunov exponents up to the last that is recorded"
     )]
     Leaf,
     /// Steps of a fictitious time do not advance the time as they should.

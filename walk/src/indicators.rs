@@ -21,19 +21,31 @@ use serde::{Deserialize, Serialize};
 use crate::fault::Fault;
 use crate::functions::{FunctionValues, StateFunctions};
 
-/// The part of a direction that must be left of it beside those before it, for these to be told apart.
-const APART: f64 = 1e-10;
+mod flag;
+mod vectors;
+
+use vectors::{dot, normalise, orthonormal, take_out};
 
 /// A number that tells chaotic motion from regular.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Indicator {
     /// Ȳ, the mean exponential growth of nearby orbits.
     Megno,
-    /// λ_k, the k-th largest Lyapunov exponent, from 1 on, to half of the leaf's dimension. Of a Poisson map the others are their
-    /// negatives. Vectors that shrink would not stay in the leaf: round-off across it, which does not, would outgrow them.
+    /// λ_k, the k-th largest Lyapunov exponent, from 1 on. Up to half of the leaf's dimension vectors are in the leaf. Those that
+    /// shrink would not stay there: round-off across it, which does not, would outgrow them. Further exponents are those of all
+    /// directions: of a Poisson map zeros for the energy and each Casimir, and the negatives of the first.
     Lyapunov(usize),
     /// The smaller alignment index.
     Sali,
+}
+
+/// Where vectors begin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Begins {
+    /// In the symplectic leaf, twice as many as exponents.
+    InLeaf,
+    /// In the whole space: exponents are those of all directions.
+    Anywhere,
 }
 
 /// Indicators that a walk follows, and where their vectors begin.
@@ -41,7 +53,9 @@ pub enum Indicator {
 pub struct Indicators {
     /// Which ones.
     pub which: Vec<Indicator>,
-    /// So many [vectors](Self::vectors_of) in the leaf of a state, d numbers each, one after the other.
+    /// Where the vectors begin.
+    pub begins: Begins,
+    /// So many [vectors](Self::vectors_of) in the leaf of a state, d numbers each, one after the other; or the columns of the tensor.
     pub directions: StateFunctions,
     /// Lengths and angles are those of so many coordinates, the first.
     pub measured: usize,
@@ -53,7 +67,7 @@ impl Indicators {
     /// Whether vectors of d numbers each are independent.
     pub fn are_independent(vectors: Vec<f64>, d: usize) -> bool {
         let count = vectors.len() / d.max(1);
-        begin(vectors, (d, d), count).is_some()
+        orthonormal(vectors, (d, d), count).is_some()
     }
 
     /// Takes out of vectors of d numbers what no measured coordinate depends on.
@@ -69,17 +83,34 @@ impl Indicators {
     /// The number of vectors that indicators are begun with: two for each exponent up to the last, since exponents come in pairs, one
     /// more for SALI.
     pub fn vectors_of(which: &[Indicator]) -> usize {
-        2 * spectrum(which) + usize::from(which.contains(&Indicator::Sali))
+        2 * Self::exponents_of(which) + usize::from(which.contains(&Indicator::Sali))
     }
-}
 
-/// Vectors that are orthogonalised: those of Lyapunov exponents.
-fn spectrum(which: &[Indicator]) -> usize {
-    let exponent = |indicator: &Indicator| match indicator {
-        Indicator::Lyapunov(k) => *k,
-        Indicator::Megno | Indicator::Sali => 1,
-    };
-    which.iter().map(exponent).max().unwrap_or(0)
+    /// Vectors that are orthogonalised: those of Lyapunov exponents up to the last.
+    pub fn exponents_of(which: &[Indicator]) -> usize {
+        let exponent = |indicator: &Indicator| match indicator {
+            Indicator::Lyapunov(k) => *k,
+            Indicator::Megno | Indicator::Sali => 1,
+        };
+        which.iter().map(exponent).max().unwrap_or(0)
+    }
+
+    /// The vectors of a lane from what its [directions](Self::directions) are at its state; `None` where these are too few.
+    fn begin(&self, directions: Vec<f64>, d: usize) -> Option<Vec<f64>> {
+        let count = Self::exponents_of(&self.which);
+        if self.begins == Begins::Anywhere {
+            let is_apart = self.which.contains(&Indicator::Sali);
+            return flag::begin(&directions, d, (count, is_apart));
+        }
+        let mut vectors = orthonormal(directions, (d, d), 2 * count)?;
+        // The other exponent of each pair belongs to the leaf's other directions.
+        vectors.drain(count * d..2 * count * d);
+        if self.measured < d {
+            self.drop_unmeasured(&mut vectors, d);
+            vectors = orthonormal(vectors, (d, self.measured), count)?;
+        }
+        Some(vectors)
+    }
 }
 
 /// Everything that later indicators of one lane depend on, beside its state.
@@ -204,27 +235,13 @@ impl<'a> Deviations<'a> {
         let all = self.directions.at(states);
         let mut flat = Vec::new();
         for (lane, own) in self.own.iter_mut().enumerate() {
-            let count = spectrum(&self.of.which);
-            let begun = begin(column(all, lane, lanes), (d, d), 2 * count).map(|mut vectors| {
-                // The other exponent of each pair belongs to the leaf's other directions.
-                vectors.drain(count * d..2 * count * d);
-                vectors
-            });
-            let begun = match self.of.measured < d {
-                true => begun.and_then(|mut vectors| {
-                    self.of.drop_unmeasured(&mut vectors, d);
-                    begin(vectors, (d, self.of.measured), count)
-                }),
-                false => begun,
-            };
+            let count = Indicators::exponents_of(&self.of.which);
+            let sali = usize::from(self.of.which.contains(&Indicator::Sali));
+            let begun = self.of.begin(column(all, lane, lanes), d);
             if begun.is_none() {
                 flat.push(lane);
             }
-            let vectors = begun.unwrap_or_else(|| {
-                let mut vectors = column(all, lane, lanes);
-                vectors.drain(count * d..2 * count * d);
-                vectors
-            });
+            let vectors = begun.unwrap_or_else(|| vec![0.0; (count + sali) * d]);
             *own = Deviation {
                 vectors,
                 growth: vec![0.0; count],
@@ -278,59 +295,4 @@ impl<'a> Deviations<'a> {
         self.evaluate(0, time);
         Ok(())
     }
-}
-
-/// The vectors, of length 1 in the measured coordinates: so many at right angles to each other, the others to the first. `None`
-/// where they are fewer directions.
-fn begin(mut vectors: Vec<f64>, (d, measured): (usize, usize), count: usize) -> Option<Vec<f64>> {
-    for k in 0..vectors.len() / d.max(1) {
-        let (before, own) = vectors.split_at_mut(k * d);
-        let own = &mut own[..d];
-        let before = if k < count { before } else { &mut before[..d] };
-        normalise(own, measured)?;
-        // Twice is enough.
-        for _ in 0..2 {
-            before
-                .chunks_exact(d)
-                .for_each(|one| take_out(own, one, measured));
-        }
-        if norm(&own[..measured]) <= APART {
-            return None;
-        }
-        normalise(own, measured)?;
-    }
-    Some(vectors)
-}
-
-/// Takes the part along a vector of length 1 out.
-fn take_out(own: &mut [f64], one: &[f64], measured: usize) {
-    let part = dot(&own[..measured], &one[..measured]);
-    for (x, y) in own.iter_mut().zip(one) {
-        *x -= part * y;
-    }
-}
-
-/// Divides by the norm of the measured coordinates, which it returns; `None` where that is 0 or no number.
-fn normalise(own: &mut [f64], measured: usize) -> Option<f64> {
-    let norm = norm(&own[..measured]);
-    if !(norm > 0.0 && norm.is_finite()) {
-        return None;
-    }
-    own.iter_mut().for_each(|x| *x /= norm);
-    Some(norm)
-}
-
-/// |v|, of any size.
-fn norm(vector: &[f64]) -> f64 {
-    let size = vector.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
-    if size == 0.0 || !size.is_finite() {
-        return size;
-    }
-    let squares = vector.iter().map(|v| (v / size) * (v / size));
-    size * libm::sqrt(squares.sum())
-}
-
-/// a·b.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -39,7 +39,7 @@ pub use domain::outside;
 pub use events::{Act, Direction, Event, Section, Side, Stop};
 pub use fault::{Ended, Fault, StopPlace, Why};
 pub use functions::{FunctionValues, StateFunctions};
-pub use indicators::{Deviation, Indicator, Indicators};
+pub use indicators::{Begins, Deviation, Indicator, Indicators};
 pub use layout::{Clock, StateLayout};
 pub use look::{At, Look, Steps};
 pub use pace::{NoPace, Pace, PacedSteps};

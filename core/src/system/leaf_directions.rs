@@ -40,6 +40,21 @@ impl LeafDirections {
         })
     }
 
+    /// The columns of Π(x), d directions.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where an entry of the tensor has no code.
+    pub fn columns(system: &PoissonSystem, parameters: &[f64]) -> Result<Self, BuildError> {
+        let dimension = system.dimension();
+        let mut covectors = vec![0.0; dimension * dimension];
+        (0..dimension).for_each(|i| covectors[i * dimension + i] = 1.0);
+        Ok(Self {
+            tensor: TensorMatrix::new(system, parameters)?,
+            covectors,
+            dimension,
+        })
+    }
+
     /// Writes the vectors one after the other; not numbers where the tensor has no value.
     fn evaluate(&mut self, state: &[f64], values: &mut [f64]) {
         let d = self.dimension;

@@ -9,6 +9,7 @@
 //! - [`plugins`]: the plugins that a command line and a scene ask for.
 //! - [`bar`]: the progress bar; [`pulse`]: lines in its place.
 //! - [`files`]: files that a command writes.
+//! - [`fmu`]: functional mock-up units of scenes.
 //! - [`table`]: aligned columns.
 
 pub mod arguments;
@@ -17,6 +18,7 @@ pub mod commands;
 pub mod console;
 pub mod failure;
 pub mod files;
+pub mod fmu;
 pub mod guide;
 pub mod interrupt;
 pub mod plugins;
@@ -133,6 +135,7 @@ fn execute(
         Command::Tabulate(arguments) => commands::tabulate::execute(&arguments, plugins, console),
         Command::Shadow(arguments) => commands::shadow::execute(&arguments, plugins, console),
         Command::Orbit(arguments) => commands::orbit::execute(&arguments, plugins, console),
+        Command::Fmu(arguments) => commands::fmu::execute(&arguments, plugins, console),
         Command::Tune(arguments) => commands::tune::execute(&arguments, plugins, console),
         Command::Reproduce(arguments) => {
             commands::reproduce::execute(&arguments, console, interrupt)

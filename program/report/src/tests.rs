@@ -47,6 +47,7 @@ fn rigid_body(count: usize) -> ReportData {
     ReportData {
         advice: Vec::new(),
         observables: Vec::new(),
+        work: None,
         title: "Rigid body <so(3)*> & \"friends\"".to_owned(),
         version: "leafwise 0.1.0".to_owned(),
         command: "leafwise run rigid_body.toml --set 'method.epsilon=0.1'".to_owned(),

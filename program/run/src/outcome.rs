@@ -56,7 +56,8 @@ impl Failure {
                 step: steps + 1,
                 time,
                 state: state.to_vec(),
-                hint: "record fewer exponents: the others are their negatives; and none at a state where the bracket vanishes"
+                hint: "record fewer exponents: as many as coordinates with a bracket and H alone; with forces, a pace or a time in H one \
+                       for every two dimensions of the symplectic leaf; and none at a state where the bracket vanishes"
                     .to_owned(),
             },
             Fault::Accumulates(_) => Self {

@@ -24,6 +24,7 @@ from ._equilibrium import Equilibrium, import_equilibrium
 from ._errors import IntegrationError, LeafwiseError, LeafwiseWarning, SceneError
 from ._find import Found, casimirs, find
 from ._fit import Fit
+from ._fmu import Fmu, write_fmu
 from ._functions import System
 from ._gradient import Gradient, Tangents, Trajectory, Tried
 from ._leafwise import Growth, Integrator, version as _version
@@ -44,6 +45,7 @@ __all__ = [
     "Equilibrium",
     "EquilibriumPoint",
     "Fit",
+    "Fmu",
     "Found",
     "Gradient",
     "Growth",
@@ -82,4 +84,5 @@ __all__ = [
     "orbit_family",
     "solve",
     "tabulate",
+    "write_fmu",
 ]

@@ -57,12 +57,12 @@ class OrbitFamily:
     Attributes:
         along: the continued quantity.
         ends: where the family ends: ``"reached"`` at the wanted value, ``"returned"`` past its beginning by a fold,
-            ``"many"`` at the greatest number of orbits, ``"equilibrium"`` where the orbits shrink to one, ``"lost"`` where no
-            further one closes.
+            ``"many"`` at the greatest number of orbits, ``"no-branch"`` before the wanted branch point, ``"equilibrium"`` where
+            the orbits shrink to one, ``"lost"`` where no further one closes.
         reason: why, where it is lost.
         orbits: the orbits in their order.
         values: the continued quantity of each orbit: shape (n,).
-        marks: events at each orbit: ``"fold"``, ``"branch"``, ``"period-doubling"``, ``"energy-fold"`` or None.
+        marks: events at each orbit: ``"fold"``, ``"branch"``, ``"period-doubling"``, ``"energy-fold"``, ``"krein"`` or None.
     """
 
     along: str
@@ -173,6 +173,7 @@ def orbit_family(
     steps: int | None = None,
     hold_period: bool = False,
     orbits: int = 200,
+    branch: int | None = None,
 ) -> OrbitFamily:
     """Close a periodic orbit as ``orbit`` does, and follow its family by pseudo-arclength.
 
@@ -184,6 +185,7 @@ def orbit_family(
         steps: steps of a turn; by default as many as take no longer than the scene's.
         hold_period: along a parameter, hold the period in place of the energy.
         orbits: orbits, at most.
+        branch: follow the other family from the branch point with this number on, from 1; with the other sign on its other side.
 
     Returns:
         The orbits, with folds, branches and doublings of the period located among them.
@@ -196,6 +198,8 @@ def orbit_family(
         raise TypeError(f"along is of {type(along).__name__}: give \"energy\", \"period\" or the name of a parameter")
     arguments = _options(period, steps, hold_period)
     arguments += ["--continue", f"{along}={number('to', to)!r}", "--orbits", str(count("orbits", orbits, 1))]
+    if branch is not None:
+        arguments += ["--branch", str(branch)]
     report: dict[str, Any] = _scene(scene).command("orbit", *arguments, accept=(0, 6))
     values = [member.pop("value") for member in report["orbits"]]
     marks = [member.pop("mark") for member in report["orbits"]]

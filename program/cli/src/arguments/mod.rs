@@ -9,7 +9,7 @@ pub use jobs::{
     SceneArguments, SweepArguments,
 };
 pub use questions::{
-    AxisName, DescribeArguments, EvaluateArguments, ExplainArguments, FindArguments,
+    AxisName, DescribeArguments, EvaluateArguments, ExplainArguments, FindArguments, FmuArguments,
     ImportArguments, Kind, LearnArguments, ListArguments, NewArguments, OrbitArguments,
     PlotArguments, SchemaArguments, ShadowArguments, TabulateArguments,
 };
@@ -117,6 +117,8 @@ pub enum Command {
     Shadow(ShadowArguments),
     /// Close a periodic orbit near a scene's initial state, with its period, multipliers and stability
     Orbit(OrbitArguments),
+    /// Write a scene as a functional mock-up unit, FMI 3.0 for co-simulation
+    Fmu(FmuArguments),
     /// Measure what every part declares: orders, tensor defects, drift, cost
     Verify(VerifyArguments),
     /// Measure cost against accuracy over methods, orders and steps
@@ -191,6 +193,7 @@ impl Command {
             Self::Tabulate(arguments) => arguments.json,
             Self::Shadow(arguments) => arguments.json,
             Self::Orbit(arguments) => arguments.json,
+            Self::Fmu(arguments) => arguments.json,
             Self::Verify(arguments) => arguments.json,
             Self::Compare(arguments) => arguments.json,
             Self::Tune(arguments) => arguments.json,

@@ -331,6 +331,9 @@ pub struct OrbitArguments {
     /// Follow the family of the orbit to a value of `energy`, `period` or a parameter, as in --continue mu=0.1
     #[arg(long = "continue", value_name = "NAME=TO")]
     pub along: Option<String>,
+    /// Follow the other family from the K-th branch point on; with -K on its other side
+    #[arg(long, value_name = "K", requires = "along", allow_hyphen_values = true)]
+    pub branch: Option<i64>,
     /// Orbits of the family, at most
     #[arg(long, value_name = "COUNT", default_value_t = 200, requires = "along")]
     pub orbits: usize,
@@ -340,6 +343,23 @@ pub struct OrbitArguments {
     /// Look for an equilibrium in the initial state's leaf in place of an orbit, with its stability
     #[arg(long, conflicts_with_all = ["period", "steps", "hold_period", "along"])]
     pub equilibrium: bool,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `fmu`.
+#[derive(Args, Clone, Debug)]
+pub struct FmuArguments {
+    /// Whose unit it is.
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// The unit's file
+    #[arg(long, value_name = "NAME.fmu")]
+    pub out: PathBuf,
+    /// The library that steps it [default: libleafwise_c beside the program]
+    #[arg(long, value_name = "FILE")]
+    pub library: Option<PathBuf>,
     /// Print one JSON object on standard output
     #[arg(long)]
     pub json: bool,

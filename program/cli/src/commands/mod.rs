@@ -9,6 +9,7 @@ pub mod explain;
 pub mod explain_word;
 pub mod find;
 mod fitted;
+pub mod fmu;
 pub mod import;
 pub mod learn;
 pub mod list;

@@ -125,11 +125,13 @@ fn they_are_refused_where_steps_have_no_tangent() {
         assert_eq!(said.code, Some(3), "{set:?} {}", said.err);
         said.says(&pieces);
     }
-    // The leaves of so(3)* have two dimensions.
-    let said = run(&here, &["run.record.observables=[\"lyapunov 2\"]"]);
+    // so(3)* has three directions.
+    let said = run(&here, &["run.record.observables=[\"lyapunov 4\"]"]);
     assert_eq!(said.code, Some(1), "{}", said.err);
     said.says(&[
-        "the symplectic leaf of the initial state has less than two dimensions for each",
-        "record fewer exponents",
+        "too few directions for the Lyapunov exponents up to the last",
+        "record fewer exponents: as many as coordinates",
     ]);
+    let said = run(&here, &["run.record.observables=[\"lyapunov 3\"]"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use leafwise_core::system::{LeafDirections, SystemInvariants};
 use leafwise_core::{BuildError, Observer};
 use leafwise_expression::Expression;
-use leafwise_walk::{Course, Event, Indicators, Pace, StateFunctions};
+use leafwise_walk::{Begins, Course, Event, Indicator, Indicators, Pace, StateFunctions};
 
 use super::body_columns::BodyColumns;
 use super::contact::Contact;
@@ -182,12 +182,42 @@ impl ComposedRun {
         if count == 0 {
             return None;
         }
+        let begins = self.begins(&which);
         Some(Indicators {
             which,
-            directions: self.leaf_directions(count),
+            directions: match begins {
+                Begins::InLeaf => self.leaf_directions(count),
+                Begins::Anywhere => self.tensor_columns(),
+            },
+            begins,
             // e moves others by its part of K = (H + e) g alone.
             measured: self.plan.layout.moving().end,
             has_feedback: self.pace().is_some(),
+        })
+    }
+
+    /// Where vectors begin: in the leaf, where two of its dimensions are there for each exponent. Of a bracket and H alone they
+    /// are all known, and vectors begin anywhere for those beyond.
+    fn begins(&self, which: &[Indicator]) -> Begins {
+        let last = Indicators::exponents_of(which);
+        if self.system.has_forces() || self.is_extended() || last > self.dimension() {
+            return Begins::InLeaf;
+        }
+        let values = self.leaf_directions(2 * last);
+        let values = values.values(1, &self.system.parameter_values());
+        let vectors = values.map(|mut values| values.at(&self.plan.initial).to_vec());
+        let fit = |vectors| Indicators::are_independent(vectors, self.dimension());
+        match vectors.is_ok_and(|vectors| !fit(vectors)) {
+            true => Begins::Anywhere,
+            false => Begins::InLeaf,
+        }
+    }
+
+    /// The columns of the tensor at a state.
+    fn tensor_columns(&self) -> StateFunctions {
+        let (system, d) = (Arc::new(self.system.clone()), self.dimension());
+        StateFunctions::each(d * d, move |parameters| {
+            Ok(LeafDirections::columns(&system, parameters)?.into())
         })
     }
 

@@ -4,14 +4,17 @@
 //! neighbours of other energies, so that one system has a family by itself. With the energy or the period held there is one
 //! along a parameter.
 //!
-//! Three functions along a family change their sign at its marks: the slope of what is continued, Π(μ − 1) and Π(μ + 1)
-//! over the multipliers.
+//! Functions along a family change their sign at its marks. They are the slope of what is continued, Π(μ − 1), Π(μ + 1), and
+//! the discriminant of the μ + 1/μ, over the multipliers.
+//!
+//! Where another family comes through, the equations have a null vector beside the tangent. That family begins along it
+//! (H. B. Keller, in *Applications of Bifurcation Theory*, Academic Press (1977)).
 
 use leafwise_scene::compose::ComposedRun;
 
 use super::equations::{AfterTurn, Equations, Invariants, Moving, Turns};
-use super::linear::{Columns, SingularValues, dot};
-use super::multipliers::Kernel;
+use super::linear::{Columns, Complex, SingularValues, dot};
+use super::multipliers::{Kernel, complement, discriminant, meet_on_the_circle};
 use super::newton::{Corrected, corrected, length};
 use super::{Hold, NEAR, OrbitError, PART, PeriodicOrbit, close, judged, size_of};
 
@@ -66,6 +69,8 @@ pub struct Following {
     pub to: f64,
     /// Orbits, at most.
     pub most: usize,
+    /// The branch point at which the other family is followed, from 1 on; with the other sign on its other side.
+    pub branch: Option<i64>,
 }
 
 /// A mark of an orbit in its family.
@@ -79,6 +84,8 @@ pub enum Mark {
     Doubling,
     /// The energy turns back along the family, which no other meets.
     EnergyFold,
+    /// Two multiplier pairs meet on the unit circle and leave it: their signatures are opposite (M. Krein 1950).
+    Krein,
 }
 
 /// An orbit of a family.
@@ -103,6 +110,8 @@ pub enum Ends {
     Many,
     /// At an equilibrium, to which the orbits shrink.
     Equilibrium,
+    /// Before as many branch points as were asked for.
+    NoBranch,
     /// Where no further orbit closes.
     Lost(OrbitError),
 }
@@ -122,16 +131,19 @@ struct Continued {
     orbit: PeriodicOrbit,
     value: f64,
     tangent: Vec<f64>,
-    /// The derivative of the value along the tangent, Π(μ − 1) and Π(μ + 1).
-    tests: [f64; 3],
+    /// The derivative of the value along the tangent, Π(μ − 1), Π(μ + 1) and the discriminant.
+    tests: [f64; 4],
     /// The least singular value that counts.
     least: f64,
+    /// Its vector, and those of directions along the family and of symmetries.
+    space: Columns,
 }
 
 /// The places of the functions that change their sign at marks.
 const FOLD: usize = 0;
 const PLUS: usize = 1;
 const MINUS: usize = 2;
+const DISCRIMINANT: usize = 3;
 
 struct Walk<'a> {
     equations: Equations<'a>,
@@ -232,8 +244,10 @@ impl Walk<'_> {
         let mut here = self.point(begun, &guide)?;
         here.orbit = first;
         let mut members = vec![here.member(None)];
+        let mut branches = following.branch.map_or(0, i64::unsigned_abs);
         let longest = |here: &Continued| LONGEST.min((way / (STEPS * here.tests[FOLD])).abs());
         let mut step = longest(&here);
+        let mut has_left = false;
         let ends = loop {
             if members.len() >= following.most {
                 break Ends::Many;
@@ -259,7 +273,21 @@ impl Walk<'_> {
                 Some(Err(error)) => break Ends::Lost(error),
             };
             match self.marks(&here, &next) {
-                Ok(marks) => members.extend(marks),
+                Ok(marks) => {
+                    let mut marks = marks.into_iter();
+                    let at = marks.find(|(mark, point)| {
+                        let is_branch = *mark == Mark::Branch;
+                        branches = branches.saturating_sub(u64::from(is_branch && branches > 0));
+                        members.push(point.member(Some(*mark)));
+                        is_branch && branches == 0 && !has_left && following.branch.is_some()
+                    });
+                    if let Some((_, point)) = at {
+                        has_left = true;
+                        here = point.on_other_family(&here, following.branch.unwrap_or(1) < 0);
+                        step = longest(&here);
+                        continue;
+                    }
+                }
                 Err(OrbitError::Equilibrium { .. }) => break Ends::Equilibrium,
                 Err(_) if step >= SHORTEST => {
                     step *= 0.5;
@@ -269,7 +297,10 @@ impl Walk<'_> {
             }
             members.push(next.member(None));
             if is_there {
-                break Ends::Reached;
+                break match following.branch.is_some() && !has_left {
+                    true => Ends::NoBranch,
+                    false => Ends::Reached,
+                };
             }
             if (next.value - begins) * way < 0.0 {
                 break Ends::Returned;
@@ -341,8 +372,8 @@ impl Walk<'_> {
                 .map(|of| 1.0 + of.modulus())
                 .product();
             let all = orbit.multipliers.iter();
-            all.fold(super::Complex { re: 1.0, im: 0.0 }, |product, of| {
-                product.times(super::Complex {
+            all.fold(Complex { re: 1.0, im: 0.0 }, |product, of| {
+                product.times(Complex {
                     re: of.re + one,
                     im: of.im,
                 })
@@ -350,13 +381,19 @@ impl Walk<'_> {
             .re / size
         };
         Ok(Continued {
-            tests: [dot(&slope, &tangent), product(-1.0), product(1.0)],
+            tests: [
+                dot(&slope, &tangent),
+                product(-1.0),
+                product(1.0),
+                discriminant(&orbit.multipliers),
+            ],
             value: match (self.along, self.equations.moving) {
                 (Along::Energy, _) => orbit.energy,
                 (Along::Period, _) | (_, None) => orbit.period,
                 (_, Some(moving)) => found.unknowns[orbit.state.len() + 1] * moving.unit,
             },
             least: parts.values[count - 1],
+            space: parts.right[count - 1..].to_vec(),
             unknowns: found.unknowns,
             orbit,
             tangent,
@@ -409,7 +446,7 @@ impl Walk<'_> {
         &mut self,
         here: &Continued,
         next: &Continued,
-    ) -> Result<Vec<FamilyOrbit>, OrbitError> {
+    ) -> Result<Vec<(Mark, Continued)>, OrbitError> {
         let mut found = Vec::new();
         let changes = |which: usize| {
             let [a, b] = [here.tests[which], next.tests[which]];
@@ -417,8 +454,7 @@ impl Walk<'_> {
         };
         let folds = changes(FOLD);
         if folds {
-            let (at, point) = self.located(here, next, FOLD)?;
-            found.push((at, point.member(Some(Mark::Fold))));
+            found.push((self.located(here, next, FOLD)?, Mark::Fold));
         }
         if changes(PLUS) {
             let (at, point) = self.located(here, next, PLUS)?;
@@ -426,14 +462,20 @@ impl Walk<'_> {
                 true => Some(Mark::Branch),
                 false => (!folds).then_some(Mark::EnergyFold),
             };
-            found.extend(mark.map(|mark| (at, point.member(Some(mark)))));
+            found.extend(mark.map(|mark| ((at, point), mark)));
         }
         if changes(MINUS) {
-            let (at, point) = self.located(here, next, MINUS)?;
-            found.push((at, point.member(Some(Mark::Doubling))));
+            found.push((self.located(here, next, MINUS)?, Mark::Doubling));
         }
-        found.sort_by(|(a, _), (b, _)| a.total_cmp(b));
-        Ok(found.into_iter().map(|(_, member)| member).collect())
+        if changes(DISCRIMINANT) {
+            let (at, point) = self.located(here, next, DISCRIMINANT)?;
+            if meet_on_the_circle(&point.orbit.multipliers) {
+                found.push(((at, point), Mark::Krein));
+            }
+        }
+        found.sort_by(|((a, _), _), ((b, _), _)| a.total_cmp(b));
+        let marks = found.into_iter().map(|((_, point), mark)| (mark, point));
+        Ok(marks.collect())
     }
 
     /// Where a test function is zero between two orbits: by the secants of Illinois.
@@ -483,6 +525,33 @@ impl Continued {
             value: self.value,
             orbit: self.orbit.clone(),
             mark,
+        }
+    }
+
+    /// The same orbit as the first of the family that comes through, along or against its direction. Two directions are free here:
+    /// the other family's is at right angles to those that were free before.
+    fn on_other_family(self, before: &Self, is_against: bool) -> Self {
+        let own = before.space[1..].iter();
+        let own = own.map(|free| self.space.iter().map(|own| dot(own, free)).collect());
+        let own = SingularValues::of(&own.collect()).left;
+        let parts = complement(&own, self.space.len()).pop().unwrap_or_default();
+        let mut null = vec![0.0; self.unknowns.len()];
+        for (part, vector) in parts.iter().zip(&self.space) {
+            null.iter_mut()
+                .zip(vector)
+                .for_each(|(n, v)| *n += part * v);
+        }
+        let largest = null.iter().copied();
+        let largest = largest.max_by(|a, b| a.abs().total_cmp(&b.abs()));
+        let sign = match (largest.unwrap_or(1.0) > 0.0) != is_against {
+            true => 1.0,
+            false => -1.0,
+        };
+        Self {
+            tangent: null.iter().map(|n| sign * n).collect(),
+            // Both are 0 here but for round-off.
+            tests: [0.0, 0.0, self.tests[MINUS], self.tests[DISCRIMINANT]],
+            ..self
         }
     }
 

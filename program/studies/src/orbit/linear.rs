@@ -140,7 +140,7 @@ impl Complex {
         }
     }
 
-    fn over(self, b: f64) -> Self {
+    pub(super) fn over(self, b: f64) -> Self {
         Self {
             re: self.re / b,
             im: self.im / b,

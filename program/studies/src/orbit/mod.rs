@@ -12,25 +12,28 @@
 //! - `equations`, `newton`: the bordered equations, and their corrections.
 //! - `multipliers`, `linear`: the reduced motion; singular values and eigenvalues of small matrices.
 //! - `family`: orbits along the energy, the period or a parameter.
-//! - `rest`: equilibria in a leaf.
+//! - `rest`, `leaf`, `units`: equilibria, the linearized motion in their leaf, in units of that motion.
 
 mod equations;
 mod error;
 mod family;
+mod leaf;
 mod linear;
 mod multipliers;
 mod newton;
 mod rest;
+mod units;
 
 use leafwise_scene::compose::ComposedRun;
 
 use equations::{AfterTurn, Equations, Invariants, Turns, largest};
 pub use error::OrbitError;
 pub use family::{Along, Ends, FamilyOrbit, Following, Mark, OrbitFamily, follow};
+pub use leaf::{NoEigenvalues, Verdict};
 pub use linear::Complex;
 use multipliers::{Kernel, Multipliers};
 use newton::{Corrected, corrected, length};
-pub use rest::{Rest, RestError, Verdict, rest};
+pub use rest::{Rest, RestError, rest};
 
 /// A closure, over the size of the state, that whole corrections alone make better.
 const NEAR: f64 = 1e-10;

@@ -10,6 +10,9 @@ const KERNEL: [f64; 4] = [1e-7, 1e-9, 1e-11, 1e-13];
 /// How far that sum may be from the trace, relative.
 const TRACE: f64 = 1e-5;
 
+/// Multipliers that are nearer to each other meet: two that do are known to the root of the round-off.
+const TOGETHER: f64 = 1e-3;
+
 /// Which part of M its other multipliers are of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Kernel {
@@ -123,7 +126,7 @@ fn reduced(
 }
 
 /// An orthonormal basis of what is at right angles to orthonormal vectors.
-fn complement(vectors: &Columns, dimension: usize) -> Columns {
+pub(super) fn complement(vectors: &Columns, dimension: usize) -> Columns {
     let mut all: Columns = vectors.clone();
     while all.len() < dimension {
         let candidates = (0..dimension).map(|j| {
@@ -144,4 +147,70 @@ fn complement(vectors: &Columns, dimension: usize) -> Columns {
         all.push(v);
     }
     all.split_off(vectors.len())
+}
+
+/// The discriminant of the n sums s = μ + 1/μ of multiplier pairs, over their sizes. It is the determinant of the power sums
+/// p_{i+j}, each half of that over all multipliers. Real pairs and those on the unit circle have a real s.
+pub(super) fn discriminant(multipliers: &[Complex]) -> f64 {
+    let n = multipliers.len() / 2;
+    if n < 2 {
+        return 1.0;
+    }
+    let sums: Vec<Complex> = multipliers
+        .iter()
+        .map(|of| {
+            let square = of.modulus() * of.modulus();
+            Complex {
+                re: of.re + of.re / square,
+                im: of.im - of.im / square,
+            }
+        })
+        .collect();
+    let size = sums.iter().fold(1.0_f64, |most, s| most.max(s.modulus()));
+    let mut powers = vec![Complex { re: 0.5, im: 0.0 }; sums.len()];
+    let sums: Vec<Complex> = sums.into_iter().map(|s| s.over(size)).collect();
+    let mut moments = Vec::new();
+    for _ in 0..2 * n - 1 {
+        moments.push(powers.iter().map(|power| power.re).sum::<f64>());
+        let pairs = powers.iter_mut().zip(&sums);
+        pairs.for_each(|(power, s)| *power = power.times(*s));
+    }
+    determinant((0..n).map(|i| moments[i..i + n].to_vec()).collect())
+}
+
+/// The determinant of a matrix by its rows, with pivots.
+fn determinant(mut rows: Vec<Vec<f64>>) -> f64 {
+    let n = rows.len();
+    let mut product = 1.0;
+    for k in 0..n {
+        let pivot = (k..n).max_by(|a, b| rows[*a][k].abs().total_cmp(&rows[*b][k].abs()));
+        let pivot = pivot.unwrap_or(k);
+        if pivot != k {
+            rows.swap(pivot, k);
+            product = -product;
+        }
+        product *= rows[k][k];
+        if rows[k][k] == 0.0 {
+            return 0.0;
+        }
+        let (head, tail) = rows.split_at_mut(k + 1);
+        for row in tail {
+            let factor = row[k] / head[k][k];
+            let pairs = row.iter_mut().zip(&head[k]);
+            pairs.for_each(|(entry, own)| *entry -= factor * own);
+        }
+    }
+    product
+}
+
+/// Whether the two multipliers in the upper half plane that are nearest to each other are on the unit circle.
+pub(super) fn meet_on_the_circle(multipliers: &[Complex]) -> bool {
+    let upper: Vec<&Complex> = multipliers.iter().filter(|of| of.im > 0.0).collect();
+    let pairs = (0..upper.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
+    let near = pairs.filter(|(i, j)| {
+        let [a, b] = [upper[*i], upper[*j]];
+        libm::hypot(a.re - b.re, a.im - b.im) < TOGETHER
+    });
+    let mut near = near.map(|(i, j)| upper[i].modulus().max(upper[j].modulus()));
+    near.any(|size| (size - 1.0).abs() < TOGETHER)
 }

@@ -2,6 +2,7 @@
 //!
 //! With B an orthonormal basis of the leaf's directions, the image of Π, the linearized motion in the leaf is A = BᵀDf B = P S.
 //! P = BᵀΠB is invertible there, and S is the second variation of H − Σ λ_c C_c. Hence S = P⁻¹A, whatever Casimirs are known.
+//! They are found and judged in [units](super::units) of the motion, and do not depend on the scene's.
 //! S definite keeps neighbours in the leaf near for all times: the energy–Casimir method (V. Arnold 1966; D. Holm, J. Marsden,
 //! T. Ratiu, A. Weinstein, Phys. Rep. 123 (1985)).
 
@@ -14,40 +15,14 @@ use leafwise_scene::compose::ComposedRun;
 use thiserror::Error;
 
 use super::equations::largest;
-use super::linear::{Columns, Complex, SingularValues, dot, eigenvalues};
+use super::leaf::{Leaf, Linear, NoEigenvalues, Verdict};
+use super::linear::{Columns, Complex, SingularValues};
 use super::newton::{At, corrected, length};
-use super::{NEAR, PART, size_of};
+use super::units::Units;
+use super::{NEAR, PART};
 
-/// Singular values of the tensor that are no zeros, over the largest.
-const RANK: f64 = 1e-9;
-
-/// The motion at rest, at most, over the linearized motion of a distance of the state's size.
+/// The motion at rest, at most, over the linearized motion of a distance of the state's size, in units.
 const RESTS: f64 = 1e-12;
-
-/// Curvatures that are no zeros, over the largest.
-const CURVED: f64 = 1e-9;
-
-/// A real part above this, over the largest size of an eigenvalue, is that of an unstable motion. Two eigenvalues that meet on the
-/// axis are known to the root of the round-off.
-const GROWS: f64 = 1e-7;
-
-/// Eigenvalues of several zeros are known to higher roots of it.
-const ZERO: f64 = 1e-3;
-
-/// The verdict on an equilibrium.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
-    /// Its leaf is a point.
-    Alone,
-    /// The energy is a strict minimum or maximum in the leaf: neighbours stay near for all times.
-    Stable,
-    /// No neighbour parts exponentially; the energy is no strict extremum, and does not decide.
-    SpectrallyStable,
-    /// Neighbours part exponentially.
-    Unstable,
-    /// Zeros among the eigenvalues hide whether others are none.
-    Undecided,
-}
 
 /// An equilibrium.
 #[derive(Clone, Debug)]
@@ -86,7 +61,7 @@ pub enum RestError {
         /// A remedy.
         help: Cow<'static, str>,
     },
-    /// Functions without code or derivatives.
+    /// RestFunctions without code or derivatives.
     #[error(transparent)]
     Build(#[from] BuildError),
     /// They have no value.
@@ -118,8 +93,8 @@ pub enum RestError {
         off: f64,
     },
     /// Eigenvalues do not converge.
-    #[error("the eigenvalues of the linearized motion do not converge")]
-    NoEigenvalues,
+    #[error(transparent)]
+    NoEigenvalues(#[from] NoEigenvalues),
 }
 
 /// Values and derivatives of a map.
@@ -157,122 +132,159 @@ fn no_value(z: &[f64], source: StepError) -> RestError {
     }
 }
 
+/// The motion, its tensor and what it holds.
+struct RestFunctions {
+    field: Differentiable,
+    tensor: Differentiable,
+    /// Energy and Casimirs.
+    invariants: Differentiable,
+}
+
+impl RestFunctions {
+    fn of(run: &ComposedRun) -> Result<Self, RestError> {
+        let system = &run.system;
+        let parameters = system.parameter_values();
+        Ok(Self {
+            field: Differentiable::of(system.field_map()?, &parameters),
+            tensor: Differentiable::of(system.tensor_map()?, &parameters),
+            invariants: Differentiable::of(system.invariants_map()?, &parameters),
+        })
+    }
+
+    fn linear(&self, x: &[f64]) -> Result<Linear, RestError> {
+        let d = x.len();
+        let column = |j: usize| {
+            let mut both = [x, &vec![0.0; d]].concat();
+            both[d + j] = 1.0;
+            self.tensor.values(&both)
+        };
+        let tensor = (0..d).map(column).collect::<Result<Columns, RestError>>()?;
+        let motion = transposed(&self.field.rows(x)?, d);
+        Ok(Linear { tensor, motion })
+    }
+}
+
+/// The larger entries of two matrices.
+fn larger_of(a: &Columns, b: &Columns) -> Columns {
+    let columns = a.iter().zip(b).map(|(a, b)| {
+        let pairs = a.iter().zip(b);
+        pairs.map(|(a, b)| a.abs().max(b.abs())).collect()
+    });
+    columns.collect()
+}
+
 /// Finds an equilibrium near a run's initial state, in its leaf.
 ///
 /// # Errors
 /// [`RestError`].
 pub fn rest(run: &ComposedRun) -> Result<Rest, RestError> {
     refuse(run)?;
-    let system = &run.system;
-    let parameters = system.parameter_values();
-    let field = Differentiable::of(system.field_map()?, &parameters);
-    let tensor = Differentiable::of(system.tensor_map()?, &parameters);
-    let invariants = Differentiable::of(system.invariants_map()?, &parameters);
-    let initial = &run.plan.initial;
-    let (d, held) = (initial.len(), invariants.values(initial)?);
+    let functions = RestFunctions::of(run)?;
+    let (initial, d) = (&run.plan.initial, run.plan.initial.len());
+    let (held, first) = (
+        functions.invariants.values(initial)?,
+        functions.linear(initial)?,
+    );
+    let sizes = |x: &[f64]| -> Vec<f64> {
+        let pairs = x.iter().zip(initial);
+        pairs.map(|(x, first)| x.abs().max(first.abs())).collect()
+    };
+    let units = Units::of(&first.tensor, &first.motion, &sizes(initial));
     let found = corrected(
-        initial.clone(),
-        (PART, NEAR * size_of(initial)),
+        units.inside(initial),
+        (PART, NEAR * extent(&units.inside(initial))),
         |x| {
-            let (now, gradients) = (invariants.values(x)?, invariants.rows(x)?);
-            let mut right: Vec<f64> = field.values(x)?.iter().map(|f| -f).collect();
-            let mut rows = field.rows(x)?;
-            for ((row, now), held) in gradients.into_iter().zip(now).zip(&held).skip(1) {
+            let x = units.outside(x);
+            let (now, gradients) = (
+                functions.invariants.values(&x)?,
+                functions.invariants.rows(&x)?,
+            );
+            let velocity = units.velocity(&functions.field.values(&x)?);
+            let mut right: Vec<f64> = velocity.iter().map(|f| -f).collect();
+            let mut columns = units.motion(&transposed(&functions.field.rows(&x)?, d));
+            for ((gradient, now), held) in gradients.iter().zip(now).zip(&held).skip(1) {
+                let row = units.gradient(gradient);
                 let size = length(&row);
                 let inverse = if size > 0.0 { 1.0 / size } else { 0.0 };
-                rows.push(row.iter().map(|entry| entry * inverse).collect());
+                let entries = columns.iter_mut().zip(row);
+                entries.for_each(|(column, entry)| column.push(entry * inverse));
                 right.push((held - now) * inverse);
             }
-            Ok(At { found: rows, right })
+            Ok(At {
+                found: columns,
+                right,
+            })
         },
-        |_, at| Ok(transposed(&at.found, d)),
+        |_, at| Ok(at.found.clone()),
         |_, _| Ok::<(), RestError>(()),
     )?;
-    let state = found.unknowns;
-    let speed = largest(&found.at.right[..d]);
-    let rows = &found.at.found[..d];
-    let rate = SingularValues::of(&transposed(rows, d)).values[0];
-    let most = RESTS * (rate * size_of(&state)).max(f64::MIN_POSITIVE);
-    if speed.is_nan() || speed > most {
+    let state = units.outside(&found.unknowns);
+    let linear = functions.linear(&state)?;
+    let sizes = sizes(&state);
+    // What is small at the state but was not nearby is no unit.
+    let units = Units::of(
+        &larger_of(&linear.tensor, &first.tensor),
+        &larger_of(&linear.motion, &first.motion),
+        &sizes,
+    );
+    let velocity = functions.field.values(&state)?;
+    let speed = largest(&velocity);
+    let extent = extent(&units.inside(&sizes));
+    let rate = SingularValues::of(&units.motion(&linear.motion)).values[0];
+    let moves = largest(&units.velocity(&velocity));
+    if moves.is_nan() || moves > RESTS * rate * extent {
         return Err(RestError::Moves {
             iterations: found.corrections,
             speed,
         });
     }
-    let now = invariants.values(&state)?;
-    for ((name, now), held) in system.casimir_names().iter().zip(&now[1..]).zip(&held[1..]) {
-        let off = (now - held).abs() / held.abs().max(1.0);
-        if off > super::CLOSED {
-            let name = (*name).to_owned();
-            return Err(RestError::NotHeld { name, off });
+    let (now, gradients) = (
+        functions.invariants.values(&state)?,
+        functions.invariants.rows(&state)?,
+    );
+    let names = run.system.casimir_names();
+    for (at, name) in names.iter().enumerate().map(|(at, name)| (at + 1, name)) {
+        let size = held[at].abs().max(products(&gradients[at], &sizes));
+        let off = (now[at] - held[at]).abs();
+        if off > super::CLOSED * size {
+            return Err(RestError::NotHeld {
+                name: (*name).to_owned(),
+                off: off / size,
+            });
         }
     }
-    let first = tensor_columns(&tensor, initial)?;
-    let own = tensor_columns(&tensor, &state)?;
-    let parts = SingularValues::of(&own);
-    let least = RANK * parts.values[0].max(SingularValues::of(&first).values[0]);
-    let leaf = parts.values.iter().filter(|value| **value > least).count();
-    let basis = &parts.left[..leaf];
-    let within = |matrix: &Columns| -> Columns {
-        let moved = basis.iter().map(|v| applied(matrix, v));
-        moved
-            .map(|moved| basis.iter().map(|w| dot(w, &moved)).collect())
-            .collect()
-    };
-    let motion = within(&transposed(rows, d));
-    let inverse = SingularValues::of(&within(&own));
-    let curvature: Columns = motion
-        .iter()
-        .map(|column| inverse.solve(column, 0.0))
-        .collect();
-    let symmetric: Columns = (0..leaf)
-        .map(|j| {
-            (0..leaf)
-                .map(|i| 0.5 * (curvature[j][i] + curvature[i][j]))
-                .collect()
-        })
-        .collect();
-    let eigenvalues_of = |matrix: &Columns| eigenvalues(matrix).ok_or(RestError::NoEigenvalues);
-    let mut curvatures: Vec<f64> = eigenvalues_of(&symmetric)?.iter().map(|of| of.re).collect();
-    curvatures.sort_by(f64::total_cmp);
-    let eigenvalues = eigenvalues_of(&motion)?;
-    let verdict = verdict(&motion, &eigenvalues, &curvatures);
-    let gradients = invariants.rows(&state)?;
+    let leaf = Leaf::of(&units, &linear, &first)?;
+    let gradients: Columns = gradients.iter().map(|g| units.gradient(g)).collect();
+    let least = leaf.steepness() * extent;
     Ok(Rest {
-        multiples: multiples(&gradients[0], &gradients[1..]),
+        multiples: multiples(&gradients[0], &gradients[1..], least),
         energy: now[0],
         casimirs: now[1..].to_vec(),
         speed,
         iterations: found.corrections,
-        leaf,
-        eigenvalues,
-        curvatures,
-        verdict,
+        leaf: leaf.basis.len(),
+        eigenvalues: (leaf.eigenvalues.iter())
+            .map(|of| of.over(units.time))
+            .collect(),
+        curvatures: leaf.curvatures_outside(&units)?,
+        verdict: leaf.verdict(),
         state,
     })
 }
 
-fn verdict(motion: &Columns, eigenvalues: &[Complex], curvatures: &[f64]) -> Verdict {
-    let (Some(least), Some(most)) = (curvatures.first(), curvatures.last()) else {
-        return Verdict::Alone;
-    };
-    let flat = CURVED * largest(curvatures);
-    if *least > flat || *most < -flat {
-        return Verdict::Stable;
-    }
-    let scale = SingularValues::of(motion).values;
-    let size = scale[0];
-    let is_singular = scale.last().is_some_and(|least| *least <= CURVED * size);
-    let mut grows = eigenvalues.iter().filter(|of| of.re > GROWS * size);
-    match grows.next() {
-        None => Verdict::SpectrallyStable,
-        Some(first) if is_singular && first.modulus() <= ZERO * size => Verdict::Undecided,
-        Some(_) => Verdict::Unstable,
-    }
+/// The largest size of a coordinate in units; 1 where all are 0, which have none.
+fn extent(x: &[f64]) -> f64 {
+    let most = largest(x);
+    if most > 0.0 { most } else { 1.0 }
 }
 
-/// λ with ∇H = Σ λ_c ∇C_c.
-fn multiples(gradient: &[f64], casimirs: &[Vec<f64>]) -> Option<Vec<f64>> {
+/// Σ |a_i| b_i.
+fn products(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a.abs() * b).sum()
+}
+
+/// λ with ∇H = Σ λ_c ∇C_c. A gradient far below `size` is none.
+fn multiples(gradient: &[f64], casimirs: &[Vec<f64>], size: f64) -> Option<Vec<f64>> {
     let solved = SingularValues::of(&casimirs.to_vec()).solve(gradient, PART);
     let mut left = gradient.to_vec();
     for (multiple, casimir) in solved.iter().zip(casimirs) {
@@ -280,35 +292,13 @@ fn multiples(gradient: &[f64], casimirs: &[Vec<f64>]) -> Option<Vec<f64>> {
             .zip(casimir)
             .for_each(|(l, c)| *l -= multiple * c);
     }
-    (length(&left) <= super::CLOSED * length(gradient).max(1.0)).then_some(solved)
-}
-
-/// Columns of −Π, with which the motion is −Π∇H.
-fn tensor_columns(tensor: &Differentiable, x: &[f64]) -> Result<Columns, RestError> {
-    let d = x.len();
-    let column = |j: usize| {
-        let mut both = [x, &vec![0.0; d]].concat();
-        both[d + j] = 1.0;
-        tensor.values(&both)
-    };
-    (0..d).map(column).collect()
+    (length(&left) <= super::CLOSED * length(gradient).max(size)).then_some(solved)
 }
 
 fn transposed(rows: &[Vec<f64>], columns: usize) -> Columns {
     (0..columns)
         .map(|j| rows.iter().map(|row| row[j]).collect())
         .collect()
-}
-
-fn applied(matrix: &Columns, v: &[f64]) -> Vec<f64> {
-    let mut moved = vec![0.0; matrix.first().map_or(0, Vec::len)];
-    for (part, column) in v.iter().zip(matrix) {
-        moved
-            .iter_mut()
-            .zip(column)
-            .for_each(|(m, c)| *m += part * c);
-    }
-    moved
 }
 
 fn refuse(run: &ComposedRun) -> Result<(), RestError> {

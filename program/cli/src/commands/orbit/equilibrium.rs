@@ -133,7 +133,7 @@ fn verdict(verdict: Verdict) -> (&'static str, &'static str) {
 fn refused(error: RestError) -> Failure {
     let help = match &error {
         RestError::NotOffered { help, .. } => help.as_ref(),
-        RestError::Build(_) | RestError::NoEigenvalues => {
+        RestError::Build(_) | RestError::NoEigenvalues(_) => {
             "equilibria need derivatives of the tensor and of H"
         }
         _ => "begin nearer to the equilibrium, in its leaf",

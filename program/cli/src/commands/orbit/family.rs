@@ -21,7 +21,7 @@ use crate::table::{aligned_after, short};
 struct FamilyJson<'a> {
     /// The quantity that is continued.
     along: &'a str,
-    /// Where the family ends: `reached`, `returned`, `many`, `equilibrium` or `lost`.
+    /// Where the family ends: `reached`, `returned`, `many`, `equilibrium`, `no-branch` or `lost`.
     ends: &'static str,
     /// Why, where no further orbit closes.
     reason: Option<String>,
@@ -32,7 +32,7 @@ struct FamilyJson<'a> {
 #[derive(Serialize)]
 struct MemberJson {
     value: f64,
-    /// `fold`, `branch`, `period-doubling` or `energy-fold`.
+    /// `fold`, `branch`, `period-doubling`, `energy-fold` or `krein`.
     mark: Option<&'static str>,
     #[serde(flatten)]
     orbit: OrbitJson,
@@ -57,6 +57,7 @@ pub(super) fn execute(
         },
         to,
         most: arguments.orbits,
+        branch: arguments.branch,
     };
     if let Some(directory) = &arguments.out {
         make_directory(directory)?;
@@ -124,6 +125,7 @@ fn mark(mark: Mark) -> &'static str {
         Mark::Branch => "branch",
         Mark::Doubling => "period-doubling",
         Mark::EnergyFold => "energy-fold",
+        Mark::Krein => "krein",
     }
 }
 
@@ -139,6 +141,10 @@ fn ends(ends: &Ends) -> (&'static str, &'static str) {
         Ends::Equilibrium => (
             "equilibrium",
             "the family ends at an equilibrium, to which its orbits shrink",
+        ),
+        Ends::NoBranch => (
+            "no-branch",
+            "the family reaches the value before as many branch points: name another --branch, or a value further away",
         ),
         Ends::Lost(_) => ("lost", "the family cannot be followed further"),
     }
@@ -223,7 +229,13 @@ fn write_files(
         Stroke::Line,
         family.members.iter().map(point).collect(),
     )];
-    for own in [Mark::Fold, Mark::Branch, Mark::Doubling, Mark::EnergyFold] {
+    for own in [
+        Mark::Fold,
+        Mark::Branch,
+        Mark::Doubling,
+        Mark::EnergyFold,
+        Mark::Krein,
+    ] {
         let marked = family.members.iter();
         let marked = marked.filter(|member| member.mark == Some(own));
         let points: Vec<_> = marked.map(point).collect();
