@@ -454,3 +454,71 @@ fn what_is_no_family_is_refused() {
         ));
     }
 }
+
+const HENON_HEILES: &str = "variables = [\"x\", \"y\", \"px\", \"py\"]\nbracket = \"canonical\"\n\
+    hamiltonian = \"(px^2 + py^2 + x^2 + y^2)/2 + x^2*y - y^3/3\"";
+
+/// A family that passes monotonically through energies down to 0.004 has no fold at any of them where it is told to end there.
+#[test]
+fn values_where_a_family_ends_are_no_folds() {
+    for to in [0.017, 0.014, 0.011, 0.01] {
+        let family = followed(
+            (HENON_HEILES, ORDER_8),
+            "[0, 0.3, 0.4, 0]",
+            (6.0, 120),
+            Hold::Energy,
+            (Along::Energy, to),
+        );
+        assert!(matches!(family.ends, Ends::Reached), "{:?}", family.ends);
+        let folds = marks(&family);
+        assert!(
+            folds.iter().all(|(mark, _)| *mark != Mark::Fold),
+            "{to}: {folds:?}"
+        );
+        assert!(family.members.len() > 2, "{to}");
+    }
+}
+
+/// The energy is least at the centre of Lotka's populations, H(1, 2) = 3 − 2 ln 2, and at the origin of Hénon's and Heiles': families
+/// come to an equilibrium there, and do not fold.
+#[test]
+fn families_that_shrink_end_at_an_equilibrium() {
+    let populations = "variables = [\"x\", \"y\"]\nbracket = { log-canonical = [[0, 1], [-1, 0]] }\n\
+        hamiltonian = \"x - ln(x) + y - 2*ln(y)\"";
+    let cases = [
+        (
+            HENON_HEILES,
+            "[0, 0.3, 0.4, 0]",
+            (6.0, 120),
+            0.0,
+            std::f64::consts::TAU,
+        ),
+        (
+            populations,
+            "[0.5, 1.5]",
+            (4.6, 92),
+            0.7,
+            std::f64::consts::TAU / std::f64::consts::SQRT_2,
+        ),
+    ];
+    for (system, initial, turn, to, period) in cases {
+        let along = (Along::Energy, to);
+        let family = followed((system, ORDER_8), initial, turn, Hold::Energy, along);
+        assert!(
+            matches!(family.ends, Ends::Equilibrium),
+            "{:?}",
+            family.ends
+        );
+        let folds = marks(&family);
+        assert!(
+            folds.iter().all(|(mark, _)| *mark != Mark::Fold),
+            "{folds:?}"
+        );
+        let last = family.members.last().expect("an orbit");
+        assert!(
+            (last.orbit.period - period).abs() < 1e-2,
+            "{}",
+            last.orbit.period
+        );
+    }
+}

@@ -321,3 +321,30 @@ fn what_does_not_rest_is_refused() {
     let refused = found(timed, &[0.3, 0.2]);
     assert!(matches!(refused, Err(RestError::NotOffered { .. })));
 }
+
+/// Newton's method comes to the origin of populations and of bodies without Casimirs, which are no points of the leaves of other states.
+#[test]
+fn points_of_other_leaves_are_refused() {
+    let populations = "variables = [\"x\", \"y\"]\nbracket = { log-canonical = [[0, 1], [-1, 0]] }\n\
+        hamiltonian = \"x - ln(x) + y - 2*ln(y)\"";
+    let body = "variables = [\"m1\", \"m2\", \"m3\"]\nconvention = \"{x,H}\"\n\
+        bracket = { \"m1,m2\" = \"-m3\", \"m2,m3\" = \"-m1\", \"m3,m1\" = \"-m2\" }\n\
+        hamiltonian = \"m1^2/2 + m2^2/4 + m3^2/6\"";
+    let mut count = 0;
+    for (system, initial) in [
+        (populations, &[0.05, 0.05][..]),
+        (populations, &[0.001, 0.001]),
+        (body, &[1.0, 0.5, -0.2]),
+    ] {
+        match found(system, initial) {
+            Ok(found) => assert_eq!(found.leaf, 2, "{found:?}"),
+            Err(error) => {
+                count += usize::from(matches!(
+                    error,
+                    RestError::OtherLeaf { .. } | RestError::NoValue { .. }
+                ))
+            }
+        }
+    }
+    assert!(count > 0);
+}

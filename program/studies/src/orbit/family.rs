@@ -46,6 +46,9 @@ const FOUND: f64 = 1e-10;
 /// Test functions that never exceed this are zero along the family.
 const ZERO: f64 = 1e-7;
 
+/// The size of an orbit at an equilibrium, at most, over those on both sides of it.
+const SHRINKS: f64 = 1e-2;
+
 /// The least singular value that counts falls to this part of its neighbours' where families meet.
 const MEETS: f64 = 1e-2;
 
@@ -133,6 +136,8 @@ struct Continued {
     tangent: Vec<f64>,
     /// The derivative of the value along the tangent, Π(μ − 1), Π(μ + 1) and the discriminant.
     tests: [f64; 4],
+    /// The size of the orbit.
+    moved: f64,
     /// The least singular value that counts.
     least: f64,
     /// Its vector, and those of directions along the family and of symmetries.
@@ -334,6 +339,16 @@ impl Walk<'_> {
         border: Option<(Vec<f64>, f64)>,
         guide: &[f64],
     ) -> Result<Continued, OrbitError> {
+        let found = self.closed(start, border)?;
+        self.point(found, guide)
+    }
+
+    /// What closes near unknowns on a plane.
+    fn closed(
+        &mut self,
+        start: Vec<f64>,
+        border: Option<(Vec<f64>, f64)>,
+    ) -> Result<Corrected<AfterTurn>, OrbitError> {
         self.equations.border = border;
         let near = NEAR * size_of(&start);
         let found = {
@@ -353,13 +368,13 @@ impl Walk<'_> {
             )
         };
         self.equations.border = None;
-        self.point(found?, guide)
+        found
     }
 
     /// The orbit that is found, with its tangent on the side of a guide.
     fn point(&self, found: Corrected<AfterTurn>, guide: &[f64]) -> Result<Continued, OrbitError> {
         let known = (self.casimirs.as_slice(), Some(self.kernel));
-        let orbit = judged(&self.equations, &found, self.moved_at_first, known)?;
+        let (orbit, moved) = judged(&self.equations, &found, self.moved_at_first, known)?;
         let columns = self.equations.columns(&found.unknowns, &found.at)?;
         let parts = SingularValues::of(&columns);
         let count = parts.values.len() - self.free;
@@ -395,6 +410,7 @@ impl Walk<'_> {
             least: parts.values[count - 1],
             space: parts.right[count - 1..].to_vec(),
             unknowns: found.unknowns,
+            moved,
             orbit,
             tangent,
         })
@@ -436,9 +452,16 @@ impl Walk<'_> {
                 border = Some((row, to / unit));
             }
         }
-        let landed = self.solved(start, border, &here.tangent);
+        let found = self.closed(start, border);
         (self.equations.holds_energy, self.equations.held) = (holds, held);
-        landed.map(|point| Continued { value: to, ..point })
+        // The tangent is of the equations that leave the value free.
+        let found = found?;
+        let found = Corrected {
+            at: self.equations.at(&found.unknowns)?,
+            ..found
+        };
+        let point = self.point(found, &here.tangent)?;
+        Ok(Continued { value: to, ..point })
     }
 
     /// Marks between two orbits, in their order.
@@ -454,7 +477,15 @@ impl Walk<'_> {
         };
         let folds = changes(FOLD);
         if folds {
-            found.push((self.located(here, next, FOLD)?, Mark::Fold));
+            let (at, point) = self.located(here, next, FOLD)?;
+            // Behind an equilibrium the orbits begin anew, half a turn on.
+            if point.moved < SHRINKS * here.moved.min(next.moved) {
+                return Err(OrbitError::Equilibrium {
+                    iterations: point.orbit.iterations,
+                    moved: point.moved,
+                });
+            }
+            found.push(((at, point), Mark::Fold));
         }
         if changes(PLUS) {
             let (at, point) = self.located(here, next, PLUS)?;

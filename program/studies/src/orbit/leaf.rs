@@ -50,6 +50,8 @@ pub struct NoEigenvalues;
 pub(super) struct Leaf {
     /// Orthonormal directions.
     pub basis: Columns,
+    /// The dimension of the leaf of the state to begin with.
+    pub dimension_at_first: usize,
     motion: Columns,
     pub eigenvalues: Vec<Complex>,
     /// S, symmetric.
@@ -62,9 +64,10 @@ impl Leaf {
     pub fn of(units: &Units, here: &Linear, first: &Linear) -> Result<Self, NoEigenvalues> {
         let (own, motion) = (units.tensor(&here.tensor), units.motion(&here.motion));
         let parts = SingularValues::of(&own);
-        let before = SingularValues::of(&units.tensor(&first.tensor)).values[0];
-        let least = RANK * parts.values[0].max(before);
-        let count = parts.values.iter().filter(|value| **value > least).count();
+        let before = SingularValues::of(&units.tensor(&first.tensor)).values;
+        let least = RANK * parts.values[0].max(before[0]);
+        let rank = |values: &[f64]| values.iter().filter(|value| **value > least).count();
+        let count = rank(&parts.values);
         let basis = parts.left[..count].to_vec();
         let motion = within(&basis, &motion);
         let inverse = SingularValues::of(&within(&basis, &own));
@@ -81,6 +84,7 @@ impl Leaf {
             eigenvalues: eigenvalues_of(&motion)?,
             curvatures: in_order(&variation)?,
             basis,
+            dimension_at_first: rank(&before),
             motion,
             variation,
         })

@@ -204,7 +204,7 @@ fn closed(
         },
     )?;
     let casimirs = run.system.casimir_names();
-    judged(&equations, &found, moved_at_first, (&casimirs, None))
+    judged(&equations, &found, moved_at_first, (&casimirs, None)).map(|(orbit, _)| orbit)
 }
 
 /// The orbit that corrections came to, if it is one. Its multipliers are those of a kernel, where that is known.
@@ -213,7 +213,7 @@ fn judged(
     found: &Corrected<AfterTurn>,
     moved_at_first: f64,
     (casimirs, kernel): (&[&str], Option<Kernel>),
-) -> Result<PeriodicOrbit, OrbitError> {
+) -> Result<(PeriodicOrbit, f64), OrbitError> {
     let (x, period, turns) = equations.parts(&found.unknowns);
     let iterations = found.corrections;
     let gap = largest(&found.at.found.gap);
@@ -252,7 +252,7 @@ fn judged(
     let others = &multipliers.others;
     let opposite = others.iter().zip(others.iter().rev());
     let products = opposite.map(|(a, b)| (a.modulus() * b.modulus() - 1.0).abs());
-    Ok(PeriodicOrbit {
+    let orbit = PeriodicOrbit {
         pairing: products.fold(0.0, f64::max),
         state: turns.outside(x),
         period,
@@ -265,7 +265,8 @@ fn judged(
         trivial: multipliers.trivial,
         kernel: multipliers.kernel,
         multipliers: multipliers.others,
-    })
+    };
+    Ok((orbit, moved))
 }
 
 fn refuse(run: &ComposedRun, (period, steps): (f64, u64)) -> Result<(), OrbitError> {

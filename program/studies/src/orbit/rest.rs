@@ -92,6 +92,17 @@ pub enum RestError {
         /// How far its value is from the one that was to be held, relative.
         off: f64,
     },
+    /// Newton's method ends on a leaf of another dimension.
+    #[error(
+        "no equilibrium near here in the leaf: the one that is found lies on a leaf of dimension {found}, the initial state on one of \
+         dimension {leaf}"
+    )]
+    OtherLeaf {
+        /// The dimension of the leaf of the state to begin with.
+        leaf: usize,
+        /// That of the equilibrium's.
+        found: usize,
+    },
     /// Eigenvalues do not converge.
     #[error(transparent)]
     NoEigenvalues(#[from] NoEigenvalues),
@@ -254,6 +265,12 @@ pub fn rest(run: &ComposedRun) -> Result<Rest, RestError> {
         }
     }
     let leaf = Leaf::of(&units, &linear, &first)?;
+    if leaf.basis.len() != leaf.dimension_at_first {
+        return Err(RestError::OtherLeaf {
+            leaf: leaf.dimension_at_first,
+            found: leaf.basis.len(),
+        });
+    }
     let gradients: Columns = gradients.iter().map(|g| units.gradient(g)).collect();
     let least = leaf.steepness() * extent;
     Ok(Rest {
