@@ -241,7 +241,7 @@ fn refusal(
     let seam = crossed_seam(ring, &atom.field, &velocities, &mut BTreeSet::new())?;
     let names = Names { system, ring };
     let (term, variable) = (
-        names.polynomial(&atom.hamiltonian),
+        shortened(names.polynomial(&atom.hamiltonian)),
         &system.variables()[coordinate],
     );
     let reason = match seam {
@@ -257,6 +257,16 @@ fn refusal(
         ),
     };
     Ok(BuildError::DoesNotFit { part: NAME, reason })
+}
+
+/// The beginning of a long formula.
+fn shortened(mut text: String) -> String {
+    const LONGEST: usize = 200;
+    if let Some((end, _)) = text.char_indices().nth(LONGEST) {
+        text.truncate(end);
+        text.push('…');
+    }
+    text
 }
 
 /// Adds an atom to the first of these pieces that keeps an exact flow with it, or to a new one; which one it is in.

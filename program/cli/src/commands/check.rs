@@ -90,10 +90,17 @@ pub fn execute(
         _ => jacobi,
     };
     let mut rows = vec![vec!["  Jacobi identity".to_owned(), jacobi]];
-    for casimir in &checks.casimirs {
+    for (at, casimir) in checks.casimirs.iter().enumerate() {
+        let formulas = composed.system.expressions();
+        let formula = formulas.and_then(|formulas| formulas.casimirs().get(at));
+        let pieces = match formula.is_some_and(|own| own.expression.may_jump()) {
+            true => ", on each of its pieces: where it jumps from one to the next it is none",
+            false => "",
+        };
+        let text = describe(&casimir.check, "coordinate", names);
         rows.push(vec![
             format!("  Casimir {}", casimir.name),
-            describe(&casimir.check, "coordinate", names),
+            format!("{text}{pieces}"),
         ]);
     }
     if let Some(text) = composed.work_of_forces() {
