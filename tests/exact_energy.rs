@@ -116,7 +116,7 @@ fn until_lost(run: &ComposedRun, steps: u64) -> (u64, Option<String>) {
 }
 
 /// Newton's method in both multiples finds a root where lines of multiples lost it within t = 4. A step without one has errors of one
-/// sign alone, which is told with its size; a scan of multiples up to 40 of another program finds none there either.
+/// sign alone, which is told with its size.
 #[test]
 fn the_heavy_top_has_roots_until_none_is_there() {
     let mut whole = 0;
