@@ -24,7 +24,7 @@ pub(super) fn check_length(
         return Ok(());
     }
     let run = &document.run;
-    let is_shortened = run.shortened.is_some_and(|whole| is_length(whole));
+    let is_shortened = run.shortened.is_some_and(is_length);
     let until = run.comes_to.as_ref().filter(|_| is_shortened);
     let refuse = |place, message: String, help: String| {
         Err(Box::new(document.diagnostic(
