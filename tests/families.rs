@@ -5,7 +5,7 @@
     reason = "measured numbers, read with --nocapture"
 )]
 
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::{FRAC_PI_2, SQRT_2, TAU};
 
 use leafwise::orbit::{Along, Ends, Following, Hold, Mark, OrbitError, OrbitFamily, follow};
 use leafwise_tests::scenes::until;
@@ -486,20 +486,8 @@ fn families_that_shrink_end_at_an_equilibrium() {
     let populations = "variables = [\"x\", \"y\"]\nbracket = { log-canonical = [[0, 1], [-1, 0]] }\n\
         hamiltonian = \"x - ln(x) + y - 2*ln(y)\"";
     let cases = [
-        (
-            HENON_HEILES,
-            "[0, 0.3, 0.4, 0]",
-            (6.0, 120),
-            0.0,
-            std::f64::consts::TAU,
-        ),
-        (
-            populations,
-            "[0.5, 1.5]",
-            (4.6, 92),
-            0.7,
-            std::f64::consts::TAU / std::f64::consts::SQRT_2,
-        ),
+        (HENON_HEILES, "[0, 0.3, 0.4, 0]", (6.0, 120), 0.0, TAU),
+        (populations, "[0.5, 1.5]", (4.6, 92), 0.7, TAU / SQRT_2),
     ];
     for (system, initial, turn, to, period) in cases {
         let along = (Along::Energy, to);

@@ -142,6 +142,9 @@ fn sign(x: f64) -> f64 {
     f64::from(i8::from(x > 0.0) - i8::from(x < 0.0))
 }
 
+/// A function of two numbers.
+type OfTwo = fn(f64, f64) -> f64;
+
 /// Functions of pieces have no error at all: at ordinary states, at seams, at ±0, and at the ends of the doubles.
 #[test]
 fn functions_of_pieces_are_exact() {
@@ -161,7 +164,7 @@ fn functions_of_pieces_are_exact() {
         .chain([0.0, -0.0])
         .collect();
     places.extend((0..40).map(|k| libm::sin(f64::from(k)) * libm::exp2(f64::from(k) - 20.0)));
-    let functions: [(&str, fn(f64, f64) -> f64); 8] = [
+    let functions: [(&str, OfTwo); 8] = [
         ("abs(x)", |x, _| x.abs()),
         ("floor(x)", |x, _| x.floor()),
         ("ceil(x)", |x, _| x.ceil()),

@@ -97,7 +97,11 @@ impl Strength {
                 .zip(numbers.chunks(along_zeta))
                 .enumerate();
             for (a, (sums, row)) in rows {
-                let factor = if order(a).is_multiple_of(2) { *even } else { odd * root };
+                let factor = if order(a).is_multiple_of(2) {
+                    *even
+                } else {
+                    odd * root
+                };
                 for (sum, harmonic) in sums.iter_mut().zip(row) {
                     *sum += factor * harmonic;
                 }

@@ -1,7 +1,7 @@
 //! Functional mock-up units of scenes, FMI 3.0 for co-simulation: what is in one, and its archive.
 //!
 //! - [`Variable`]: the variables of a unit, with their numbers.
-//! - [`description`]: `modelDescription.xml`.
+//! - `description`: `modelDescription.xml`.
 //! - [`Archive`]: a ZIP file of stored entries.
 //!
 //! The unit's library is `libleafwise_c`, which reads the scene from the unit's resources.
