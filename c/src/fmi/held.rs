@@ -5,7 +5,7 @@ use std::ffi::{CString, c_char, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError, RwLock, TryLockError};
 
-use super::instance::Instance;
+use super::instance::UnitInstance;
 use crate::call_error::CallError;
 
 /// An `fmi3Instance`: a number, never read as a pointer.
@@ -57,7 +57,7 @@ impl Log {
 
 #[derive(Clone)]
 struct HeldInstance {
-    instance: Arc<Mutex<Instance>>,
+    instance: Arc<Mutex<UnitInstance>>,
     log: Log,
 }
 
@@ -65,7 +65,7 @@ static INSTANCES: RwLock<(usize, BTreeMap<usize, HeldInstance>)> =
     RwLock::new((0, BTreeMap::new()));
 
 /// Gives an instance a number.
-pub(super) fn hold(instance: Instance, log: Log) -> Pointer {
+pub(super) fn hold(instance: UnitInstance, log: Log) -> Pointer {
     let mut all = INSTANCES.write().unwrap_or_else(PoisonError::into_inner);
     all.0 += 1;
     let number = all.0;
@@ -94,7 +94,7 @@ pub(super) fn guarded<T>(work: impl FnOnce() -> Result<T, CallError>) -> Result<
 /// Works on an instance, and logs why it did nothing.
 pub(super) fn call(
     instance: Pointer,
-    work: impl FnOnce(&mut Instance) -> Result<(), CallError>,
+    work: impl FnOnce(&mut UnitInstance) -> Result<(), CallError>,
 ) -> Status {
     let all = INSTANCES.read().unwrap_or_else(PoisonError::into_inner);
     let held = all.1.get(&instance.addr()).cloned();

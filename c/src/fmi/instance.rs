@@ -24,7 +24,7 @@ enum Mode {
 }
 
 /// A unit.
-pub(super) struct Instance {
+pub(super) struct UnitInstance {
     scene: Scene,
     variables: Vec<Variable>,
     /// Values that were set, by their variables' numbers.
@@ -35,7 +35,7 @@ pub(super) struct Instance {
     integrator: Option<Integrator>,
 }
 
-impl Instance {
+impl UnitInstance {
     /// The unit of the scene in a folder, which has this token.
     pub fn new(resources: &Path, given: &str) -> Result<Self, CallError> {
         let file = resources.join(SCENE);

@@ -18,7 +18,7 @@ use std::path::Path;
 use crate::call_error::CallError;
 use crate::strided::Strided;
 use held::{Log, call, hold, release};
-use instance::Instance;
+use instance::UnitInstance;
 
 pub use held::{LogMessage, Pointer, Status};
 pub use refused::*;
@@ -73,7 +73,7 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
         let (token, resources) =
             unsafe { (text("the token", token)?, text("resourcePath", resources)?) };
         let resources = resources.strip_prefix("file://").unwrap_or(resources);
-        Instance::new(Path::new(resources), token)
+        UnitInstance::new(Path::new(resources), token)
     });
     match made {
         Ok(instance) => hold(instance, log),
@@ -106,7 +106,7 @@ pub extern "C" fn fmi3EnterInitializationMode(
 /// Ends it: parameters and initial values stay.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi3ExitInitializationMode(instance: Pointer) -> Status {
-    call(instance, Instance::exit_initialization)
+    call(instance, UnitInstance::exit_initialization)
 }
 
 /// Ends the simulation.
@@ -121,7 +121,7 @@ pub extern "C" fn fmi3Terminate(instance: Pointer) -> Status {
 /// Goes back to what the instance was at first.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi3Reset(instance: Pointer) -> Status {
-    call(instance, Instance::reset)
+    call(instance, UnitInstance::reset)
 }
 
 /// Writes values of variables.
@@ -268,9 +268,9 @@ unsafe fn numbers(references: *const u32, count: usize) -> Result<Vec<u32>, Call
     Ok((0..count).map(read).collect())
 }
 
-/// What refused functions return.
+/// The status of functions that are refused.
 fn refuse(instance: Pointer, name: &str) -> Status {
-    let refused = |_: &mut Instance| {
+    let refused = |_: &mut UnitInstance| {
         Err(CallError::usage(format!(
             "{name} is not offered: units of scenes are for co-simulation, their variables are of the type Float64"
         )))

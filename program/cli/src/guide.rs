@@ -9,7 +9,7 @@ macro_rules! pages {
 }
 
 /// Names and texts of the pages, in the order of the guide's contents.
-pub const PAGES: [(&str, &str); 37] = pages![
+pub const PAGES: [(&str, &str); 39] = pages![
     "start",
     "from-scipy",
     "from-julia",
@@ -18,6 +18,7 @@ pub const PAGES: [(&str, &str); 37] = pages![
     "from-rust",
     "from-c",
     "define-a-system",
+    "textbook",
     "formulas",
     "products",
     "tensors-by-forms",
@@ -44,6 +45,7 @@ pub const PAGES: [(&str, &str); 37] = pages![
     "learn",
     "tabulate",
     "own-parts",
+    "fmi",
     "theory",
     "commands",
     "keys",

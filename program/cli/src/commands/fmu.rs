@@ -17,7 +17,7 @@ use crate::fmu::{Archive, IDENTIFIER, SCENE, description, token, variables};
 use crate::plugins::Parts;
 use crate::scene::SceneText;
 
-/// What is said of a file that exists.
+/// The remedy where a file exists.
 const OTHER: &str = "name another file: --out NAME.fmu";
 
 /// The object of `fmu --json`.

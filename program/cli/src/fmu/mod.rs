@@ -21,7 +21,7 @@ pub const IDENTIFIER: &str = "leafwise_c";
 /// The scene's name within the resources of a unit.
 pub const SCENE: &str = "scene.toml";
 
-/// What a variable is.
+/// The role of a variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
     /// The time.
@@ -39,7 +39,7 @@ pub enum Role {
 pub struct Variable {
     /// The name, no other's.
     pub name: String,
-    /// What it is.
+    /// Its role.
     pub role: Role,
     /// Its value at the start, where it may be set.
     pub start: Option<f64>,

@@ -262,7 +262,7 @@ fn a_noisy_flux_is_told() {
     let (first, last) = (5 + 4 * 7, 5 + 4 * 7 + 33 * 33 / 5);
     let moved = |at: usize, line: &str| {
         let is_far = (first + 10..first + 70).contains(&at) || (last - 70..last - 10).contains(&at);
-        if !is_far || at % 3 > 0 {
+        if !is_far || !at.is_multiple_of(3) {
             return line.to_owned();
         }
         let (head, tail) = line.split_at(16);

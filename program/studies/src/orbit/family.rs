@@ -343,7 +343,7 @@ impl Walk<'_> {
         self.point(found, guide)
     }
 
-    /// What closes near unknowns on a plane.
+    /// Unknowns that close, near others, on a plane.
     fn closed(
         &mut self,
         start: Vec<f64>,
