@@ -459,11 +459,14 @@ fn scenes_without_a_unit_are_refused() {
         assert!(!out.exists());
     }
     std::fs::write(&file, BODY).expect("a writable folder");
-    let (code, said) = program(&["fmu", paths[0], "--out", paths[2]]);
+    let missing = folder.path().join("libleafwise_missing.so");
+    let missing = missing.to_str().expect("UTF-8");
+    let (code, said) = program(&["fmu", paths[0], "--library", missing, "--out", paths[2]]);
     assert!(
-        code == 2 && said.contains("--library FILE"),
+        code != 0 && said.contains("libleafwise_missing"),
         "{code} {said}"
     );
+    assert!(!out.exists());
 }
 
 /// FMPy, where it is installed, accepts the unit and gets the same bits.

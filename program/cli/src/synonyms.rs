@@ -672,6 +672,8 @@ mod tests {
         for page in ["forces", "keys"] {
             assert!(sections.iter().any(|part| part.page == page), "{page}");
         }
-        assert!(explained("no such word").is_empty());
+        for unknown in ["xyzzy", "xyzzy plugh", "how is the xyzzy", ""] {
+            assert!(explained(unknown).is_empty(), "{unknown}");
+        }
     }
 }
