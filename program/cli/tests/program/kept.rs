@@ -106,8 +106,12 @@ fn exact_energy_refuses_tangents() {
         "--set",
         "run.record.observables=[\"megno\"]",
     ]);
-    assert_ne!(refused.code, Some(0));
-    assert!(refused.err.contains("tangent"), "{}", refused.err);
+    assert_eq!(refused.code, Some(3));
+    assert!(
+        refused.err.contains("take `energy` out of [method]"),
+        "{}",
+        refused.err
+    );
 }
 
 #[test]

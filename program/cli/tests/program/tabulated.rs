@@ -231,7 +231,7 @@ fn a_table_holds_for_its_own_step() {
         "--out",
         "half",
     ]);
-    assert_eq!(said.code, Some(2), "{}", said.out);
+    assert_eq!(said.code, Some(3), "{}", said.out);
     said.says(&[
         "holds for steps of 1.5 alone, and this one is 0.75",
         "write time-step = 1.5",
@@ -244,7 +244,7 @@ fn a_table_holds_for_its_own_step() {
     };
     for step in ["method.time-step=0.75", "method.time-step=-3"] {
         let said = check(&[step]);
-        assert_eq!(said.code, Some(2), "{step}: {}", said.out);
+        assert_eq!(said.code, Some(3), "{step}: {}", said.out);
         let sign = if step.contains('-') && step.contains("=-") {
             "-"
         } else {
@@ -267,7 +267,7 @@ fn a_table_holds_for_its_own_step() {
         .collect();
     here.write("until.toml", &format!("{head}[run]{}\n", until.join("\n")));
     let said = here.leafwise(&["check", "until.toml"]);
-    assert_eq!(said.code, Some(2), "{}", said.out);
+    assert_eq!(said.code, Some(3), "{}", said.out);
     said.says(&["is no whole number of them", "write steps = 7"]);
     here.write(
         "until.toml",
