@@ -298,17 +298,3 @@ fn what_is_no_algebra_and_no_representation_is_refused_where_it_stands() {
         "{message}"
     );
 }
-
-#[test]
-fn lists_of_initial_values_take_formulas() {
-    let system = "variables = [\"q\", \"p\", \"r\"]\nparameters = { a = 2 }\nhamiltonian = \"q\"\nbracket = { \"q,p\" = \"a\" }";
-    let initial = |text: &str| {
-        let composed = compose_system(&document(system, text)).expect("a system");
-        composed.initial
-    };
-    let by_names = initial("initial = { q = \"pi/3\", p = \"-a/2\", r = 1.5 }");
-    assert_eq!(initial("initial = [\"pi/3\", \"-a/2\", 1.5]"), by_names);
-    assert_eq!(by_names[1..], [-1.0, 1.5]);
-    let unknown = refusal(system, "initial = [\"45 deg\", 0, 1]");
-    assert!(unknown.message.contains("deg"), "{}", unknown.message);
-}

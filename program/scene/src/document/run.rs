@@ -267,7 +267,7 @@ pub(super) fn read_initial(
     system: Option<&SystemSection>,
     problems: &mut Problems,
 ) -> Option<Located<InitialSpec>> {
-    let expected = "a list of numbers and formulas, or a table of formulas";
+    let expected = "a list of numbers or a table of formulas";
     if item.is_table() {
         let table = item.table(&item.title, expected, problems)?;
         let mut fields = Some(Vec::new());
@@ -289,37 +289,20 @@ pub(super) fn read_initial(
         check_sites_once(fields.iter().map(|(key, _)| key), problems);
         return Some(Located::new(InitialSpec::Fields(fields), item.place()));
     }
-    let entries = item.list(expected, problems)?;
+    let numbers = item.list_of(expected, problems, Item::number)?;
     if let Some(dimension) = system.map(SystemSection::coordinates)
-        && dimension != entries.len()
+        && dimension != numbers.len()
     {
         problems.push(
             SceneProblemCause::Shape {
                 what: item.title.clone(),
-                found: format!("{} entries", entries.len()),
+                found: format!("{} entries", numbers.len()),
                 expected: format!("{dimension}, one for each variable"),
             },
             item.place(),
         );
         return None;
     }
-    if let Some(system) = system
-        && system.variables.len() == entries.len()
-        && entries.iter().any(Item::is_string)
-    {
-        let fields = entries.iter().zip(&system.variables).map(|(entry, name)| {
-            let name = Located::new(name.value.clone(), entry.place());
-            let formula = entry.formula(problems)?;
-            Some((name, FieldSpec::Formula(formula)))
-        });
-        // All of them: each has a problem of its own.
-        let fields: Vec<_> = fields.collect();
-        let fields = fields.into_iter().collect::<Option<Vec<_>>>()?;
-        return Some(Located::new(InitialSpec::Fields(fields), item.place()));
-    }
-    let numbers = entries.iter().map(|entry| entry.number(problems));
-    let numbers: Vec<_> = numbers.collect();
-    let numbers = numbers.into_iter().collect::<Option<Vec<_>>>()?;
     Some(Located::new(InitialSpec::Vector(numbers), item.place()))
 }
 

@@ -222,8 +222,8 @@ const OBSERVABLES: Shape = Shape::List(&Shape::Either(&[Shape::Text, FORMULAS]))
 pub(super) static RUN: [Key; 11] = [
     key(
         "initial",
-        Shape::Either(&[Shape::List(&Shape::Formula), FIELDS]),
-        "A number or a formula for each variable, in order or by names; of a family \
+        Shape::Either(&[NUMBERS, FIELDS]),
+        "A number for each variable, or a formula for each variable or family; of a family \
          also a list or { file = \"q.csv\" }",
     ),
     key("steps", Shape::Whole(0), "The number of steps"),
@@ -419,7 +419,7 @@ pub(super) static DRAWS: [Key; 7] = [
     }]),
     key(
         CENTER,
-        Shape::Either(&[Shape::List(&Shape::Formula), FIELDS]),
+        Shape::Either(&[NUMBERS, FIELDS]),
         "The state that draws are about, as `initial` of [run]; what it does not name is the scene's initial state",
     )
     .otherwise("the scene's initial state"),
