@@ -191,6 +191,13 @@ fn fields() -> impl Strategy<Value = Field> {
         let (lengths, periodic): (Vec<_>, Vec<_>) = axes.into_iter().unzip();
         let cut = |(mut offset, power): (Vec<i64>, u32)| {
             offset.truncate(lengths.len());
+            // Half of a ring at most.
+            for ((by, length), is_ring) in offset.iter_mut().zip(&lengths).zip(&periodic) {
+                if *is_ring {
+                    let half = (length / 2) as i64;
+                    *by = (*by).clamp(-half, half);
+                }
+            }
             (offset, power)
         };
         let couplings = couplings.into_iter().map(cut);
