@@ -244,6 +244,8 @@ FUNCTIONS: dict[str, Callable[[Any], object]] = {
     "import_boozer(surface)": lambda x: lw.import_boozer(__file__, "nowhere", surface=x),
     "import_equilibrium(file)": lambda x: lw.import_equilibrium(x, "nowhere"),
     "import_equilibrium(energy)": lambda x: lw.import_equilibrium(__file__, "nowhere", energy=x),
+    "write_fmu(scene)": lambda x: lw.write_fmu(x, "nowhere.fmu", library=__file__),
+    "write_fmu(library)": lambda x: lw.write_fmu(SCENE, "nowhere.fmu", library=x),
     "find(parameters)": lambda x: lw.find({"q": "p", "p": "-k*q"}, parameters=x),
     "state_error": lambda x: SCENE.state_error(steps=x) if not _is_long(x) else None,
     "integrator.advance": lambda x: SCENE.integrator().advance(x) if not _is_long(x) else None,

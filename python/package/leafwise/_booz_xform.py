@@ -61,7 +61,8 @@ def field_of(source: Mapping[Any, Any]) -> dict[str, Any]:
         if values.shape != (surfaces.size, m.size):
             raise ValueError(f"the file of booz_xform has {name} of the shape {values.shape}, not {(surfaces.size, m.size)}")
         modes = np.zeros((surfaces.size, 2 * most_m + 1, 2 * most_n + 1))
-        np.add.at(modes, (slice(None), m + most_m, n + most_n), values[order])
+        for own, at_m, at_n in zip(values[order].T, m + most_m, n + most_n):
+            modes[:, int(at_m), int(at_n)] += own
         by_theta, by_zeta = along[0](theta), along[1](zeta)
         total: NDArray[np.float64] = np.einsum("kmn,jm,ln->kjl", modes, by_theta, by_zeta, optimize=True)
         return total
