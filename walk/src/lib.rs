@@ -46,4 +46,5 @@ pub use pace::{NoPace, Pace, PacedSteps};
 pub use step::{LastStep, StepEnd, StepStart};
 pub use times::{SampleTimes, is_same_time};
 pub use turns::Past;
-pub use watched::{Memory, Watched};
+pub use watched::Watched;
+pub use watched::memory::Memory;

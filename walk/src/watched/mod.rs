@@ -7,12 +7,11 @@ mod crossed;
 mod deviations;
 mod lanes;
 mod looks;
-mod memory;
+pub(crate) mod memory;
 
 use leafwise_core::{BuildError, SolverStatistics, StepMap, Walk};
 
 use self::lanes::{EventLanes, StopLanes};
-pub use self::memory::Memory;
 use crate::alone::Alones;
 use crate::batch::Batch;
 use crate::course::Course;

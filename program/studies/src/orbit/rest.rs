@@ -272,7 +272,8 @@ pub fn rest(run: &ComposedRun) -> Result<Rest, RestError> {
         });
     }
     let gradients: Columns = gradients.iter().map(|g| units.gradient(g)).collect();
-    let least = leaf.steepness() * extent;
+    // A curvature in units is over the unit of the energy, a gradient is not.
+    let least = leaf.steepness() * extent * units.action / units.time;
     Ok(Rest {
         multiples: multiples(&gradients[0], &gradients[1..], least),
         energy: now[0],
