@@ -1,14 +1,15 @@
 //! Many bodies: sums over pairs in loops have the motion of the system written out, and of closed forms.
 
+mod derivatives;
+mod taylor;
+mod verified;
+
 use std::fmt::Write as _;
 
 use leafwise::core::Registry;
 use leafwise::core::StepError;
-use leafwise::core::diagnostics::TensorDefect;
-use leafwise::core::gradient::{Plan, Trajectory, Way};
 use leafwise::scene::ComposedRun;
 use leafwise::scene::compose::compose;
-use leafwise::verify::{Problem, Progress, Refused, Row, SurveyOptions, survey};
 use leafwise_tests::scenes::{composed, document, end};
 
 /// A composed scene whose pairs are in loops: its system is one of numbers.
@@ -173,84 +174,6 @@ fn gravity_in_loops_is_gravity_written_out() {
                 "{method} {at}: {found} {expected}"
             );
         }
-    }
-}
-
-const TAYLOR: &str = "stepper = \"taylor\"";
-
-/// Taylor series of 16 bodies in loops: ten steps are those of the system written out by a Gauss method of order 16. Those of 300
-/// bodies are its steps in loops.
-#[test]
-fn taylor_series_in_loops_are_those_written_out() {
-    let reference = "stepper = { name = \"gauss\", stages = 8 }";
-    for (expected, sites) in [
-        (composed(&written_out(16, reference)), 16),
-        (in_loops(&gravity(300, reference)), 300),
-    ] {
-        let (found, expected) = (end(&in_loops(&gravity(sites, TAYLOR))), end(&expected));
-        for (at, (found, expected)) in found.iter().zip(&expected).enumerate() {
-            assert!(
-                (found - expected).abs() <= 1e-13,
-                "{sites} {at}: {found} {expected}"
-            );
-        }
-    }
-}
-
-/// Vortices, whose H does not separate, mean fields, couplings of every pair, and a bracket of the coordinates: a Taylor
-/// series in loops, and a Gauss method of order 16 in steps of a quarter.
-#[test]
-fn taylor_series_take_every_sum_over_pairs() {
-    let vortices = "bracket = { \"x[i],y[i]\" = \"1/g[i]\" }\nparameters = { \"g[i]\" = \"1 + 0.3*sin(i)\" }\n\
-                    hamiltonian = \"-sum(i<j, g[i]*g[j]*ln((x[i] - x[j])^2 + (y[i] - y[j])^2))/(4*pi)\"";
-    let mean = "bracket = { \"x[i],y[i]\" = \"1\" }\n\
-                hamiltonian = \"sum(i, y[i]^2/2) + (N^2 - sum(i, cos(x[i]))^2 - sum(i, sin(x[i]))^2)/(2*N)\"";
-    let coupled = "bracket = { \"x[i],y[i]\" = \"1\" }\nparameters = { \"J[i,j]\" = \"sin(3*i + 5*j)\" }\n\
-                   hamiltonian = \"sum(i, y[i]^2/2) - sum(i<j, J[i,j]*cos(x[i] - x[j]))/N\"";
-    let curved = "bracket = { \"x[i],y[i]\" = \"1 + x[i]^2\" }\n\
-                  hamiltonian = \"sum(i, y[i]^2/2) + sum(i<j, sqrt(1 + (x[i] - x[j])^2 + y[i]^2*y[j]^2))/N\"";
-    for system in [vortices, mean, coupled, curved] {
-        let scene = |method: &str, steps: usize| {
-            let step = 0.5 / steps as f64;
-            format!(
-                "[system]\nfamilies = {{ x = 20, y = 20 }}\n{system}\n[method]\n{method}\ntime-step = {step}\n\
-                 [run]\nsteps = {steps}\ninitial = {{ \"x[i]\" = \"2*cos(2*pi*i/N) + 0.1*sin(3*i)\", \"y[i]\" = \"2*sin(2*pi*i/N) + 0.1*cos(2*i)\" }}\n"
-            )
-        };
-        let reference = "stepper = { name = \"gauss\", stages = 8 }";
-        let (found, expected) = (
-            end(&in_loops(&scene(TAYLOR, 10))),
-            end(&in_loops(&scene(reference, 40))),
-        );
-        for (at, (found, expected)) in found.iter().zip(&expected).enumerate() {
-            assert!(
-                (found - expected).abs() <= 2e-13,
-                "{system} {at}: {found} {expected}"
-            );
-        }
-    }
-}
-
-/// Bodies that start at rest and pull from all sides: the forces nearly cancel, and what is left is round-off of large terms.
-#[test]
-fn taylor_series_begin_at_rest() {
-    let text = gravity(40, TAYLOR);
-    let rest: String = text
-        .lines()
-        .filter(|line| {
-            !["\"u[i]\"", "\"v[i]\"", "\"w[i]\""]
-                .iter()
-                .any(|own| line.starts_with(own))
-        })
-        .fold(String::new(), |text, line| text + line + "\n");
-    let rest = format!("{rest}\"u[i]\" = 0\n\"v[i]\" = 0\n\"w[i]\" = 0\n");
-    let reference = "stepper = { name = \"gauss\", stages = 8 }";
-    let (found, expected) = (
-        end(&in_loops(&rest)),
-        end(&in_loops(&rest.replace(TAYLOR, reference))),
-    );
-    for (found, expected) in found.iter().zip(&expected) {
-        assert!((found - expected).abs() <= 1e-13, "{found} {expected}");
     }
 }
 
@@ -567,186 +490,6 @@ fn couplings_of_every_two_sites_move_as_written_out() {
             );
         }
     }
-}
-
-fn trajectory<'a>(run: &'a ComposedRun, parameters: &'a [f64]) -> Trajectory<'a> {
-    Trajectory {
-        map: run.method.map(),
-        parameters,
-        epsilon: run.plan.epsilon,
-        h: run.plan.h,
-        goes_on: &|| true,
-    }
-}
-
-const PLAN: Plan = Plan {
-    steps: 20,
-    every: 10,
-};
-
-/// The gradient of a function of the samples, by either way, and the tangent of a direction.
-fn derivatives(run: &ComposedRun) -> [Vec<f64>; 3] {
-    let parameters = run.system.parameter_values();
-    let (at, initial) = (trajectory(run, &parameters), &run.plan.initial);
-    let reached = at.run(initial, PLAN).expect("a run");
-    let cotangents: Vec<f64> = (0..reached.samples.len())
-        .map(|i| libm::sin(1.0 + 0.7 * i as f64))
-        .collect();
-    let [back, again] = [Way::Back, Way::Checkpoints].map(|way| {
-        let pulled = at.pull(initial, &reached, &cotangents, PLAN, (false, Some(way)));
-        pulled.expect("a gradient").initial
-    });
-    let direction: Vec<f64> = (0..initial.len())
-        .map(|i| libm::cos(0.3 * i as f64))
-        .collect();
-    let pushed = at.push(initial, (&direction, &[]), PLAN);
-    let tangents = pushed.expect("tangents").tangents;
-    let sides = [(&cotangents, &tangents), (&back, &direction)].map(|(a, b)| {
-        let products = a.iter().zip(b).map(|(a, b)| a * b);
-        products.sum::<f64>()
-    });
-    assert!(
-        (sides[0] - sides[1]).abs() <= 1e-11 * (1.0 + sides[0].abs()),
-        "{sides:?}"
-    );
-    [back, again, tangents]
-}
-
-/// Derivatives of runs in loops are those of the system written out: of twenty steps of a splitting and its compositions,
-/// each flow x + tX(x) by products with the Hessian, which are loops too.
-#[test]
-fn derivatives_in_loops_are_those_of_the_system_written_out() {
-    for composition in [
-        "",
-        "composition = \"suzuki-4\"",
-        "composition = \"kahan-li-6\"",
-    ] {
-        let method = format!("stepper = \"splitting\"\n{composition}");
-        let [loops, written] = [false, true].map(|is_written| {
-            let run = composed(&glass(20, &method, is_written));
-            assert_eq!(run.system.opaque().is_some(), !is_written);
-            derivatives(&run)
-        });
-        for (found, expected) in loops.iter().zip(&written) {
-            let size = expected.iter().fold(1.0, |size: f64, v| size.max(v.abs()));
-            for (found, expected) in found.iter().zip(expected) {
-                assert!(
-                    (found - expected).abs() <= 1e-12 * size,
-                    "{composition}: {found} {expected}"
-                );
-            }
-        }
-    }
-}
-
-/// Masses of bodies stand behind the coordinates: the gradient by them, through the tensor 1/m too, is that of differences of
-/// order 6 of whole runs. So it is where H is no sum of pairs but a function of such sums.
-#[test]
-fn derivatives_by_parameters_of_sites_are_those_of_differences() {
-    let method = "stepper = \"splitting\"\ncomposition = \"suzuki-4\"";
-    let functions = gravity(17, method).replace(
-        "- sum(i<j",
-        "+ sum(i, m[i]*cos(x[i] + y[i]))^2 - sqrt(1 + sum(i, m[i]*z[i]^2)) - sum(i<j",
-    );
-    for text in [gravity(17, method), functions] {
-        let run = in_loops(&text);
-        let [gradient, ..] = derivatives(&run);
-        let parameters = run.system.parameter_values();
-        let at = trajectory(&run, &parameters);
-        let value = |initial: &[f64]| -> f64 {
-            let reached = at.run(initial, PLAN).expect("a run");
-            let samples = reached.samples.iter().enumerate();
-            samples
-                .map(|(i, x)| x * libm::sin(1.0 + 0.7 * i as f64))
-                .sum()
-        };
-        let initial = &run.plan.initial;
-        for k in [0, 20, 60, 6 * 17, 6 * 17 + 9] {
-            let slope = |delta: f64| {
-                let [above, below] = [delta, -delta].map(|delta| {
-                    let mut point = initial.clone();
-                    point[k] += delta;
-                    (value(&point), point[k])
-                });
-                (above.0 - below.0) / (above.1 - below.1)
-            };
-            let delta = 1e-3 * initial[k].abs().max(0.05);
-            let expected =
-                (64.0 * slope(delta) - 20.0 * slope(2.0 * delta) + slope(4.0 * delta)) / 45.0;
-            let allowed = 1e-8 * (1.0 + expected.abs());
-            assert!(
-                (gradient[k] - expected).abs() <= allowed,
-                "{k}: {} {expected}",
-                gradient[k]
-            );
-        }
-    }
-}
-
-/// Bodies whose bracket is (1 + e s_i)/m_i with s_i = 1 at the body 17 and 0 at all others.
-fn planted(sites: usize, e: &str, method: &str) -> String {
-    gravity(sites, method)
-        .replace(
-            "e = 0.1 }",
-            "\"s[i]\" = \"exp(-1000*(i - 17)^2)\", e = 0.1 }",
-        )
-        .replace("\"1/m[i]\"", &format!("\"(1 + {e}*s[i])/m[i]\""))
-}
-
-/// Along four random directions steps of splitting and Gauss keep the tensor of 300 bodies as well as differences tell. The map
-/// of a tensor that is off by 1 % at one body is told from it, and so is one that keeps none.
-#[test]
-fn defects_of_one_body_are_found_along_a_few_directions() {
-    let sites = 300;
-    let defect = |of_tensor: &str, of_map: &str, method: &str| {
-        let system = in_loops(&planted(sites, of_tensor, METHODS[0])).system;
-        let run = in_loops(&planted(sites, of_map, method));
-        let (values, x) = (system.parameter_values(), &run.plan.initial);
-        let mut instrument =
-            TensorDefect::new(&system, run.method.map(), &values, 1.0, 0.05).expect("code");
-        let measured = instrument.measure_sampled(x).expect("a step");
-        let measured = measured.expect("a tensor of one body");
-        let [defect, floor] = [measured.relative(), measured.relative_floor()];
-        (defect.expect("a tensor"), floor.expect("a tensor"))
-    };
-    for method in [METHODS[1], METHODS[3], METHODS[4]] {
-        let (kept, floor) = defect("0", "0", method);
-        assert!(
-            kept <= 4.0 * floor && floor <= 1e-6,
-            "{method}: {kept:e} {floor:e}"
-        );
-        let (found, floor) = defect("0", "1e-2", method);
-        assert!(found > 16.0 * floor, "{method}: {found:e} {floor:e}");
-    }
-    let (found, floor) = defect("0", "0", METHODS[0]);
-    assert!(found > 16.0 * floor, "{found:e} {floor:e}");
-}
-
-/// Nothing is told of the progress.
-struct Silent;
-
-impl Progress for Silent {
-    fn problem(&mut self, _: &str, _: usize) {}
-    fn refused(&mut self, _: &Refused) {}
-    fn row(&mut self, _: &Row) {}
-}
-
-/// `verify` measures the scene's own method on many bodies, and says along how many directions.
-#[test]
-fn many_bodies_are_verified_along_a_few_directions() {
-    let document = document(&gravity(60, METHODS[4]), &[]);
-    let registry = Registry::with_builtin();
-    let problem = Problem::with_method(&document, &registry).expect("a problem");
-    let options = SurveyOptions {
-        full: false,
-        threads: std::num::NonZeroUsize::MIN,
-    };
-    let survey = survey(&registry, &[problem], &options, &mut Silent).expect("a flow");
-    assert!(survey.is_met() && survey.rows.len() == 1, "{survey:?}");
-    let [sampled] = &survey.sampled[..] else {
-        panic!("{survey:?}");
-    };
-    assert!(sampled.coordinates == 420 && sampled.covectors == 4 && sampled.is_own_alone);
 }
 
 /// A shadow energy of few bodies is formed of all of them written out; of many it is refused with the term that forbids it.

@@ -21,7 +21,7 @@ from pathlib import Path
 
 CONTENTS = Path("docs/guide/README.md")
 ASSETS = Path("tools/book")
-SYNONYMS = Path("program/cli/src/synonyms.rs")
+SYNONYMS = Path("program/cli/src/synonyms/words.rs")
 FENCE = re.compile(r"^ *```.*?^ *```\s*$", re.M | re.S)
 LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(<?([^()\s>]+)>?\)")
 IMAGE = re.compile(r"<img\s+([^>]*)>")

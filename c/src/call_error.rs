@@ -1,7 +1,7 @@
 //! Failures as codes with messages.
 
 use std::cell::RefCell;
-use std::ffi::{CString, c_char};
+use std::ffi::{CStr, CString, c_char};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use leafwise::core::StepError;
@@ -25,6 +25,20 @@ impl CallError {
             message: message.into(),
         }
     }
+}
+
+/// The text of an argument.
+///
+/// # Safety
+/// `argument` is NULL or a string with a NUL at its end, which lives as long as the result.
+pub(crate) unsafe fn text<'a>(what: &str, argument: *const c_char) -> Result<&'a str, CallError> {
+    if argument.is_null() {
+        return Err(CallError::usage(format!("{what} is NULL")));
+    }
+    // SAFETY: as the caller's.
+    let text = unsafe { CStr::from_ptr(argument) };
+    text.to_str()
+        .map_err(|_| CallError::usage(format!("{what} is not UTF-8 text")))
 }
 
 impl From<Failure> for CallError {

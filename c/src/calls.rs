@@ -4,7 +4,7 @@ use std::ffi::{CStr, c_char};
 use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 
-use crate::call_error::{self, CallError, call};
+use crate::call_error::{self, CallError, call, text};
 use crate::code::LeafwiseCode;
 use crate::handle::{self, LeafwiseHandle, Object};
 use crate::integrator::Integrator;
@@ -397,20 +397,6 @@ fn free(integrator: &Mutex<Integrator>) -> Result<MutexGuard<'_, Integrator>, Ca
             message: "the integrator steps in another thread".to_owned(),
         }),
     }
-}
-
-/// The text of an argument.
-///
-/// # Safety
-/// `argument` is NULL or a string with a NUL at its end, which lives as long as the result.
-unsafe fn text<'a>(what: &str, argument: *const c_char) -> Result<&'a str, CallError> {
-    if argument.is_null() {
-        return Err(CallError::usage(format!("{what} is NULL")));
-    }
-    // SAFETY: as the caller's.
-    let text = unsafe { CStr::from_ptr(argument) };
-    text.to_str()
-        .map_err(|_| CallError::usage(format!("{what} is not UTF-8 text")))
 }
 
 /// Writes a value that is made only where there is a place for it.

@@ -62,10 +62,7 @@ impl StepMap for ContactMap {
     }
 
     fn abilities(&self) -> MapAbilities<'_> {
-        MapAbilities {
-            kernels: self.map.abilities().kernels,
-            ..MapAbilities::default()
-        }
+        self.map.abilities().kernels_alone()
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {

@@ -12,10 +12,10 @@ mod held;
 mod instance;
 mod refused;
 
-use std::ffi::{CStr, c_char, c_void};
+use std::ffi::{c_char, c_void};
 use std::path::Path;
 
-use crate::call_error::CallError;
+use crate::call_error::{CallError, text};
 use crate::strided::Strided;
 use held::{Log, call, hold, release};
 use instance::UnitInstance;
@@ -236,20 +236,6 @@ pub unsafe extern "C" fn fmi3GetNumberOfVariableDependencies(
         unsafe { count.write(0) };
         Ok(())
     })
-}
-
-/// The text of an argument.
-///
-/// # Safety
-/// `argument` is NULL or a string with a NUL at its end, which lives as long as the result.
-unsafe fn text<'a>(what: &str, argument: *const c_char) -> Result<&'a str, CallError> {
-    if argument.is_null() {
-        return Err(CallError::usage(format!("{what} is NULL")));
-    }
-    // SAFETY: as the caller's.
-    let text = unsafe { CStr::from_ptr(argument) };
-    text.to_str()
-        .map_err(|_| CallError::usage(format!("{what} is not UTF-8 text")))
 }
 
 /// Numbers of variables.

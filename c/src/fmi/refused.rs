@@ -94,8 +94,7 @@ pub unsafe extern "C" fn fmi3InstantiateModelExchange(
     environment: *mut c_void,
     log: Option<LogMessage>,
 ) -> Pointer {
-    Log::new(environment, log).error("units of scenes are for co-simulation");
-    std::ptr::null_mut()
+    nothing(environment, log)
 }
 
 /// Not offered: NULL, with the reason logged.
@@ -115,6 +114,11 @@ pub unsafe extern "C" fn fmi3InstantiateScheduledExecution(
     _lock: Option<unsafe extern "C" fn()>,
     _unlock: Option<unsafe extern "C" fn()>,
 ) -> Pointer {
+    nothing(environment, log)
+}
+
+/// No unit, and the reason in the log.
+fn nothing(environment: *mut c_void, log: Option<LogMessage>) -> Pointer {
     Log::new(environment, log).error("units of scenes are for co-simulation");
     std::ptr::null_mut()
 }

@@ -119,10 +119,7 @@ impl StepMap for ExactEnergy {
     }
 
     fn abilities(&self) -> MapAbilities<'_> {
-        MapAbilities {
-            kernels: self.map.abilities().kernels,
-            ..MapAbilities::default()
-        }
+        self.map.abilities().kernels_alone()
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {

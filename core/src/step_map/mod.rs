@@ -62,6 +62,16 @@ pub struct MapAbilities<'a> {
     pub factored: Option<Factored<'a>>,
 }
 
+impl MapAbilities<'_> {
+    /// Those of a map whose steps are made of this one's by other numbers in each: its kernels, and nothing else.
+    pub fn kernels_alone(self) -> Self {
+        Self {
+            kernels: self.kernels,
+            ..Self::default()
+        }
+    }
+}
+
 /// Terms F_1 to F_last of the [`Shadow`] Hamiltonian of a map of a system: of the system, last, and the most products of
 /// terms that they may take. It returns `None` where they take more.
 ///

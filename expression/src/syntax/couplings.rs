@@ -2,10 +2,12 @@
 
 use std::sync::Arc;
 
+use super::bound::{Bound, bind};
 use super::error::{SyntaxError, SyntaxErrorKind};
 use super::formula::Formula;
 use super::matrices::Matrix;
-use super::scope::{Bound, Entry, Place, Scope, bind};
+use super::place::Place;
+use super::scope::{Entry, Scope};
 use super::tree::Reference;
 use super::value::Evaluator;
 

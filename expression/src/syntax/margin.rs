@@ -1,10 +1,11 @@
 //! Conditions as one number: how far they are from not holding.
 
+use super::bound::Bound;
 use super::composite::{Composite, Relation, choice};
 use super::error::SyntaxError;
 use super::formula::Formula;
 use super::resolve::{Resolver, Stop};
-use super::scope::{Bound, Scope};
+use super::scope::Scope;
 use super::tree::{Kind, Node};
 use crate::expression::{Expression, Function};
 

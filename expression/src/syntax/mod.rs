@@ -23,6 +23,7 @@
 //! length of the longest family), `sum` and those of the functions from `exp` to `atanh` are reserved. Any other function
 //! is one where a parenthesis follows; where a scene gives its name to something else, it is refused there.
 
+mod bound;
 mod calls;
 mod composite;
 mod conditions;
@@ -39,6 +40,7 @@ mod offsets;
 mod pairs;
 mod parser;
 mod pattern;
+mod place;
 mod resolve;
 mod scope;
 mod suggestion;
@@ -50,6 +52,7 @@ mod vectors;
 mod vocabulary;
 mod written_out;
 
+pub use bound::At;
 pub use density::Density;
 pub use error::{SyntaxError, SyntaxErrorKind};
 pub use formula::Formula;
@@ -59,6 +62,6 @@ pub use pairs::{PairSum, PairSums};
 pub use parser::{AXES, DEPTH_LIMIT};
 pub use pattern::VariablePattern;
 pub use resolve::{POWER_LIMIT, TERM_LIMIT};
-pub use scope::{At, Boundary, Scope};
+pub use scope::{Boundary, Scope};
 pub use vectors::{PART_LIMIT, Vector};
 pub use vocabulary::{VECTOR_FUNCTIONS, function_names};

@@ -2,10 +2,12 @@
 
 use std::fmt;
 
+use super::bound::{At, Bound};
 use super::display::print_reference;
 use super::error::{SyntaxError, SyntaxErrorKind};
 use super::parser::Parser;
-use super::scope::{At, Bound, Place, Scope};
+use super::place::Place;
+use super::scope::Scope;
 use super::tree::Reference;
 
 /// A variable, or the member of a family at a fixed site or near an index.

@@ -1,10 +1,12 @@
 //! From a formula to an exact expression at one site.
 
+use super::bound::{At, Bound, find};
 use super::composite::{choice, compared};
 use super::error::{SyntaxError, SyntaxErrorKind};
 use super::formula::Formula;
 use super::matrices::entry_of_two;
-use super::scope::{At, Bound, Place, Scope, find};
+use super::place::Place;
+use super::scope::Scope;
 use super::tree::{Kind, Node, Reference, Span};
 use super::vocabulary::{DERIVATIVE, IF};
 use crate::even_powers;

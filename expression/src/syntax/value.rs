@@ -1,10 +1,12 @@
 //! From a formula to a number.
 
+use super::bound::{At, Bound, find};
 use super::composite::compared;
 use super::error::{SyntaxError, SyntaxErrorKind};
 use super::formula::Formula;
+use super::place::Place;
 use super::resolve::{Resolver, Stop, check_terms, first_value, inner_index};
-use super::scope::{At, Bound, Entry, Place, Scope, find};
+use super::scope::{Entry, Scope};
 use super::tree::{Kind, Node, Reference, Span};
 use super::vocabulary::IF;
 use crate::expression::{Expression, integer_power};

@@ -28,7 +28,8 @@ use leafwise_scene::compose::ComposedRun;
 
 use equations::{AfterTurn, Equations, Invariants, Turns, largest};
 pub use error::OrbitError;
-pub use family::{Along, Ends, FamilyOrbit, Following, Mark, OrbitFamily, follow};
+pub use family::follow;
+pub use family::types::{Along, Ends, FamilyOrbit, Following, Mark, OrbitFamily};
 pub use leaf::{NoEigenvalues, Verdict};
 pub use linear::Complex;
 use multipliers::{Kernel, Multipliers};

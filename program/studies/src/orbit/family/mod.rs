@@ -10,11 +10,15 @@
 //! Where another family comes through, the equations have a null vector beside the tangent. That family begins along it
 //! (H. B. Keller, in *Applications of Bifurcation Theory*, Academic Press (1977)).
 
+mod marks;
+pub(super) mod types;
+
 use leafwise_scene::compose::ComposedRun;
 
+use self::types::{Along, Ends, FamilyOrbit, Following, Mark, OrbitFamily};
 use super::equations::{AfterTurn, Equations, Invariants, Moving, Turns};
 use super::linear::{Columns, Complex, SingularValues, dot};
-use super::multipliers::{Kernel, complement, discriminant, meet_on_the_circle};
+use super::multipliers::{Kernel, complement, discriminant};
 use super::newton::{Corrected, corrected, length};
 use super::{Hold, NEAR, OrbitError, PART, PeriodicOrbit, close, judged, size_of};
 
@@ -36,97 +40,6 @@ const STRAIGHT: f64 = 0.95;
 
 /// Corrections of one prediction, at most.
 const CORRECTIONS: usize = 12;
-
-/// Trials of one mark, at most.
-const TRIALS: usize = 40;
-
-/// The part of a step to which a mark is found.
-const FOUND: f64 = 1e-10;
-
-/// Test functions that never exceed this are zero along the family.
-const ZERO: f64 = 1e-7;
-
-/// The size of an orbit at an equilibrium, at most, over those on both sides of it.
-const SHRINKS: f64 = 1e-2;
-
-/// The least singular value that counts falls to this part of its neighbours' where families meet.
-const MEETS: f64 = 1e-2;
-
-/// The quantity that a family is continued in.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Along {
-    /// The energy.
-    Energy,
-    /// The period.
-    Period,
-    /// A parameter of the system, with the energy or the period held.
-    Parameter(String),
-}
-
-/// How a family is followed.
-#[derive(Clone, Debug)]
-pub struct Following {
-    /// The quantity.
-    pub along: Along,
-    /// The value where it ends.
-    pub to: f64,
-    /// Orbits, at most.
-    pub most: usize,
-    /// The branch point at which the other family is followed, from 1 on; with the other sign on its other side.
-    pub branch: Option<i64>,
-}
-
-/// A mark of an orbit in its family.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Mark {
-    /// The quantity that is continued turns back.
-    Fold,
-    /// Another family comes through: one more multiplier pair is 1.
-    Branch,
-    /// A multiplier pair is −1: a family of twice the period begins.
-    Doubling,
-    /// The energy turns back along the family, which no other meets.
-    EnergyFold,
-    /// Two multiplier pairs meet on the unit circle and leave it: their signatures are opposite (M. Krein 1950).
-    Krein,
-}
-
-/// An orbit of a family.
-#[derive(Clone, Debug)]
-pub struct FamilyOrbit {
-    /// The quantity that is continued.
-    pub value: f64,
-    /// The orbit.
-    pub orbit: PeriodicOrbit,
-    /// A mark, where it has one.
-    pub mark: Option<Mark>,
-}
-
-/// Where a family ends.
-#[derive(Debug)]
-pub enum Ends {
-    /// At the value that was asked for.
-    Reached,
-    /// Beyond its beginning, to which it came back by a fold.
-    Returned,
-    /// At the greatest number of orbits.
-    Many,
-    /// At an equilibrium, to which the orbits shrink.
-    Equilibrium,
-    /// Before as many branch points as were asked for.
-    NoBranch,
-    /// Where no further orbit closes.
-    Lost(OrbitError),
-}
-
-/// Orbits in their order.
-#[derive(Debug)]
-pub struct OrbitFamily {
-    /// The orbits, the first as it was closed.
-    pub members: Vec<FamilyOrbit>,
-    /// Where they end.
-    pub ends: Ends,
-}
 
 /// An orbit with what leads on from it.
 struct Continued {
@@ -462,91 +375,6 @@ impl Walk<'_> {
         };
         let point = self.point(found, &here.tangent)?;
         Ok(Continued { value: to, ..point })
-    }
-
-    /// Marks between two orbits, in their order.
-    fn marks(
-        &mut self,
-        here: &Continued,
-        next: &Continued,
-    ) -> Result<Vec<(Mark, Continued)>, OrbitError> {
-        let mut found = Vec::new();
-        let changes = |which: usize| {
-            let [a, b] = [here.tests[which], next.tests[which]];
-            a * b < 0.0 && (which == FOLD || a.abs().max(b.abs()) > ZERO)
-        };
-        let folds = changes(FOLD);
-        if folds {
-            let (at, point) = self.located(here, next, FOLD)?;
-            // Behind an equilibrium the orbits begin anew, half a turn on.
-            if point.moved < SHRINKS * here.moved.min(next.moved) {
-                return Err(OrbitError::Equilibrium {
-                    iterations: point.orbit.iterations,
-                    moved: point.moved,
-                });
-            }
-            found.push(((at, point), Mark::Fold));
-        }
-        if changes(PLUS) {
-            let (at, point) = self.located(here, next, PLUS)?;
-            let mark = match point.least < MEETS * here.least.max(next.least) {
-                true => Some(Mark::Branch),
-                false => (!folds).then_some(Mark::EnergyFold),
-            };
-            found.extend(mark.map(|mark| ((at, point), mark)));
-        }
-        if changes(MINUS) {
-            found.push((self.located(here, next, MINUS)?, Mark::Doubling));
-        }
-        if changes(DISCRIMINANT) {
-            let (at, point) = self.located(here, next, DISCRIMINANT)?;
-            if meet_on_the_circle(&point.orbit.multipliers) {
-                found.push(((at, point), Mark::Krein));
-            }
-        }
-        found.sort_by(|((a, _), _), ((b, _), _)| a.total_cmp(b));
-        let marks = found.into_iter().map(|((_, point), mark)| (mark, point));
-        Ok(marks.collect())
-    }
-
-    /// Where a test function is zero between two orbits: by the secants of Illinois.
-    fn located(
-        &mut self,
-        here: &Continued,
-        next: &Continued,
-        which: usize,
-    ) -> Result<(f64, Continued), OrbitError> {
-        let pairs = next.unknowns.iter().zip(&here.unknowns);
-        let moved: Vec<f64> = pairs.map(|(b, a)| b - a).collect();
-        let whole = dot(&here.tangent, &moved);
-        let (mut low, mut high) = ((0.0, here.tests[which]), (whole, next.tests[which]));
-        let mut best: Option<(f64, Continued)> = None;
-        for _ in 0..TRIALS {
-            let at = low.0 + (high.0 - low.0) * low.1 / (low.1 - high.1);
-            let point = self.stepped(here, at)?;
-            let value = point.tests[which];
-            let is_better = match &best {
-                None => true,
-                Some((_, best)) => value.abs() < best.tests[which].abs(),
-            };
-            let ends = (at - low.0).abs().min((high.0 - at).abs()) <= FOUND * whole.abs();
-            if is_better {
-                best = Some((at, point));
-            }
-            if value == 0.0 || ends {
-                break;
-            }
-            if value * high.1 < 0.0 {
-                low = high;
-            } else {
-                low.1 *= 0.5;
-            }
-            high = (at, value);
-        }
-        best.ok_or(OrbitError::NotClosed {
-            iterations: TRIALS,
-            closure: f64::NAN,
-        })
     }
 }
 
