@@ -29,7 +29,7 @@ LARGEST = 60_000
 #: Scenes by subject, in the order of the page; others follow at its end.
 SUBJECTS = {
     "Bodies that turn": ["tennis_racket", "rigid_body", "slowing_body", "learned_body", "attitude", "heavy_top", "heavy_top_attitude", "se3", "so4"],
-    "The sky": ["kepler", "restricted_three_body", "planets", "solar_system", "gravity", "henon_heiles"],
+    "The sky": ["kepler", "restricted_three_body", "halo_orbits", "planets", "solar_system", "gravity", "henon_heiles"],
     "Charges and magnetic fields": ["magnetic", "guiding_centre", "guiding_centre_cartesian", "tokamak_losses", "stellarator", "magnetic_field_line"],
     "Driven motion, forces in pieces": ["driven_oscillator", "driven_pendulum", "damped_pendulum", "bouncing_ball"],
     "Vortices and fluids": ["point_vortices", "vortices", "vortex_ring", "sphere_vortices", "camassa_holm", "nambu"],
@@ -82,6 +82,9 @@ VIEWS: dict[str, tuple[str, list[str]]] = {
     "vortices": ("Phase plane", ['run.record.states=["x[0]","y[0]"]', "run.steps=200"]),
 }
 
+#: Scenes whose picture is the family of their periodic orbit, and options of `orbit`.
+FAMILIES = {"halo_orbits": ["--continue", "energy=-1.52", "--branch", "1"]}
+
 #: Further pictures of a scene: file, scene, heading, settings.
 MORE = [
     ("tennis_racket_energy", "tennis_racket", "Energy", ["run.record.every=10"]),
@@ -120,6 +123,15 @@ def run(program: str, scene: Scene, settings: list[str], out: Path) -> str:
     if done.returncode:
         sys.exit(f"{' '.join(command)}\n{done.stderr}")
     return (out / "report.html").read_text(encoding="utf-8")
+
+
+def family(program: str, scene: Scene, options: list[str], out: Path) -> str:
+    """The family of a scene's orbit, as `orbit --continue` draws it."""
+    command = [program, "orbit", str(scene.path), *options, "--out", str(out), "--json"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=600)
+    if done.returncode:
+        sys.exit(f"{' '.join(command)}\n{done.stderr}")
+    return (out / "family.svg").read_text(encoding="utf-8")
 
 
 def figures(report: str) -> dict[str, str]:
@@ -237,6 +249,8 @@ def gallery(scenes: dict[str, Scene], shown: dict[str, str]) -> str:
             page += ["", scene.see.replace("*", "\\*").replace("_", "\\_") if "`" not in scene.see else scene.see]
             if scene.change:
                 page += ["", f"*Change:* {scene.change}"]
+            if name in FAMILIES:
+                page += ["", f"`leafwise orbit scenes/{name}.toml {' '.join(FAMILIES[name])} --out family`"]
             page += ["", f"`leafwise {scene.command} scenes/{name}.toml` · [the scene](../../scenes/{name}.toml)"]
     return "\n".join(page) + "\n"
 
@@ -255,6 +269,11 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder)
         for name, scene in scenes.items():
+            if name in FAMILIES:
+                shown[name] = f"{scene.title}: periods of the family over the energy"
+                picture = family(program, scene, FAMILIES[name], out / name)
+                files[PICTURES / f"{name}.svg"] = smaller(picture[picture.index("<svg") :].strip(), shown[name])
+                continue
             wanted, settings = VIEWS.get(name, (None, []))
             found = figures(run(program, scene, settings, out / name))
             heading = chosen(found, wanted)

@@ -443,6 +443,14 @@ fn scenes_without_a_unit_are_refused() {
     let file = folder.path().join("scene.toml");
     let library = library();
     let paths = [&file, &library, &out].map(|path| path.to_str().expect("UTF-8"));
+    // The path of a file is found from everywhere, but its numbers are not in the unit.
+    let table = folder.path().join("u.csv");
+    let numbers: String = (0..9).map(|k| format!("{}\n", k * k)).collect();
+    std::fs::write(&table, numbers).expect("a writable folder");
+    let of_table = format!("tables = {{ U = {{ file = {table:?}, axes = {{ x = [-9, 9] }} }} }}");
+    let in_a_table = BODY
+        .replace("x3^2/(2*I3)", "x3^2/(2*I3) + U(x1)")
+        .replace("[system]", &format!("[system]\n{of_table}"));
     for (scene, reason) in [
         (
             BODY.replace("x3^2/(2*I3)", "x3^2/(2*I3) + 0.1*x1*sin(t)"),
@@ -452,6 +460,7 @@ fn scenes_without_a_unit_are_refused() {
             BODY.replace("steps = 1000", "steps = 1000\nstop = \"x1 < 0\""),
             "a condition that stops it",
         ),
+        (in_a_table, "this one reads"),
     ] {
         std::fs::write(&file, scene).expect("a writable folder");
         let (code, said) = program(&["fmu", paths[0], "--library", paths[1], "--out", paths[2]]);

@@ -83,6 +83,10 @@ pub fn coordinate_flow(
             return within_piece(ring, field, &series, CoordinateFlow { motion, reads });
         }
         let last = &series[series.len() - 1];
+        if rests(ring, field, last) {
+            reads.extend(variables(ring, last));
+            break;
+        }
         if series.len() > LONGEST || last.terms().len() > MOST_MONOMIALS {
             return Ok(None);
         }
@@ -93,6 +97,12 @@ pub fn coordinate_flow(
     }
     let motion = Motion::Polynomial(series.clone());
     within_piece(ring, field, &series, CoordinateFlow { motion, reads })
+}
+
+/// Whether no variable of f moves under the field: Df = 0, however long f is.
+fn rests(ring: &Ring, field: &Field, f: &Polynomial) -> bool {
+    let moves = |at: &usize| field.get(at).is_some_and(|velocity| !velocity.is_zero());
+    !variables(ring, f).iter().any(moves)
 }
 
 /// The flow, unless a seam of its Lie series moves under it.

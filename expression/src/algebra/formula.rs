@@ -1,5 +1,8 @@
 //! Elements of the ring as formulas again.
 
+use rustc_hash::FxHashMap;
+
+use super::Symbol;
 use super::generator::{Atom, Generator};
 use super::monomial::Monomial;
 use super::polynomial::{Coefficient, Polynomial};
@@ -8,72 +11,114 @@ use crate::expression::Expression;
 use crate::rational::Rational;
 
 impl Ring {
-    /// A formula of the same value, expanded: Σ c·m.
+    /// A formula of the same value, expanded: Σ c·m. Each function, inverse or root in it is one [`Expression::Shared`].
     pub fn formula(&self, f: &Polynomial) -> Expression {
-        let terms = f.terms().iter();
-        sum(terms.map(|(monomial, coefficient)| {
-            let factors = powers(monomial, |symbol| match self.generator(symbol) {
-                None => Expression::Variable(symbol as usize),
-                Some(generator) => self.generator_formula(generator),
-            });
-            product(self.coefficient_formula(coefficient), factors)
-        }))
+        Writer::of(self).polynomial(f)
     }
 
     /// A formula of the same value, of parameters alone.
     pub fn coefficient_formula(&self, c: &Coefficient) -> Expression {
+        Writer::of(self).coefficient(c)
+    }
+}
+
+/// Formulas of generators and atoms that are written already: a derivative names the same root in each of its terms.
+struct Writer<'a> {
+    ring: &'a Ring,
+    generators: FxHashMap<Symbol, Expression>,
+    atoms: FxHashMap<Symbol, Expression>,
+}
+
+impl<'a> Writer<'a> {
+    fn of(ring: &'a Ring) -> Self {
+        Self {
+            ring,
+            generators: FxHashMap::default(),
+            atoms: FxHashMap::default(),
+        }
+    }
+
+    fn polynomial(&mut self, f: &Polynomial) -> Expression {
+        let terms = f.terms().iter();
+        sum(terms.map(|(monomial, coefficient)| {
+            let factors = powers(monomial, |symbol| self.factor(symbol));
+            product(self.coefficient(coefficient), factors)
+        }))
+    }
+
+    fn coefficient(&mut self, c: &Coefficient) -> Expression {
         let terms = c.terms().iter();
         sum(terms.map(|(monomial, number)| {
-            let factors = powers(monomial, |symbol| self.atom_formula(self.atom(symbol)));
+            let factors = powers(monomial, |symbol| self.atom(symbol));
             product(Expression::Constant(number.clone()), factors)
         }))
     }
 
-    fn generator_formula(&self, generator: &Generator) -> Expression {
+    /// A variable, or the generator of this symbol.
+    fn factor(&mut self, symbol: Symbol) -> Expression {
+        if let Some(written) = self.generators.get(&symbol) {
+            return written.clone();
+        }
+        let written = match self.ring.generator(symbol) {
+            None => Expression::Variable(symbol as usize),
+            Some(generator) => self.generator(generator).shared(),
+        };
+        self.generators.insert(symbol, written.clone());
+        written
+    }
+
+    fn generator(&mut self, generator: &Generator) -> Expression {
         match generator {
-            Generator::Inverse(u) => inverse(self.formula(u)),
+            Generator::Inverse(u) => inverse(self.polynomial(u)),
             Generator::Root(u, q) => power(
-                self.formula(u),
+                self.polynomial(u),
                 Expression::Constant(Rational::new(1, i64::from(*q))),
             ),
-            Generator::Power(u, a) => power(self.formula(u), self.coefficient_formula(a)),
-            Generator::Function(f, u) => Expression::Apply(*f, Box::new(self.formula(u))),
+            Generator::Power(u, a) => power(self.polynomial(u), self.coefficient(a)),
+            Generator::Function(f, u) => Expression::Apply(*f, Box::new(self.polynomial(u))),
             Generator::Binary(f, u, v) => {
-                Expression::Binary(*f, Box::new([self.formula(u), self.formula(v)]))
+                Expression::Binary(*f, Box::new([u, v].map(|part| self.polynomial(part))))
             }
             Generator::Lookup(lookup, point) => {
-                let point = point.iter().map(|u| self.formula(u));
+                let point = point.iter().map(|u| self.polynomial(u));
                 Expression::Lookup(*lookup, point.collect())
             }
             Generator::Kept(side, u, v) => {
-                Expression::kept(*side, self.formula(u), self.formula(v))
+                let [u, v] = [u, v].map(|part| self.polynomial(part));
+                Expression::kept(*side, u, v)
             }
         }
     }
 
-    fn atom_formula(&self, atom: &Atom) -> Expression {
-        match atom {
+    fn atom(&mut self, symbol: Symbol) -> Expression {
+        if let Some(written) = self.atoms.get(&symbol) {
+            return written.clone();
+        }
+        let written = match self.ring.atom(symbol) {
             Atom::Parameter(index) => Expression::Parameter(*index),
             Atom::Pi => Expression::Pi,
-            Atom::Inverse(c) => inverse(self.coefficient_formula(c)),
+            Atom::Inverse(c) => inverse(self.coefficient(c)),
             Atom::RationalPower(c, r) => {
-                power(self.coefficient_formula(c), Expression::Constant(r.clone()))
+                power(self.coefficient(c), Expression::Constant(r.clone()))
             }
-            Atom::Power(c, d) => power(self.coefficient_formula(c), self.coefficient_formula(d)),
+            Atom::Power(c, d) => power(self.coefficient(c), self.coefficient(d)),
             Atom::Binary(f, c, d) => {
-                let pair = [c, d].map(|part| self.coefficient_formula(part));
+                let pair = [c, d].map(|part| self.coefficient(part));
                 Expression::Binary(*f, Box::new(pair))
             }
             Atom::Lookup(lookup, point) => {
-                let point = point.iter().map(|c| self.coefficient_formula(c));
+                let point = point.iter().map(|c| self.coefficient(c));
                 Expression::Lookup(*lookup, point.collect())
             }
-            Atom::Function(f, c) => Expression::Apply(*f, Box::new(self.coefficient_formula(c))),
-        }
+            Atom::Function(f, c) => Expression::Apply(*f, Box::new(self.coefficient(c))),
+        };
+        let written = written.shared();
+        self.atoms.insert(symbol, written.clone());
+        written
     }
 }
 
-fn powers(monomial: &Monomial, base: impl Fn(super::Symbol) -> Expression) -> Vec<Expression> {
+fn powers(monomial: &Monomial, mut base: impl FnMut(Symbol) -> Expression) -> Vec<Expression> {
     let factors = monomial.factors().iter();
     factors
         .map(|&(symbol, exponent)| match exponent {

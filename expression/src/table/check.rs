@@ -2,6 +2,7 @@
 
 use super::axis::{HIGHEST_DEGREE, MOST_AXES, TableAxis};
 use super::error::TableError;
+use super::repeated::repeated_end;
 
 /// The most coefficients of a table: half a gigabyte.
 const MOST_COEFFICIENTS: usize = 1 << 26;
@@ -52,5 +53,11 @@ pub(super) fn check(axes: &[TableAxis], degree: u8, numbers: &[f64]) -> Result<(
         }
         return Err(TableError::NotFinite { node, value });
     }
-    Ok(())
+    match repeated_end(axes, numbers) {
+        Some(axis) => Err(TableError::EndRepeated {
+            name: axis.name.clone(),
+            nodes: axis.nodes,
+        }),
+        None => Ok(()),
+    }
 }

@@ -63,6 +63,18 @@ pub enum TableError {
         /// The value.
         value: f64,
     },
+    /// The end of a period among its nodes.
+    #[error(
+        "the last of the {nodes} nodes of the periodic axis {name} has the values of the first: it is the end of the period, where the \
+         first node stands again; leave it out, and take {} nodes",
+        nodes - 1
+    )]
+    EndRepeated {
+        /// The axis.
+        name: String,
+        /// Its nodes.
+        nodes: usize,
+    },
     /// More coefficients than are kept in memory.
     #[error("a table of {count} coefficients is larger than 2^26: take fewer nodes")]
     TooLarge {

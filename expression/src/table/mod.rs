@@ -11,6 +11,7 @@ mod error;
 mod function;
 mod interpolation;
 mod part;
+mod repeated;
 
 pub use axis::{HIGHEST_DEGREE, MOST_AXES, TableAxis, USUAL_DEGREE};
 pub use error::TableError;

@@ -4,6 +4,7 @@ use std::env::consts::{ARCH, DLL_PREFIX, DLL_SUFFIX, OS};
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use leafwise::scene::SceneDocument;
 use leafwise::scene::compose::{ComposedRun, compose};
 use serde::Serialize;
 
@@ -63,7 +64,7 @@ pub fn execute(
         refuse_no_system(&document, &run.system, &run.near)
     })?;
     refuse(&run)?;
-    let text = alone(&document.text)?;
+    let text = alone(&document)?;
     let step = run.plan.epsilon * run.plan.h;
     let own = variables(&run);
     let name = out.file_stem().unwrap_or_default().to_string_lossy();
@@ -147,8 +148,19 @@ fn refuse(run: &ComposedRun) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The text, which must say all: neither files nor plugins beside it are in a unit.
-fn alone(text: &str) -> Result<String, Failure> {
+/// The text, which must say all: neither files nor plugins are in a unit.
+fn alone(document: &SceneDocument) -> Result<String, Failure> {
+    let files = document.files();
+    if !files.is_empty() {
+        return Err(Failure::usage(
+            format!(
+                "a unit holds the text of its scene alone, and this one reads {}",
+                files.join(", ")
+            ),
+            "write what its files hold as formulas",
+        ));
+    }
+    let text = document.text.clone();
     let mut parts = Parts::new(&PluginArguments {
         no_plugins: true,
         ..PluginArguments::default()
@@ -156,16 +168,16 @@ fn alone(text: &str) -> Result<String, Failure> {
     let folder = Path::new("resources-of-a-unit");
     let scene = SceneText {
         name: folder.join(SCENE).display().to_string(),
-        text: text.to_owned(),
+        text: text.clone(),
         overrides: Vec::new(),
     };
-    let document = parts.document(scene, folder).ok();
-    let composed = document.and_then(|document| compose(&document, &parts.registry).ok());
+    let composed = parts.document(scene, folder).ok();
+    let composed = composed.and_then(|document| compose(&document, &parts.registry).ok());
     if composed.is_none() {
         return Err(Failure::usage(
-            "the scene reads files or plugins beside it, and a unit holds its text alone",
-            "write what its files hold as formulas",
+            "a unit holds the text of its scene alone, and this one takes parts of plugins",
+            "take a method of the parts that `leafwise list` names without plugins",
         ));
     }
-    Ok(text.to_owned())
+    Ok(text)
 }

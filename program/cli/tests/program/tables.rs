@@ -186,6 +186,15 @@ fn wrong_tables_are_refused_where_they_stand() {
             "the first below the last",
         ),
         (
+            format!(
+                "{{ V = {{ values = {:?}, axes = {{ q = [\"-pi\", \"pi\"] }}, periodic = [\"q\"] }} }}",
+                (0..=16)
+                    .map(|k| libm::cos(std::f64::consts::TAU * f64::from(k % 16) / 16.0))
+                    .collect::<Vec<f64>>()
+            ),
+            "leave it out, and take 16 nodes",
+        ),
+        (
             "{ V = { file = \"v.csv\", axes = { q = [3] } } }".to_owned(),
             "the first and the last node",
         ),

@@ -145,7 +145,8 @@ fn summand(
     table.only(&SUMMAND, problems);
     let variables = table
         .require("variables", "variables = [\"q\", \"p\"]", problems)
-        .and_then(|item| item.list_of("a list of names", problems, Item::string));
+        .and_then(|item| item.list_of("a list of names", problems, Item::string))
+        .map(|names| coordinates.in_components(names));
     let bracket = table
         .require("bracket", "bracket = { \"q,p\" = \"-1\" }", problems)
         .and_then(|item| {

@@ -65,6 +65,20 @@ impl Coordinates {
         }
     }
 
+    /// Names with vectors of single variables in components: `s` is `s.x`, `s.y`, `s.z`.
+    pub fn in_components(&self, names: Vec<Located<String>>) -> Vec<Located<String>> {
+        let components = |of: Located<String>| {
+            let own = self.names.iter().filter(|(name, axes)| {
+                axes.is_empty() && is_component(name, &of.value)
+            });
+            let own: Vec<_> = own
+                .map(|(name, _)| Located::new(name.clone(), of.place()))
+                .collect();
+            if own.is_empty() { vec![of] } else { own }
+        };
+        names.into_iter().flat_map(components).collect()
+    }
+
     /// The entries of the pairs that names tell.
     ///
     /// Each coordinate has one momentum, and no variable is left.

@@ -31,6 +31,26 @@ fn summands_are_the_entries_of_their_variables() {
     }
 }
 
+/// The name of a vector stands for its components.
+#[test]
+fn vectors_are_named_in_summands() {
+    let system = |spin: &str, mode: &str| {
+        format!(
+            "variables = {{ s = 3, r = 2, p = 2 }}\nhamiltonian = \"s.z*r.x\"\nbracket = {{ sum = [\
+             {{ variables = [{spin}], bracket = {{ lie-algebra = \"so3\" }} }}, \
+             {{ variables = [{mode}], bracket = \"canonical\" }}] }}"
+        )
+    };
+    let written = system(
+        "\"s.x\", \"s.y\", \"s.z\"",
+        "\"r.x\", \"r.y\", \"p.x\", \"p.y\"",
+    );
+    let point = [0.5, 0.25, -0.7, 1.3, 0.4, 2.0, 0.1];
+    let expected = entries(&written, &point);
+    assert_eq!(expected.len(), 5);
+    assert_eq!(entries(&system("\"s\"", "\"r\", \"p\""), &point), expected);
+}
+
 /// A form, a constraint and entries beside each other; p dq is {q, p} = −1.
 #[test]
 fn summands_may_be_forms_and_have_constraints() {
