@@ -31,17 +31,27 @@ pub struct Differences {
 pub fn jacobian_by_differences(
     x: &[f64],
     outputs: usize,
+    map: impl FnMut(&[f64], &mut [f64]) -> Result<(), StepError>,
+) -> Result<Differences, StepError> {
+    in_steps_of(x, x, outputs, map)
+}
+
+/// The same, each coordinate in steps of a given size; in steps of the largest one where that is 0.
+pub(super) fn in_steps_of(
+    sizes: &[f64],
+    x: &[f64],
+    outputs: usize,
     mut map: impl FnMut(&[f64], &mut [f64]) -> Result<(), StepError>,
 ) -> Result<Differences, StepError> {
     let d = x.len();
-    let largest = x.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    let largest = sizes.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     let mut jacobian = DMatrix::zeros(outputs, d);
     let mut error = DMatrix::zeros(outputs, d);
     let mut point = x.to_vec();
     let mut ends = [vec![0.0; outputs], vec![0.0; outputs]];
     for k in 0..d {
-        let size = match (x[k] == 0.0, largest == 0.0) {
-            (false, _) => x[k].abs(),
+        let size = match (sizes[k] == 0.0, largest == 0.0) {
+            (false, _) => sizes[k].abs(),
             (true, false) => largest,
             (true, true) => 1.0,
         };

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::differences::jacobian_by_differences;
+use super::differences::in_steps_of;
 use crate::error::StepError;
 use crate::solver::Stepper;
 
@@ -31,7 +31,13 @@ pub(super) fn tangent_by_differences(
     x: &[f64],
 ) -> Result<[DMatrix<f64>; 2], StepError> {
     let d = x.len();
+    // A coordinate that passes 0 has the size of its change: others may have units in which it is tiny.
+    let mut sizes = vec![0.0; d];
+    increment(stepper, x, &mut sizes)?;
+    for (size, x) in sizes.iter_mut().zip(x) {
+        *size = size.abs().max(x.abs());
+    }
     // Differences of increments: those of states would bring the states' round-off.
-    let change = jacobian_by_differences(x, d, |at, out| increment(stepper, at, out))?;
+    let change = in_steps_of(&sizes, x, d, |at, out| increment(stepper, at, out))?;
     Ok([DMatrix::identity(d, d) + change.jacobian, change.error])
 }

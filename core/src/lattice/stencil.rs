@@ -5,6 +5,7 @@ use std::ops::Range;
 use leafwise_expression::syntax::AXES;
 use leafwise_expression::{Aligned, Execution, Graph, Kernel, Term, Workspace};
 
+use super::beside::Beside;
 use super::blocks::{BLOCK, Blocks, RowPart, load};
 use super::fields::{Fields, stride};
 use super::geometry::{LatticeGeometry, PerAxis, Proxy, SiteBox, SiteClass};
@@ -45,6 +46,8 @@ struct Inside {
     rows: Vec<Range<usize>>,
     /// The other sites of the class, in ranges.
     outside: Vec<Range<usize>>,
+    /// Where their inputs stand, and which of the distances each input has.
+    beside: Option<(Beside, Vec<usize>)>,
 }
 
 /// Room for a sweep of one stencil.
@@ -120,7 +123,17 @@ impl Stencil {
         let begin = (offset + first.start).next_multiple_of(Aligned::LINE) - offset;
         self.inside.range = begin.min(last.end)..last.end;
         self.inside.outside = rest(self.class.sites, sites, geometry);
+        self.inside.beside = self.beside(geometry);
         self
+    }
+
+    /// Where the inputs stand of the sites that are not swept in place.
+    fn beside(&self, geometry: &LatticeGeometry) -> Option<(Beside, Vec<usize>)> {
+        let shifts = self.taps.iter().map(|tap| tap.shift);
+        let sites = self.inside.outside.iter().cloned().flatten();
+        let beside = Beside::find(geometry, sites, shifts.clone())?;
+        let shifts: Option<Vec<usize>> = shifts.map(|shift| beside.shift(shift)).collect();
+        Some((beside, shifts?))
     }
 
     /// The sites of the class whose inputs and outputs all stand in their families, with no end of an axis between.
@@ -183,6 +196,7 @@ impl Stencil {
             range,
             rows,
             outside,
+            beside,
         } = &self.inside;
         self.keep(offsets, fields, between);
         let numbers = fields.all_mut();
@@ -204,11 +218,40 @@ impl Stencil {
             };
             left.extend(beside.into_iter().filter(|range| !range.is_empty()));
         }
-        for sites in [&outside[..], &left[..]] {
+        let outside = match beside {
+            Some(beside) => {
+                self.sweep_beside(beside, offsets, workspace, fields);
+                &[][..]
+            }
+            None => &outside[..],
+        };
+        for sites in [outside, &left[..]] {
             let room = (&mut *workspace, &mut *block);
             self.sweep_by_copies(geometry, offsets, room, fields, sites);
         }
         in_place
+    }
+
+    /// Evaluates the code at the sites that are not swept in place, on copies of their inputs and outputs.
+    fn sweep_beside(
+        &self,
+        (beside, shifts): &(Beside, Vec<usize>),
+        offsets: &[usize],
+        workspace: &mut Workspace,
+        fields: &mut Fields,
+    ) {
+        for block in 0..beside.blocks() {
+            for (input, (tap, shift)) in self.taps.iter().zip(shifts).enumerate() {
+                let field = &fields.get(Field(tap.field))[offsets[tap.family]..];
+                beside.load(workspace.input_mut(input), field, *shift, block);
+            }
+            self.kernel.evaluate_in_place(workspace);
+            for (output, &(field, family)) in self.outputs.iter().enumerate() {
+                let values = self.kernel.output(workspace, output);
+                let field = &mut fields.get_mut(Field(field))[offsets[family]..];
+                beside.store(values, field, block);
+            }
+        }
     }
 
     /// The ranges between the rows that are swept in place.
@@ -223,7 +266,10 @@ impl Stencil {
         for gap in self.gaps() {
             for &(field, family) in &self.outputs {
                 let field = &fields.get(Field(field))[offsets[family]..];
-                between.extend_from_slice(&field[gap.clone()]);
+                // Gaps are mostly of two sites: a call to copy them takes longer than they do.
+                for number in &field[gap.clone()] {
+                    between.push(*number);
+                }
             }
         }
     }
@@ -236,7 +282,9 @@ impl Stencil {
                 let (own, behind) = kept.split_at(gap.len());
                 kept = behind;
                 let field = &mut fields.get_mut(Field(field))[offsets[family]..];
-                field[gap.clone()].copy_from_slice(own);
+                for (to, number) in field[gap.clone()].iter_mut().zip(own) {
+                    *to = *number;
+                }
             }
         }
     }

@@ -68,9 +68,10 @@ impl Coordinates {
     /// Names with vectors of single variables in components: `s` is `s.x`, `s.y`, `s.z`.
     pub fn in_components(&self, names: Vec<Located<String>>) -> Vec<Located<String>> {
         let components = |of: Located<String>| {
-            let own = self.names.iter().filter(|(name, axes)| {
-                axes.is_empty() && is_component(name, &of.value)
-            });
+            let own = self
+                .names
+                .iter()
+                .filter(|(name, axes)| axes.is_empty() && is_component(name, &of.value));
             let own: Vec<_> = own
                 .map(|(name, _)| Located::new(name.clone(), of.place()))
                 .collect();
