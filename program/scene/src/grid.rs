@@ -203,7 +203,7 @@ impl List {
             for ((axis, at), nodes) in axes.iter().zip(&self.places).zip(shape) {
                 let Some(node) = axis.node(row[*at], *nodes) else {
                     return Err(format!(
-                        "row {number} has {} = {:?}, which is no node: {nodes} nodes at equal distances on `axes` are {}",
+                        "row {number} has {} = {:?}, which is not a node: {nodes} nodes at equal distances on `axes` are {}",
                         axis.name,
                         row[*at],
                         axis.shown(*nodes)

@@ -20,7 +20,7 @@ pub fn read_npy(path: &Path) -> Result<NumberArray, String> {
 }
 
 fn array(bytes: &[u8]) -> Result<NumberArray, String> {
-    let not_one = || "it is no array of NumPy's: `numpy.save` writes one".to_owned();
+    let not_one = || "it is not an array of NumPy's: `numpy.save` writes one".to_owned();
     let rest = bytes.strip_prefix(MAGIC).ok_or_else(not_one)?;
     let (length, rest) = match rest {
         [1, _, a, b, rest @ ..] => (usize::from(u16::from_le_bytes([*a, *b])), rest),
@@ -37,7 +37,7 @@ fn array(bytes: &[u8]) -> Result<NumberArray, String> {
         Some(behind.trim_start())
     };
     let descr = field("descr").and_then(|text| text.strip_prefix('\'')?.split_once('\''));
-    let (kind, _) = descr.ok_or_else(|| "its numbers are no plain ones".to_owned())?;
+    let (kind, _) = descr.ok_or_else(|| "its numbers are not of a plain type".to_owned())?;
     let is_fortran = field("fortran_order").is_some_and(|text| text.starts_with("True"));
     let shape = field("shape").and_then(|text| text.strip_prefix('(')?.split_once(')'));
     let (shape, _) = shape.ok_or_else(not_one)?;

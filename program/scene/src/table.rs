@@ -60,9 +60,7 @@ pub fn column_of(text: &str, column: Option<&str>) -> Result<Vec<f64>, String> {
             ));
         }
         (Some(name), None) => {
-            return Err(format!(
-                "it has no line of names, and so no column `{name}`"
-            ));
+            return Err(format!("it has no header line, and so no column `{name}`"));
         }
         (Some(name), Some(columns)) => place(columns, name)?,
     };

@@ -111,7 +111,7 @@ fn beside_the_program() -> Result<PathBuf, Failure> {
     }
     Err(Failure::usage(
         format!(
-            "there is no {name} beside the program, in {}",
+            "there is no {name} in the program's folder, {}",
             program.with_file_name("").display()
         ),
         "build it by `cargo build --release -p leafwise-c`, or name it: --library FILE",
@@ -140,7 +140,7 @@ fn refuse(run: &ComposedRun) -> Result<(), Failure> {
     equal.map_err(|uneven| Failure::usage(uneven.to_string(), help))?;
     if run.is_extended() {
         return Err(Failure::usage(
-            "units are made of systems whose H does not name the time, without parameters of sites and contact brackets",
+            "a unit needs a system whose H does not name the time, without parameters of sites and contact brackets",
             "make one of a system without them",
         ));
     }
@@ -163,7 +163,7 @@ fn alone(text: &str) -> Result<String, Failure> {
     let composed = document.and_then(|document| compose(&document, &parts.registry).ok());
     if composed.is_none() {
         return Err(Failure::usage(
-            "the scene reads files or plugins beside it, and a unit holds its text alone",
+            "the scene reads other files or plugins, and a unit holds only the text of the scene",
             "write what its files hold as formulas",
         ));
     }

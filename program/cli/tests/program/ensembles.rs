@@ -54,7 +54,7 @@ fn an_ensemble_prints_its_object_and_tables() {
     }
     let again = here.leafwise(&["ensemble", "scene.toml", "--json"]);
     assert_eq!(again.code, Some(0), "{}", again.err);
-    again.says(&["had come to its end before", "at the end", "50%"]);
+    again.says(&["was already complete", "at the end", "50%"]);
     assert_eq!(again.json(), json);
     let other = here.leafwise(&["run", "scene.toml", "--out", "runs/scene-ensemble"]);
     assert_eq!(other.code, Some(2));
@@ -397,7 +397,7 @@ fn members_of_an_ensemble_of_lattices_run_alone_as_ordinary_runs() {
                    initial = { \"s.x[i]\" = 1, \"s.y[i]\" = 0, \"s.z[i]\" = 0 }\n[ensemble]\nmembers = 2\ninitial = { leaf = 0.1 }\n";
     let said = Place::with(on_leaf).leafwise(&["ensemble", "scene.toml"]);
     assert_eq!(said.code, Some(3), "{}", said.err);
-    said.says(&["every site has a leaf of its own", "draw from a ball"]);
+    said.says(&["every site has a separate leaf", "draw from a ball"]);
 }
 
 #[test]

@@ -49,7 +49,7 @@ fn places(columns: &[String], names: &[String], parameters: &[&str]) -> Result<V
             ""
         };
         return Err(format!(
-            "its column `{column}` is none of the coordinates {}{rest}, and no parameter",
+            "its column `{column}` is neither one of the coordinates {}{rest} nor a parameter",
             shown.join(", ")
         ));
     }

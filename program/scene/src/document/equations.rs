@@ -122,7 +122,7 @@ fn read_equations(table: &Table<'_>, problems: &mut Problems) -> Option<Equation
         let cause = SceneProblemCause::NoConstant {
             key: name.value.clone(),
             text: formula.value.clone(),
-            reason: "beside `equations` a parameter is a number".to_owned(),
+            reason: "with `equations` a parameter is a number".to_owned(),
             is_of_state: false,
         };
         problems.push(cause, formula.place());

@@ -71,7 +71,7 @@ pub enum SceneProblemCause {
         found: &'static str,
     },
     /// A text that is no formula of numbers.
-    #[error("`{key}` is no number, nor a formula of numbers and other parameters: {reason}")]
+    #[error("`{key}` is neither a number nor a formula of numbers and other parameters: {reason}")]
     NoConstant {
         /// The key.
         key: String,
@@ -119,7 +119,7 @@ pub enum SceneProblemCause {
         allowed: String,
     },
     /// Two keys that say the same thing.
-    #[error("`{second}` cannot stand beside `{first}`")]
+    #[error("`{second}` cannot be combined with `{first}`")]
     Conflict {
         /// One key.
         first: String,
@@ -220,7 +220,7 @@ pub enum SceneProblemCause {
         reason: String,
     },
     /// A key that settings of a sweep may not differ in.
-    #[error("`{key}` is no key of settings: {reason}")]
+    #[error("`{key}` is not a key of settings: {reason}")]
     Swept {
         /// The key.
         key: String,
@@ -298,16 +298,16 @@ impl SceneProblemCause {
                 }
             }
             Self::Syntax { message } if message.contains("unquoted key") => Some(
-                "a key with other letters than a to z, A to Z, 0 to 9, `-` and `_` stands in quotes: \"Iα\" = 1.0"
+                "a key with other letters than a to z, A to Z, 0 to 9, `-` and `_` needs quotes: \"Iα\" = 1.0"
                     .to_owned(),
             ),
             Self::WrongType { key, .. } if key == "bracket" => Some(
-                "bracket = \"canonical\" pairs q with p, for q' = ∂H/∂p and p' = -∂H/∂q; else write the pairs that do not \
+                "bracket = \"canonical\" pairs q with p, for q' = ∂H/∂p and p' = -∂H/∂q; otherwise write the pairs that do not \
                  vanish: bracket = { \"x,y\" = \"x*y\" }"
                     .to_owned(),
             ),
             Self::NotOne { key, .. } => Some(format!(
-                "a value for each site of a family stands under its name with an index: \"{key}[i]\" = [1, 2, 3]"
+                "write a value for each site of a family under its name with an index: \"{key}[i]\" = [1, 2, 3]"
             )),
             Self::NoConstant {
                 text,
@@ -316,7 +316,7 @@ impl SceneProblemCause {
             } => Some(if text.contains('N') {
                 "write the length of a family as a number here".to_owned()
             } else {
-                "numbers, other parameters by their names, and functions of them may stand here".to_owned()
+                "numbers, other parameters by their names, and functions of them are allowed here".to_owned()
             }),
             Self::NoConstant { key, text, .. } => Some(format!(
                 "a formula of the state is a definition: define = {{ {key} = \"{text}\" }} in [system], without the \
@@ -360,8 +360,8 @@ impl SceneProblemCause {
                 "declare the lattice that it belongs to: families = { q = 100, p = 100 }".to_owned(),
             ),
             Self::NoBracket { .. } => Some(
-                "`leafwise find SCENE` prints what was tried; damping and driving stand beside a bracket of the rest, as \
-                 `forces` and `damping`"
+                "`leafwise find SCENE` prints what was tried; give a bracket without damping and driving, and add these \
+                 as `damping` and `forces`"
                     .to_owned(),
             ),
             Self::NoCasimirs { .. } => Some(
@@ -401,7 +401,7 @@ fn time_help(key: &str, table: &str) -> Option<&'static str> {
             "tend" | "end" | "endtime" | "tmax" | "tfinal" | "finaltime" | "time" | "duration"
             | "t",
         ) => Some(
-            "a run ends after `steps`, as many as the time to go over `time-step`, or at the time `until`",
+            "a run ends after `steps`, the total time divided by `time-step`, or at the time `until`",
         ),
         _ => None,
     }

@@ -287,7 +287,7 @@ fn members_in_memory_are_those_of_a_file() {
         change(&mut members);
         members
     };
-    let whole = "a state and a value of each parameter for each of them";
+    let whole = "a state and a value of each parameter";
     refused(with(&|m| m.parameters[0].1.push(1.0)), whole);
     refused(with(&|m| m.states = Some(vec![1.0; 8])), whole);
     refused(with(&|m| m.states = Some(Vec::new())), whole);
