@@ -303,7 +303,7 @@ fn curvature(table: TableFunction, point: [f64; 2]) -> [[f64; 2]; 2] {
     })
 }
 
-/// The extremum of ψ next to the axis that the file tells.
+/// The extremum of ψ next to the axis that the file gives.
 fn axis(file: &Geqdsk, psi: TableFunction) -> Result<[f64; 2], EquilibriumError> {
     let told = file.axis;
     let away = |point: [f64; 2]| {

@@ -363,7 +363,10 @@ mod tests {
         let axes = [part(PartKind::Stepper, vec![("bodies", "axes".into())])];
         let other = StepError::NonFinite { what: "the field" };
         let (message, hint) = told(&StepError::OF_INCREMENT, &whole);
-        assert!(message.contains("a body that is taken whole"), "{message}");
+        assert!(
+            message.contains("a whole body moves beyond the range of its flow"),
+            "{message}"
+        );
         assert!(hint.contains("bodies = \"axes\""), "{hint}");
         for (error, parts) in [(&StepError::OF_INCREMENT, &axes), (&other, &whole)] {
             let (message, hint) = told(error, parts);

@@ -401,7 +401,7 @@ mod tests {
             (
                 &list.replace("0.3", "0.2"),
                 None,
-                "row 2 has y = 0.2, which is no node",
+                "row 2 has y = 0.2, which is not a node",
             ),
             (
                 &list.replace(",B", ",B,C").replace("1\n", "1,5\n"),

@@ -153,7 +153,7 @@ mod tests {
     fn what_is_no_array_is_refused() {
         let doubles = [0; 40];
         for (bytes, said) in [
-            (b"1,2,3".to_vec(), "no array of NumPy's"),
+            (b"1,2,3".to_vec(), "not an array of NumPy's"),
             (
                 file(1, &header("<c16", "False", "(2,)"), &doubles),
                 "of the kind <c16",
@@ -164,9 +164,9 @@ mod tests {
             ),
             (
                 file(1, "{'descr': [('a', '<f8')]}", &doubles),
-                "no plain ones",
+                "not of a plain type",
             ),
-            (file(9, "", &doubles), "no array of NumPy's"),
+            (file(9, "", &doubles), "not an array of NumPy's"),
         ] {
             let error = array(&bytes).expect_err(said);
             assert!(error.contains(said), "{error}");

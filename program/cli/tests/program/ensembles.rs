@@ -176,7 +176,7 @@ fn a_table_of_states_is_read_by_name_and_refused_with_the_row_or_column_that_is_
         ),
         (
             "x1,x2,x4\n1,2,3\n",
-            "column `x4` is none of the coordinates x1, x2, x3",
+            "column `x4` is neither one of the coordinates x1, x2, x3",
         ),
         ("x1,x2\n1,2\n", "no column `x3`"),
         ("x1,x2,x2\n1,2,3\n", "two columns `x2`"),

@@ -121,7 +121,7 @@ steps   = 20
             within("0"),
             "look like coordinates, and not those of `axes`, x: -2, -1.5, -1, … 2",
         ),
-        (list, "which is no node"),
+        (list, "which is not a node"),
     ] {
         let here = Place::with(&other);
         here.write("v.csv", &text);

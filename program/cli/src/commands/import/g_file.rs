@@ -160,7 +160,7 @@ fn lines(equilibrium: &Equilibrium, json: &EquilibriumJson<'_>) -> Vec<String> {
         rows.push(row(
             name,
             format!(
-                "s = {:<4}  q = {}; the file tells {}",
+                "s = {:<4}  q = {}; the file gives {}",
                 factor.s,
                 number(factor.q),
                 number(factor.in_file)

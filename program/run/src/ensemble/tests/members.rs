@@ -219,7 +219,7 @@ fn files_and_grids_set_the_number_of_members() {
         ),
         (
             "initial = { file = \"unknown.csv\" }",
-            "its column `I4` is none of the coordinates x1, x2, x3, and no parameter",
+            "its column `I4` is neither one of the coordinates x1, x2, x3 nor a parameter",
         ),
         (
             "members = 5\nrecord = { observables = [\"enrgy\"] }",
