@@ -539,5 +539,5 @@ fn a_member_that_fails_is_no_warning_of_the_method() {
     let here = with("[ensemble]\ninitial = { file = \"states.csv\" }\n");
     here.write("states.csv", "1,3,3\n1000,3000,3000\n1,2,3\n");
     let said = here.leafwise(&["ensemble", "scene.toml", "--json"]);
-    assert!(!said.err.contains("taken anew"), "{}", said.err);
+    assert!(!said.err.contains("when it is repeated"), "{}", said.err);
 }
