@@ -237,7 +237,7 @@ fn what_it_does_not_stand_beside_is_refused() {
         (
             OSCILLATOR.replace(", \"s\"]", "]").replace("0.2*s", "q"),
             "[1, 0]",
-            "one variable beside its pairs",
+            "one variable in addition to its pairs",
         ),
     ] {
         let text = format!("[system]\n{system}\n{}", rest.replace("INITIAL", initial));

@@ -134,7 +134,7 @@ fn the_heavy_top_has_roots_until_none_is_there() {
         if let Some(why) = why {
             assert!(made as f64 * step > 20.0, "{why}");
             assert!(
-                why.contains("has one sign") && why.contains("of H(x_0) = "),
+                why.contains("the same sign") && why.contains("of H(x_0) = "),
                 "{why}"
             );
         }
@@ -228,7 +228,7 @@ fn what_it_does_not_stand_beside_is_refused() {
         ),
         (
             body.replace("order = 2", "order = 2, hamiltonian = \"energy-casimir\""),
-            "takes every multiple away",
+            "removes every multiple",
             "leave `hamiltonian` out",
         ),
         (

@@ -296,7 +296,7 @@ fn pairs_mean_fields_and_single_sites_are_written_out() {
             2000,
             "q[3]^2",
             SPLITTING,
-            "no combination of sums over sites",
+            "not a combination of sums over sites",
         ),
         (2000, "sum(i, q[i]*q[0])", SPLITTING, "`q[0]` is one site"),
     ] {

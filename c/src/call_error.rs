@@ -105,7 +105,7 @@ pub(crate) fn call(work: impl FnOnce() -> Result<(), CallError>) -> LeafwiseCode
     let ended = catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|_| {
         Err(CallError {
             code: LeafwiseCode::LEAFWISE_MISTAKE,
-            message: "the call ended in the middle: this is a mistake of the library".to_owned(),
+            message: "the call panicked: this is a defect of the library".to_owned(),
         })
     });
     let (code, message) = match ended {

@@ -119,7 +119,7 @@ pub unsafe extern "C" fn leafwise_scene_name(
     call(|| {
         let scene = handle::scene(scene)?;
         let kind = LeafwiseName::of(kind);
-        let kind = kind.ok_or_else(|| CallError::usage("kind is no value of LeafwiseName"))?;
+        let kind = kind.ok_or_else(|| CallError::usage("kind is not a value of LeafwiseName"))?;
         let names = scene.names(kind);
         let name = names.get(index).ok_or_else(|| {
             CallError::usage(format!(
@@ -390,11 +390,12 @@ fn free(integrator: &Mutex<Integrator>) -> Result<MutexGuard<'_, Integrator>, Ca
         Ok(own) => Ok(own),
         Err(TryLockError::Poisoned(_)) => Err(CallError {
             code: LeafwiseCode::LEAFWISE_MISTAKE,
-            message: "a call on this integrator ended in the middle; make another".to_owned(),
+            message: "an earlier call on this integrator panicked; create another integrator"
+                .to_owned(),
         }),
         Err(TryLockError::WouldBlock) => Err(CallError {
             code: LeafwiseCode::LEAFWISE_BUSY,
-            message: "the integrator steps in another thread".to_owned(),
+            message: "the integrator is in use by another thread".to_owned(),
         }),
     }
 }

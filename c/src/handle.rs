@@ -75,7 +75,7 @@ fn held(handle: LeafwiseHandle) -> Result<Object, CallError> {
 
 fn unknown(handle: LeafwiseHandle) -> CallError {
     CallError::usage(format!(
-        "{handle} is no handle: it was never given, or was freed"
+        "{handle} is not a valid handle: it was never created, or was freed"
     ))
 }
 

@@ -15,7 +15,7 @@ fn plan(rows: usize, every: u64) -> Result<Plan, CallError> {
     match steps {
         Some(steps) if every > 0 => Ok(Plan { steps, every }),
         _ => Err(CallError::usage(format!(
-            "{rows} samples every {every} steps are none: both are at least 1"
+            "{rows} samples every {every} steps: both numbers must be at least 1"
         ))),
     }
 }

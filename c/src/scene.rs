@@ -163,7 +163,7 @@ impl Scene {
     pub(crate) fn from(&self, initial: &[f64]) -> Result<Self, CallError> {
         if let Some(at) = initial.iter().position(|value| !value.is_finite()) {
             return Err(CallError::usage(format!(
-                "the initial state has {} at place {at}, which is no finite number",
+                "the initial state has {} at place {at}, which is not a finite number",
                 initial[at]
             )));
         }

@@ -43,7 +43,7 @@ fn check(
         .is_none_or(|reach| reach > MOST)
     {
         return Err(CallError::usage(format!(
-            "{what} has a stride of {stride}, which leads out of memory"
+            "{what} has a stride of {stride}, which reaches outside the address space"
         )));
     }
     Ok(())
@@ -113,7 +113,9 @@ impl<T: Copy> StridedRows<T> {
         let reach = reach.and_then(|rows| rows.checked_add(own?));
         match reach {
             Some(reach) if reach <= MOST => Ok(()),
-            _ => Err(CallError::usage(format!("{what} leads out of memory"))),
+            _ => Err(CallError::usage(format!(
+                "{what} reaches outside the address space"
+            ))),
         }
     }
 

@@ -343,7 +343,7 @@ fn misuse_is_an_error_with_its_reason() {
     let _turn = TURN.lock().expect("no panic");
     let simulator = Simulator::new(BODY);
     assert!(simulator.instance("{other}").is_null());
-    assert!(said().contains("make the unit anew"));
+    assert!(said().contains("export the unit again"));
     let instance = simulator.instance(&simulator.token);
     let mut cases = 0;
     let mut refused = |status: i32, reason: &str| {
@@ -366,7 +366,7 @@ fn misuse_is_an_error_with_its_reason() {
     assert_eq!(simulator.enter(instance, 0.0), 0);
     refused(
         simulator.set(instance, &[7], &[1.0]),
-        "energy is not for setting",
+        "energy cannot be set",
     );
     refused(
         simulator.set(instance, &[4], &[f64::NAN]),

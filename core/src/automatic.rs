@@ -210,7 +210,7 @@ impl Registry {
                 return Err(BuildError::NotMade {
                     part: part.name,
                     reason: format!(
-                        "it is of order 2, not {m}: take 2, and a composition for more"
+                        "it has order 2, not {m}: take order 2, and a composition for a higher order"
                     ),
                 });
             }

@@ -51,8 +51,8 @@ macro_rules! built_in {
 pub enum RegistryError {
     /// A name that is taken, by whatever kind of part.
     #[error(
-        "the {kind} `{name}` from {offered} cannot be registered: a {taken} of this name is there \
-         already, from {origin}; load one of them only, or rename one"
+        "the {kind} `{name}` from {offered} cannot be registered: a {taken} of this name is \
+         already registered, from {origin}; load only one of them, or rename one"
     )]
     Duplicate {
         /// The name of both.

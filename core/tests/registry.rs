@@ -109,8 +109,8 @@ fn a_name_is_taken_once_whatever_its_kind() {
     assert_eq!(
         refused.to_string(),
         "the system `acme/spring` from /opt/acme/libspring.so 1.2.0 (abi 1.0, sha256 0123456789ab) \
-         cannot be registered: a system of this name is there already, from acme 0.1.0 (built in); \
-         load one of them only, or rename one"
+         cannot be registered: a system of this name is already registered, from acme 0.1.0 (built in); \
+         load only one of them, or rename one"
     );
     assert_eq!(registry.parts().len(), 1);
     assert_eq!(registry.origin("acme/spring"), Some(&origin));

@@ -66,7 +66,7 @@ impl Equilibrium {
         let off = normalized(&file, at_axis);
         if off.is_nan() || off.abs() > LARGEST_OFF {
             return Err(EquilibriumError::Odd(format!(
-                "psi is {at_axis} on the axis, where the file tells {}: its flux at the edge, {}, is not of the same kind",
+                "psi is {at_axis} on the axis, and the file gives {}: these disagree relative to the flux at its edge, {}",
                 file.psi_range[0], file.psi_range[1]
             )));
         }
@@ -303,7 +303,7 @@ fn curvature(table: TableFunction, point: [f64; 2]) -> [[f64; 2]; 2] {
     })
 }
 
-/// The extremum of ψ next to the axis that the file tells.
+/// The extremum of ψ next to the axis that the file gives.
 fn axis(file: &Geqdsk, psi: TableFunction) -> Result<[f64; 2], EquilibriumError> {
     let told = file.axis;
     let away = |point: [f64; 2]| {
@@ -335,7 +335,7 @@ fn axis(file: &Geqdsk, psi: TableFunction) -> Result<[f64; 2], EquilibriumError>
         }
     }
     Err(EquilibriumError::Odd(format!(
-        "the flux has no extremum within three cells of the axis that the file tells, R = {}, Z = {}",
+        "the flux has no extremum within three cells of the axis in the file, R = {}, Z = {}",
         told[0], told[1]
     )))
 }

@@ -9,7 +9,7 @@ use thiserror::Error;
 pub enum EquilibriumError {
     /// A first line without the numbers of nodes.
     #[error(
-        "the first line ends with no two whole numbers, the nodes along R and Z: is it a g-file of EFIT, such as `g123456.01000`?"
+        "the first line does not end with two whole numbers, the nodes along R and Z: is it a g-file of EFIT, such as `g123456.01000`?"
     )]
     Header,
     /// Fewer numbers than the first line tells of.
@@ -23,7 +23,7 @@ pub enum EquilibriumError {
         needed: usize,
     },
     /// A word in the place of a number.
-    #[error("line {line}: `{word}` in the place of a number of {name}")]
+    #[error("line {line}: `{word}` is not a number, and {name} needs one here")]
     Number {
         /// The quantity.
         name: &'static str,
@@ -45,10 +45,10 @@ pub enum EquilibriumError {
     /// Numbers that no equilibrium has.
     #[error("{0}")]
     Odd(String),
-    /// F that is 0 at a node, or changes its sign behind it.
+    /// F that is 0 at a node, or changes its sign after it.
     #[error(
         "F = R B_phi is {f} at the value {node} of {count}, at s = {surface}, and {next}: a field without a toroidal part has no such one-form",
-        next = if *f == 0.0 { "must not be 0" } else { "changes its sign behind it" }
+        next = if *f == 0.0 { "must not be 0" } else { "changes its sign after it" }
     )]
     NoToroidalField {
         /// The number of the value, from 1 on the axis.

@@ -18,7 +18,7 @@ pub struct Geqdsk {
     pub z: [f64; 2],
     /// The nodes along R and Z.
     pub nodes: [usize; 2],
-    /// R and Z of the magnetic axis as the file tells them, in m.
+    /// R and Z of the magnetic axis as the file gives them, in m.
     pub axis: [f64; 2],
     /// ψ on the axis and at the edge, in Wb/rad.
     pub psi_range: [f64; 2],
@@ -46,7 +46,7 @@ impl Geqdsk {
             return Err(EquilibriumError::Odd(message));
         }
         let mut tokens = Tokens::of(text, 1);
-        let numbers = tokens.numbers("the twenty numbers behind the first line", 20)?;
+        let numbers = tokens.numbers("the twenty numbers after the first line", 20)?;
         let [width, height, _, left, middle] = first_of(&numbers);
         let axis = [numbers[5], numbers[6]];
         let psi_range = [numbers[7], numbers[8]];
@@ -80,7 +80,7 @@ impl Geqdsk {
         let [left, right] = self.r;
         if !(left > 0.0 && right > left) {
             return odd(format!(
-                "R goes from {left} to {right}: a grid lies beside the axis R = 0"
+                "R goes from {left} to {right}: a grid must lie to one side of the axis R = 0"
             ));
         }
         let [low, high] = self.z;

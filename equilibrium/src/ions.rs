@@ -87,7 +87,7 @@ impl Species {
         let name = self.name();
         Err(EquilibriumError::Odd(match energy > 0.0 {
             true => format!(
-                "of {energy} keV a particle of the kind {name} has the speed of light times {:.2}, and the equations are not relativistic: take an energy below {:.3} keV",
+                "at {energy} keV a particle of the kind {name} moves at the speed of light times {:.2}, and the equations are not relativistic: take an energy below {:.3} keV",
                 speed / LIGHT,
                 0.005 * self.mass() * LIGHT * LIGHT / (1e3 * CHARGE)
             ),

@@ -376,13 +376,13 @@ fn broken_files_are_refused() {
             .expect_err("no equilibrium");
         error.to_string()
     };
-    assert!(odd(" 7.500000000E-01", "-7.500000000E-01").contains("beside the axis R = 0"));
-    // The flux on the axis is another one than the file tells.
+    assert!(odd(" 7.500000000E-01", "-7.500000000E-01").contains("to one side of the axis R = 0"));
+    // The flux on the axis is another one than the file gives.
     let told = [
         " 0.000000000E+00 4.177856445E-01",
         "-3.000000000E+00 4.177856445E-01",
     ];
-    assert!(odd(told[0], told[1]).contains("where the file tells -3"));
+    assert!(odd(told[0], told[1]).contains("the file gives -3"));
     assert!(
         odd(
             " 1.600000000E+00 0.000000000E+00 0.000000000E+00",
@@ -429,7 +429,7 @@ fn ions_out_of_range_are_refused() {
             .expect("a g-file"),
         5,
     );
-    // The flux is another one on this grid, without an extremum at the axis that the file tells.
+    // The flux is another one on this grid, without an extremum at the axis that the file gives.
     assert!(matches!(open, Err(EquilibriumError::Odd(_))));
 }
 

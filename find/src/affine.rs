@@ -26,7 +26,7 @@ pub(crate) fn affine(
     let d = field.dimension();
     if d > MOST_VARIABLES {
         return Ok(Attempt::none(format!(
-            "it is looked for in at most {MOST_VARIABLES} variables"
+            "the search takes at most {MOST_VARIABLES} variables"
         )));
     }
     let Some(mut family) = invariant_tensors(field)? else {
@@ -35,7 +35,8 @@ pub(crate) fn affine(
         ));
     };
     if family.is_empty() {
-        let reason = "the motion preserves no affine J ≠ 0, as each would that has {x, H} = f";
+        let reason =
+            "the motion preserves no affine J ≠ 0, and it would preserve every J with {x, H} = f";
         return Ok(match field.is_decided() {
             true => Attempt::proved(reason),
             false => Attempt::none(reason),
@@ -49,7 +50,7 @@ pub(crate) fn affine(
         .collect();
     if poisson.is_empty() && family.len() == 1 && field.is_decided() {
         return Ok(Attempt::proved(
-            "the motion preserves one affine J alone, which Jacobi's identity excludes",
+            "the motion preserves only one affine J, which violates Jacobi's identity",
         ));
     }
     if integrals.is_empty() {
@@ -75,7 +76,7 @@ pub(crate) fn affine(
     Ok(match best {
         Some(found) => Attempt::Found(Box::new(found)),
         None if poisson.is_empty() => {
-            Attempt::none("of the affine J that the motion preserves none was found to be Poisson")
+            Attempt::none("none of the affine J that the motion preserves was found to be Poisson")
         }
         None => Attempt::none(
             "the motion preserves affine Poisson tensors, but no combination of the first integrals moves it by them",

@@ -42,7 +42,7 @@ pub(crate) fn constant(field: &mut RingField, kind: Kind) -> Result<Attempt, Fin
     let d = field.dimension();
     if d > MOST_VARIABLES {
         return Ok(Attempt::none(format!(
-            "it is looked for in at most {MOST_VARIABLES} variables"
+            "the search takes at most {MOST_VARIABLES} variables"
         )));
     }
     let g = match kind {
@@ -50,7 +50,7 @@ pub(crate) fn constant(field: &mut RingField, kind: Kind) -> Result<Attempt, Fin
             Some(rates) => rates,
             None => {
                 return Ok(Attempt::none(
-                    "it is looked for where each equation has its own variable as a factor",
+                    "the search needs equations that each have their own variable as a factor",
                 ));
             }
         },

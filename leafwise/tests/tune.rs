@@ -270,7 +270,7 @@ fn what_cannot_be_held_says_what_keeps_it() {
     assert_eq!(tuning.limit, Some(Limit::Reference));
     let horizon = tuning.horizon.expect("why");
     assert!(horizon.known.is_none() && horizon.wanted < horizon.round_off);
-    assert!(horizon.to_string().contains("ask for less"), "{horizon}");
+    assert!(horizon.to_string().contains("raise the bound"), "{horizon}");
     // So little that no run comes to its end: what was spent is reported all the same.
     let tuning = tune(&only(hamilton_jacobi, Some(100)), asked(1e-8));
     assert!(tuning.poisson.is_none() && tuning.nearest.is_none());

@@ -9,7 +9,7 @@ use thiserror::Error;
 pub enum LearnError {
     /// Arrays of other shapes than pairs of states have.
     #[error(
-        "{found} numbers are no pairs of states of {dimension} coordinates: give as many states after a step as before it"
+        "{found} numbers do not form pairs of states of {dimension} coordinates: give as many states after a step as before it"
     )]
     Shape {
         /// d.
@@ -28,7 +28,9 @@ pub enum LearnError {
         value: f64,
     },
     /// Weights that are none.
-    #[error("a weight for each of {pairs} pairs is a number of 0 or more, some above 0: {problem}")]
+    #[error(
+        "the weight of each of {pairs} pairs must be a number of 0 or more, some above 0: {problem}"
+    )]
     Weights {
         /// How many pairs there are.
         pairs: usize,
@@ -37,7 +39,7 @@ pub enum LearnError {
     },
     /// Coordinates of which one varies by far more than another ever measures.
     #[error(
-        "{large} varies by {spread:.1e} and {small} is at most {size:.1e}: of both in one sum of squares the small one would count for nothing. Write the system in units in which they are alike, {small}/{unit:e} in place of {small} in the pairs, the bracket and the realization"
+        "{large} varies by {spread:.1e} and {small} is at most {size:.1e}: in one sum of squares the small one would have no effect. Write the system in units in which both have similar sizes, {small}/{unit:e} in place of {small} in the pairs, the bracket and the realization"
     )]
     UnlikeUnits {
         /// The variable of the largest range.
@@ -53,7 +55,7 @@ pub enum LearnError {
     },
     /// States that do not move.
     #[error(
-        "no pair moves: the states after the step are those before it, and they tell nothing about H"
+        "no pair moves: the states after the step equal those before it, and hold no information about H"
     )]
     NoMotion,
     /// Fewer equations than coefficients.
@@ -107,7 +109,7 @@ pub enum LearnError {
     },
     /// Bounds of a box that are none.
     #[error(
-        "{variable} from {least:?} to {largest:?} is no range: give two numbers, the least one first"
+        "{variable} from {least:?} to {largest:?} is not a range: give two numbers, the smaller one first"
     )]
     Bounds {
         /// The variable.
@@ -118,13 +120,11 @@ pub enum LearnError {
         largest: f64,
     },
     /// A table of no pair.
-    #[error(
-        "a table is fitted to pairs of states, and there is none: give their number, 1 or more"
-    )]
+    #[error("a table needs pairs of states, and their number is 0: give 1 or more")]
     NoPairs,
     /// Too few states to keep one that measures the table.
     #[error(
-        "a table takes {least} states or more, of which every fifth measures it, and here are {states}"
+        "a table needs {least} states or more, of which every fifth measures its error, and these are {states}"
     )]
     FewStates {
         /// How many there are.
@@ -196,7 +196,7 @@ pub enum LearnError {
     },
     /// ln x of a number that has none.
     #[error(
-        "pair {pair} has {variable} = {value:?}, and ln {variable} is a function of the basis: leave the pair out, or logarithms"
+        "pair {pair} has {variable} = {value:?}, and ln {variable} is a function of the basis: leave out the pair, or the logarithms"
     )]
     Logarithm {
         /// Its number from 1.
@@ -213,7 +213,7 @@ pub enum LearnError {
     Singular,
     /// A pair that no step of the realization reaches.
     #[error(
-        "pair {pair} is outside of the realization: {error}. The time between its states may be too long, or the pair is no step of this system"
+        "pair {pair} is outside of the realization: {error}. The time between its states may be too long, or the pair is not a step of this system"
     )]
     Outside {
         /// Its number from 1.
@@ -223,7 +223,7 @@ pub enum LearnError {
     },
     /// A realization without a chart.
     #[error(
-        "{realization} has no points (x, p) over which a generating function stands: name another realization"
+        "{realization} has no points (x, p) on which a generating function is defined: name another realization"
     )]
     NoChart {
         /// Its description.

@@ -91,14 +91,14 @@ pub enum LearnAdvice {
 impl fmt::Display for LearnAdvice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Duplicates { count } => write!(f, "{count} of the pairs stand twice and are counted once"),
+            Self::Duplicates { count } => write!(f, "{count} of the pairs occur twice and are counted once"),
             Self::NotExact { realization } => write!(
                 f,
-                "{realization} is no exact realization: the learned map is Poisson to its order, not to round-off; name an exact one where there is one"
+                "{realization} is not an exact realization: the learned map is Poisson to its order, not to round-off; name an exact one if there is one"
             ),
             Self::Unexplained { part } => write!(
                 f,
-                "{:.0} % of the motion is left: the bracket is another one, or the degree is too low. A wrong sign or time step scales H and leaves nothing",
+                "{:.0} % of the motion is not fitted: the data follow another bracket, or the degree is too low. A wrong sign or time step only scales H",
                 100.0 * part
             ),
             Self::OffLeaf { off, along } => write!(
@@ -108,13 +108,13 @@ impl fmt::Display for LearnAdvice {
             ),
             Self::Undetermined { count } => write!(
                 f,
-                "{count} functions are not determined by these pairs and stay 0, such as those that differ between leaves of which only one has pairs: \
-                 give pairs from elsewhere, or stay near these"
+                "{count} functions are not determined by these pairs and stay 0, such as functions of the leaf where all pairs lie on one leaf: give \
+                 pairs from elsewhere, or stay near these"
             ),
             Self::NotConverged { sweeps, one_step } => write!(
                 f,
-                "the points of the pairs still moved after {sweeps} solves, and steps of the learned map miss the pairs by {one_step:.1e}: pairs of one orbit or one leaf tell \
-                 too little for this degree, or the time between the states is long; give pairs from elsewhere, lower the degree, or penalize coefficients by a ridge"
+                "the points of the pairs still moved after {sweeps} solves, and steps of the learned map miss the pairs by {one_step:.1e}: pairs of one orbit or one leaf hold \
+                 too little information for this degree, or the time between the states is long; give pairs from elsewhere, lower the degree, or penalize coefficients by a ridge"
             ),
             Self::Failed { count } => write!(
                 f,
@@ -130,7 +130,7 @@ impl fmt::Display for LearnAdvice {
                 "H is known to {part:.1e} of its size only: take pairs closer in time; steps of the learned map do not depend on it"
             ),
             Self::NotRecovered => f.write_str(
-                "H is not recovered, since too few orbits of the learned map succeed: S/h stands in its place, which differs from H by h^2",
+                "H is not recovered, since too few orbits of the learned map succeed: S/h is given instead, which differs from H by h^2",
             ),
         }
     }

@@ -109,7 +109,7 @@ fn beside<T: Send + 'static>(
         (Some(error), _) => Err(error),
         (None, Ok(told)) => Ok(told),
         (None, Err(_)) => Err(super::error::LeafwiseError::new_err(
-            "the command ended in the middle: this is a mistake of the program",
+            "the command panicked: this is a defect of the program",
         )),
     }
 }

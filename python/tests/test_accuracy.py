@@ -119,5 +119,5 @@ def test_the_error_of_a_run_is_estimated() -> None:
         assert asking.set(method={"stepper": "taylor", "time-step": 0.2}).run().state_error is None
     assert any("error not estimated: a tolerance" in str(warning.message) for warning in told)
     noisy = lw.Scene(system=system | {"noise": [{"hamiltonian": "q", "strength": "0.1"}]}, method={"time-step": 0.1}, run={"initial": [1.0, 0.0], "steps": 10})
-    with pytest.raises(lw.LeafwiseError, match="drawn anew"):
+    with pytest.raises(lw.LeafwiseError, match="draw new noise"):
         noisy.state_error()

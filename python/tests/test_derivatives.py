@@ -113,7 +113,7 @@ class TestJax:
         jax = self.jax
         loss = lambda x0: (self.solve(along, x0) ** 2).sum()  # noqa: E731
         for second in (jax.hessian(loss), jax.jacrev(jax.grad(loss)), jax.jacfwd(jax.jacfwd(loss))):
-            with pytest.raises(lw.LeafwiseError, match="second derivatives of a trajectory are not known"):
+            with pytest.raises(lw.LeafwiseError, match="second derivatives of a trajectory are not available"):
                 second(X0)
         # A sum of squares has JᵀJ.
         (jacobian,) = (jax.jacfwd(lambda x0: self.solve(along, x0).reshape(-1))(X0),)
@@ -217,7 +217,7 @@ class TestTorch:
             lambda: func.jacfwd(func.jacfwd(loss))(x0.detach()),
         ]
         for second in seconds:
-            with pytest.raises(lw.LeafwiseError, match="second derivatives of a trajectory are not known"):
+            with pytest.raises(lw.LeafwiseError, match="second derivatives of a trajectory are not available"):
                 second()
 
     def test_a_step_that_fails_is_an_outcome(self, failing: lw.Trajectory) -> None:

@@ -115,7 +115,7 @@ def test_arrays_of_every_kind_are_read_and_none_is_written() -> None:
         (CLOUD, {"I2": INERTIA[:-1]}, ValueError, "I2 has 39 values for 40 members"),
         (CLOUD, {"I2": INERTIA.reshape(40, 1)}, ValueError, r"I2 has the shape \(40, 1\), not \(n,\)"),
         (CLOUD, {"I2": INERTIA * np.inf}, ValueError, r"I2\[0\] is inf"),
-        (CLOUD, {"I4": INERTIA}, lw.SceneError, "`I4` is no parameter of the system"),
+        (CLOUD, {"I4": INERTIA}, lw.SceneError, "`I4` is not a parameter of the system"),
     ],
 )
 def test_members_that_are_refused(
@@ -132,7 +132,7 @@ def test_a_member_that_fails_ends_no_other() -> None:
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always", lw.LeafwiseWarning)
         cloud = scene.ensemble(states, steps=10)
-    message = f"1 of {len(CLOUD)} members failed; statistics are those of the others: see failures"
+    message = f"1 of {len(CLOUD)} members failed; statistics cover the others: see failures"
     assert cloud.failed == 1 and message in [str(one.message) for one in told]
     assert cloud.outcomes[3] == "failed" and np.count_nonzero(cloud.outcomes == "failed") == 1
     assert cloud.failures[0]["member"] == 3 and cloud.failures[0]["message"]

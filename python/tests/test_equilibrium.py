@@ -30,7 +30,7 @@ def test_an_equilibrium_becomes_a_scene(tmp_path: Path) -> None:
 def test_options_out_of_range_are_refused(tmp_path: Path) -> None:
     with pytest.raises(lw.LeafwiseError, match="not relativistic"):
         lw.import_equilibrium(SOLOVEV, tmp_path, species="electron", energy=100)
-    with pytest.raises(lw.LeafwiseError, match="no two whole numbers"):
+    with pytest.raises(lw.LeafwiseError, match="two whole numbers"):
         lw.import_equilibrium(__file__, tmp_path)
     with pytest.raises(ValueError, match="members"):
         lw.import_equilibrium(SOLOVEV, tmp_path, members=-1)

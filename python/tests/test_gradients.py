@@ -238,7 +238,7 @@ def test_a_fit_that_the_data_do_not_determine_says_so() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", lw.LeafwiseWarning)
         data = scene.run().x
-    with pytest.raises(lw.LeafwiseError, match="do not tell a and b apart"):
+    with pytest.raises(lw.LeafwiseError, match="do not distinguish a and b"):
         scene.fit(data, ["a", "b"])
     with pytest.raises(lw.LeafwiseError, match="do not depend on c"):
         scene.fit(data, ["a", "c"])
@@ -276,7 +276,7 @@ def test_what_is_wrong_is_told() -> None:
     for wrong in [data[:, :2], data[0], data[:1]]:
         with pytest.raises(ValueError, match="data has the shape"):
             scene.fit(wrong, ["I1"], record=10)
-    with pytest.raises(ValueError, match="sigma is positive"):
+    with pytest.raises(ValueError, match="sigma must be positive"):
         scene.fit(data, ["I1"], record=10, sigma=0.0)
     with pytest.raises(ValueError, match="nothing to fit"):
         scene.fit(data, [], record=10)

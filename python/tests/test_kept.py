@@ -104,7 +104,7 @@ def test_times_that_a_run_does_not_come_to_are_refused_with_a_kept_method_too() 
     with pytest.raises(lw.SceneError, match="the run ends at t = 20.0, before t = 21"):
         scene.set(run__record__times=[21.0]).run()
     assert scene.run(until=3.0).t[-1] == 3.0
-    with pytest.warns(lw.LeafwiseWarning, match="`until` = 3.05 is no whole number of steps of 0.1"):
+    with pytest.warns(lw.LeafwiseWarning, match="`until` = 3.05 is not a whole number of steps of 0.1"):
         assert scene.run(until=3.05).t[-1] == pytest.approx(3.05, rel=1e-15)
     with pytest.raises(lw.SceneError, match="3, one for each variable"):
         scene.run(initial=[1.0])

@@ -51,7 +51,7 @@ def test_mistakes_are_told() -> None:
         lw.learn((before, after * np.nan), OSCILLATOR)
     with pytest.raises(lw.LeafwiseError, match="no pair moves"):
         lw.learn((before, before), OSCILLATOR, degree=1)
-    with pytest.raises(lw.LeafwiseError, match="is no basis"):
+    with pytest.raises(lw.LeafwiseError, match="is not a basis"):
         lw.learn(pairs(), OSCILLATOR, "wavelets")
     with pytest.raises(TypeError, match="give a leafwise.Scene"):
         lw.learn(pairs(), "scene.toml")  # type: ignore[arg-type]

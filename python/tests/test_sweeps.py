@@ -44,7 +44,7 @@ def test_methods_as_settings_and_failures() -> None:
     assert sweep.errors[2].startswith("step 1: ")
     assert list(sweep["method.stepper"]) == ["rk4", "", ""]
     assert list(sweep["setting"]) == [0, 1, 2]
-    with pytest.raises(lw.SceneError, match="cannot stand beside"):
+    with pytest.raises(lw.SceneError, match="cannot be combined with"):
         lw.Scene(RIGID_BODY).sweep(settings=[{"method": {"stepper": "rk4", "time-step": 1}, "method.time-step": 2}])
 
 

@@ -78,7 +78,7 @@ def test_what_is_wrong_is_told() -> None:
         solve(along, torch.tensor(1.0))
     with pytest.raises(TypeError, match="complex"):
         solve(along, torch.tensor([1.0, 3.0, 3j]))
-    with pytest.raises(ValueError, match=r"batches \(2,\) of x0 and \(3,\) of values do not fit"):
+    with pytest.raises(ValueError, match=r"batches \(2,\) of x0 and \(3,\) of values do not match"):
         solve(along, torch.ones(2, 3), torch.ones(3, 1))
 
 
@@ -117,7 +117,7 @@ def test_second_derivatives_are_refused_and_never_zero() -> None:
         lambda: penalty(lambda x: loss(x) + (x**2).sum()),
         lambda: torch.autograd.gradgradcheck(loss, x0.clone().requires_grad_()),
     ):
-        with pytest.raises(lw.LeafwiseError, match="second derivatives of a trajectory are not known"):
+        with pytest.raises(lw.LeafwiseError, match="second derivatives of a trajectory are not available"):
             second()
     # A graph that is not differentiated again is of no harm.
     x = x0.clone().requires_grad_()

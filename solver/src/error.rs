@@ -98,8 +98,8 @@ pub enum BuildError {
     },
     /// Formulas of a lattice that look too far for the lattice that they would be written out on.
     #[error(
-        "the code of a site of this lattice looks {reach} sites away, and for that {coordinates} coordinates would be \
-         written out, of {most} at most; couple nearer sites, or take a method of lower order"
+        "the code of a site of this lattice reaches {reach} sites away, which needs {coordinates} coordinates written \
+         out, of {most} at most; couple nearer sites, or take a method of lower order"
     )]
     NotLocal {
         /// The distance in sites.
@@ -111,8 +111,8 @@ pub enum BuildError {
     },
     /// Code of a lattice's site that looks further than was foreseen when it was written.
     #[error(
-        "code of this lattice looks {reach} sites away, and {foreseen} were foreseen; this is a defect of the method: take \
-         another one, and tell its author"
+        "code of this lattice reaches {reach} sites away, and {foreseen} were expected; this is a defect of the method: \
+         take another one, and report it to its author"
     )]
     LooksFurther {
         /// The distance.
@@ -136,7 +136,7 @@ pub enum BuildError {
     },
     /// A composition of a map whose factors it needs.
     #[error(
-        "{composition} takes a step apart into a map of order 1 and its adjoint, which {map} does not offer"
+        "{composition} needs a step that is a product of a map of order 1 and its adjoint, which {map} does not offer"
     )]
     NoFactors {
         /// The composition.
@@ -166,8 +166,8 @@ pub enum BuildError {
     },
     /// Matrices that do not represent a tensor's Lie algebra.
     #[error(
-        "{part}: the matrices are no representation: [rho({0}), rho({1})] has {2} in row {3} and column {4}, and {{{0}, {1}}} \
-         asks for {5}; mind that brackets are the paper's, {{x_i, x_j}} with x' = {{H, x}}",
+        "{part}: the matrices are not a representation: [rho({0}), rho({1})] has {2} in row {3} and column {4}, and {{{0}, {1}}} \
+         requires {5}; mind that brackets are the paper's, {{x_i, x_j}} with x' = {{H, x}}",
         bracket[0], bracket[1], values[0], entry[0] + 1, entry[1] + 1, values[1]
     )]
     NoRepresentation {
@@ -199,7 +199,7 @@ pub enum BuildError {
         missing: &'static str,
     },
     /// A part that integrates ẋ = {H, x} alone, and a system with forces beside dH.
-    #[error("{part} integrates x' = {{H, x}} alone, and this system has forces")]
+    #[error("{part} integrates only x' = {{H, x}}, and this system has forces")]
     Forces {
         /// The part.
         part: String,
@@ -207,7 +207,7 @@ pub enum BuildError {
     /// A part whose steps are Poisson maps or stay on symplectic leaves, and a system with a friction.
     #[error(
         "{part} steps by Poisson maps or along symplectic leaves, and no such map follows the `friction` of this system, which is added \
-         to x' as it stands: it changes the tensor, and Casimirs where there are any"
+         to x' unchanged: it changes the tensor, and Casimirs where there are any"
     )]
     Friction {
         /// The part.
@@ -215,7 +215,7 @@ pub enum BuildError {
     },
     /// A dynamic approximation that needs α̂ and β̂, over coordinates in which the tensor is constant.
     #[error(
-        "{dynamics} cannot be combined with {realization}: it is coordinates in which the tensor is constant"
+        "{dynamics} cannot be combined with {realization}: its points are coordinates in which the tensor is constant"
     )]
     LiftAlone {
         /// The dynamic approximation.
@@ -282,7 +282,7 @@ impl StepError {
             Self::OtherBranch { reached } => write!(
                 f,
                 "the solution of the step's equation that begins at the state was lost after {:.0} % of the way; \
-                 another solution is no step of the flow",
+                 another solution is not a step of the flow",
                 100.0 * reached
             ),
             Self::LostSign { coordinate } => write!(

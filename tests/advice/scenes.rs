@@ -76,7 +76,7 @@ fn shortened_steps_and_seams_are_told() {
     let shortened = shortened.expect("34 steps");
     let step = 10.0 / 34.0;
     assert_eq!(shortened.change, format!("time-step = {step:?}"));
-    let message = "`until` = 10 is no whole number of steps of 0.3: steps of";
+    let message = "`until` = 10 is not a whole number of steps of 0.3: steps of";
     assert!(
         shortened.message.starts_with(message),
         "{}",
@@ -132,7 +132,7 @@ fn seams_of_brackets_are_told_and_of_parameters_not() {
 }
 
 /// Where H jumps the energy is off by the jump, and its error says nothing: of a wall in q, of a pulse in t, of an angle's
-/// cut. Of a smooth H that is followed badly the motion is not to be trusted.
+/// cut. Of a smooth H that is followed badly the motion is not reliable.
 #[test]
 fn jumps_of_the_energy_are_told_as_such() {
     let message = |hamiltonian: &str, h: f64| {
@@ -160,7 +160,7 @@ fn jumps_of_the_energy_are_told_as_such() {
         );
     }
     let smooth = message("p^2/2 + 2*(q^2 - 4)^2", 0.15).expect("an error");
-    assert!(smooth.contains("not to be trusted"), "{smooth}");
+    assert!(smooth.contains("not reliable"), "{smooth}");
     assert_eq!(message("p^2/2 + max(q, 0)^2", 0.01), None);
 }
 

@@ -86,7 +86,7 @@ pub(super) fn release(instance: Pointer) {
 pub(super) fn guarded<T>(work: impl FnOnce() -> Result<T, CallError>) -> Result<T, CallError> {
     catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|_| {
         Err(CallError::usage(
-            "the call ended in the middle: this is a mistake of the library",
+            "the call panicked: this is a defect of the library",
         ))
     })
 }
@@ -103,10 +103,10 @@ pub(super) fn call(
     let done = match held.instance.try_lock() {
         Ok(mut own) => guarded(|| work(&mut own)),
         Err(TryLockError::Poisoned(_)) => Err(CallError::usage(
-            "a call on this instance ended in the middle; make another",
+            "an earlier call on this instance panicked; create another instance",
         )),
         Err(TryLockError::WouldBlock) => {
-            Err(CallError::usage("the instance works in another thread"))
+            Err(CallError::usage("the instance is in use by another thread"))
         }
     };
     match done {

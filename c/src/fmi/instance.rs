@@ -43,7 +43,7 @@ impl UnitInstance {
         let own = token(scene.text());
         if own != given {
             return Err(CallError::usage(format!(
-                "the token {given} is not that of {}, {own}: make the unit anew",
+                "the token {given} differs from the token of {}, {own}: export the unit again",
                 file.display()
             )));
         }
@@ -177,10 +177,10 @@ impl UnitInstance {
         for ((number, role), value) in asked.iter().zip(values) {
             let name = &self.variables[*number].name;
             if matches!(role, Role::Time | Role::Invariant(_)) {
-                return Err(CallError::usage(format!("{name} is not for setting")));
+                return Err(CallError::usage(format!("{name} cannot be set")));
             }
             if !value.is_finite() {
-                let message = format!("{value} for {name} is no finite number");
+                let message = format!("{value} for {name} is not a finite number");
                 return Err(CallError::usage(message));
             }
         }
@@ -213,7 +213,7 @@ impl UnitInstance {
         let is_whole = (step - count * h).abs() <= OFF * h.abs() && (1.0..=MOST).contains(&count);
         if !is_whole {
             return Err(CallError::usage(format!(
-                "communicationStepSize is {step}, which is no multiple of the scene's time-step, {h}"
+                "communicationStepSize is {step}, which is not a multiple of the scene's time-step, {h}"
             )));
         }
         self.integrator()?.advance(count as u64)

@@ -51,8 +51,8 @@ int main(void) {
     EXPECT(leafwise_scene_parse(pendulum, &scene), LEAFWISE_DONE, "");
     EXPECT(leafwise_scene_shape(scene, &shape), LEAFWISE_DONE, "");
     if (shape.coordinates != 2 || shape.parameters != 1 || shape.casimirs != 0 || shape.steps != 100) failures++;
-    EXPECT(leafwise_scene_shape(0, &shape), LEAFWISE_USAGE, "no handle");
-    EXPECT(leafwise_scene_shape(scene + 1000, &shape), LEAFWISE_USAGE, "no handle");
+    EXPECT(leafwise_scene_shape(0, &shape), LEAFWISE_USAGE, "not a valid handle");
+    EXPECT(leafwise_scene_shape(scene + 1000, &shape), LEAFWISE_USAGE, "not a valid handle");
     EXPECT(leafwise_scene_set(scene, "method.time-stop", "0.2", &other), LEAFWISE_INVALID_SCENE, "time-step");
     EXPECT(leafwise_scene_set(scene, "method.time-step", "0.2", &other), LEAFWISE_DONE, "");
     EXPECT(leafwise_scene_name(scene, 0, 1, name, sizeof name), LEAFWISE_DONE, "");
@@ -63,9 +63,9 @@ int main(void) {
     EXPECT(leafwise_scene_name(scene, 0, 0, NULL, 8), LEAFWISE_USAGE, "NULL");
 
     EXPECT(leafwise_integrator_new(scene, x, 3, 1, &integrator), LEAFWISE_USAGE, "3 numbers, and the scene 2");
-    EXPECT(leafwise_integrator_new(scene, x, 2, PTRDIFF_MAX, &integrator), LEAFWISE_USAGE, "out of memory");
+    EXPECT(leafwise_integrator_new(scene, x, 2, PTRDIFF_MAX, &integrator), LEAFWISE_USAGE, "outside the address space");
     x[0] = 0.0 / 0.0;
-    EXPECT(leafwise_integrator_new(scene, x, 2, 1, &integrator), LEAFWISE_USAGE, "no finite number");
+    EXPECT(leafwise_integrator_new(scene, x, 2, 1, &integrator), LEAFWISE_USAGE, "not a finite number");
     x[0] = 5;
     EXPECT(leafwise_integrator_new(scene, NULL, 0, 1, &integrator), LEAFWISE_DONE, "");
     EXPECT(leafwise_integrator_advance(scene, 1), LEAFWISE_USAGE, "is a scene");
@@ -78,7 +78,7 @@ int main(void) {
     if (x[1] != 1 || x[0] != 0) failures++;
     EXPECT(leafwise_scene_run(scene, NULL, 0, 1, 0, rows, 3, 2, 1), LEAFWISE_USAGE, "at least 1");
     EXPECT(leafwise_scene_run(scene, NULL, 0, 1, 1, NULL, 3, 2, 1), LEAFWISE_USAGE, "NULL");
-    EXPECT(leafwise_scene_run(scene, NULL, 0, 1, 1, rows, SIZE_MAX / 4, 2, 1), LEAFWISE_USAGE, "out of memory");
+    EXPECT(leafwise_scene_run(scene, NULL, 0, 1, 1, rows, SIZE_MAX / 4, 2, 1), LEAFWISE_USAGE, "outside the address space");
     /* All rows in one place: they reach nowhere, and find no room to be made in. */
     EXPECT(leafwise_scene_run(scene, NULL, 0, 1, 1, rows, SIZE_MAX / 64, 0, 1), LEAFWISE_NO_MEMORY, "");
     EXPECT(leafwise_scene_run(scene, NULL, 0, 1, 1, rows, 3, 1, 3), LEAFWISE_DONE, "");

@@ -92,7 +92,8 @@ impl RealizationInstrument {
         let chart = chart.ok_or_else(|| BuildError::Incompatible {
             dynamics: "the realization error".to_owned(),
             realization: realization.describe(),
-            reason: "it offers no maps on T*M and no chart to see its own through".to_owned(),
+            reason: "it offers neither maps on T*M nor a chart that expresses its own maps there"
+                .to_owned(),
         })?;
         Ok(Self {
             maps: RealizationMaps::new(realization.as_ref(), parameters.len())?,

@@ -37,7 +37,7 @@ pub fn with_multiples(system: &SystemFormulas) -> Result<SystemFormulas, BuildEr
     };
     if system.casimirs().is_empty() {
         return refuse(
-            "the system declares no Casimirs, and there is nothing to take a multiple of; take a shorter step or a \
+            "the system declares no Casimirs whose multiples could correct the energy; take a shorter step or a \
              higher order",
         );
     }

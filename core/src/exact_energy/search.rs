@@ -184,14 +184,15 @@ impl LaneOfEnergy {
 
     fn no_root(&self, best: f64) -> StepError {
         let why = match self.signs {
-            [true, true] => "none was found between errors of both signs",
-            _ => "with all that were tried H(x_{k+1}) - H(x_0) has one sign",
+            [true, true] => "the search between errors of both signs did not converge",
+            _ => "H(x_{k+1}) - H(x_0) has the same sign for all that were tried",
         };
         StepError::Part {
             part: NAME.to_owned(),
             message: format!(
-                "no multiple of the Casimirs keeps the energy in this step: {why}, and is {best:.1e} at the least, of H(x_0) = {:.6}. \
-                 Such places lie on some orbits, and other steps meet others; end the run before, or leave `energy` out",
+                "no multiple of the Casimirs keeps the energy in this step: {why}. The smallest error is {best:.1e}, of H(x_0) = \
+                 {:.6}. Some orbits have such states, and steps of another length have others; end the run earlier, or leave `energy` \
+                 out",
                 self.target
             ),
         }

@@ -38,7 +38,7 @@ pub enum GradientError {
     },
     /// A map that is not stepped back.
     #[error(
-        "{map} is not known to be self-adjoint: its steps back are no inverse; take checkpoints"
+        "{map} is not known to be self-adjoint: its steps back are not an inverse; take checkpoints"
     )]
     NotSelfAdjoint {
         /// The map.

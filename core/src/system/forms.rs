@@ -52,7 +52,7 @@ pub enum FormError {
     Degenerate,
     /// A matrix that has no inverse at the state about which the system moves.
     #[error(
-        "{what} has no inverse at this state: its Pfaffian is {pfaffian:e} there, its determinant the square"
+        "{what} has no inverse at this state: its Pfaffian is {pfaffian:e} there, and its determinant is the square of that"
     )]
     DegenerateAt {
         /// The two-form, or the matrix of the constraints' brackets.

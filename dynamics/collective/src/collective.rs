@@ -228,7 +228,7 @@ impl DynamicApproximation for Collective {
             let stages = self.integrator.of_lift();
             let stages = stages.ok_or_else(|| {
                 missing(
-                    "its coordinates are no positions and momenta; take gauss or implicit-midpoint",
+                    "its coordinates are not positions and momenta; take gauss or implicit-midpoint",
                 )
             })?;
             return Ok(LagrangianBisection::Lifted { stages });

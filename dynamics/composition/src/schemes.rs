@@ -11,7 +11,7 @@ use crate::composed::Composed;
 use crate::scheme::{Coefficients, Scheme};
 
 const DOMAIN: &str = "any self-adjoint step map; some stages step backwards in time";
-const DOMAIN_OF_FACTORS: &str = "a step map that comes apart into a map of order 1 and its adjoint: splitting; some of them step backwards in time";
+const DOMAIN_OF_FACTORS: &str = "a step map that is a product of a map of order 1 and its adjoint: splitting; some of them step backwards in time";
 
 const DOMAIN_OF_NYSTROM: &str = "splitting into two pieces with {V, {V, {V, T}}} = 0, which the exact algebra proves: H = p²/2 + V(q), kinetic energies quadratic in momenta; some of its flows step backwards in time";
 const DOMAIN_OF_PERTURBED: &str = "splitting into two pieces, best where one of them is a small perturbation of the other; some of its flows step backwards in time";

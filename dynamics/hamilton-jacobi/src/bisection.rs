@@ -20,7 +20,7 @@ static INFO: PartInfo = PartInfo {
     name: NAME,
     summary: "graph of dS, S the truncated solution of the Hamilton-Jacobi equation",
     declares: "order m (even); self-adjoint; exactly Poisson over an exact realization",
-    domain: "realizations with a cotangent chart; Hamiltonians the formulas can say, of order 2 \
+    domain: "realizations with a cotangent chart; Hamiltonians that formulas can express, of order 2 \
              also systems of numbers",
     literature: "Cabrera, Martin de Diego, Vaquero, Approximating Symplectic Realizations, \
                  section 4.2; Ferraro, de Leon, Marrero, Martin de Diego, Vaquero, On the \

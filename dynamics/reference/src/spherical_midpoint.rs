@@ -24,8 +24,8 @@ static INFO: PartInfo = PartInfo {
     name: "spherical-midpoint",
     summary: "x+ = x + t X(|x| (x + x+)/|x + x+|), triple by triple",
     declares: "order 2; self-adjoint; exactly Poisson; keeps every |x|; exact tangent",
-    domain: "products of so(3)*: triples of coordinates, wherever they stand, with {x1,x2} = c x3 and cyclic, c constant; \
-             beside them coordinates that commute with all, such as parameters of sites",
+    domain: "products of so(3)*: triples of coordinates, in any order, with {x1,x2} = c x3 and cyclic, c constant; \
+             besides, coordinates that commute with all, such as parameters of sites",
     literature: "R. McLachlan, K. Modin, O. Verdier, Symplectic integrators for spin systems, \
                  Phys. Rev. E 89 (2014); A minimal-variable symplectic walk on spheres, \
                  Math. Comp. 86 (2017)",

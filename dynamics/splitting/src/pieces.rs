@@ -133,8 +133,8 @@ fn whole_bodies(
     if bodies.is_empty() {
         return Err(BuildError::DoesNotFit {
             part: NAME,
-            reason: "its Hamiltonian has no squares of a rigid body's momenta, three variables that turn one another and \
-                     all that they move as so(3) does, nor a body about a centre, a*|p|^2 - k/|q - c| in two or three pairs \
+            reason: "its Hamiltonian has neither squared momenta of a rigid body, three variables with brackets of so(3) \
+                     that also move all others as so(3) does, nor a body about a centre, a*|p|^2 - k/|q - c| in two or three pairs \
                      with constant brackets: leave `bodies` at \"axes\""
                 .to_owned(),
         });
@@ -251,8 +251,8 @@ fn refusal(
         ),
         Some(seam) => format!(
             "its Hamiltonian does not split: under the term `{term}` alone the motion of {variable} crosses a seam of the \
-             term, for `{}` is not kept; splitting takes choices that the motion under their own term does not change: \
-             gauss, collective or hamilton-jacobi take any",
+             term, because `{}` changes along it. Splitting needs conditions that are constant under their own term; \
+             gauss, collective and hamilton-jacobi take any",
             names.polynomial(&seam)
         ),
     };

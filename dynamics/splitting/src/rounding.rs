@@ -136,15 +136,13 @@ pub(crate) fn settled(
     ring: &Ring,
     pieces: Vec<Piece>,
 ) -> Result<Vec<Piece>, BuildError> {
-    let refusal = || {
-        BuildError::DoesNotFit {
+    let refusal = || BuildError::DoesNotFit {
         part: NAME,
-        reason: "about the initial state the terms of its flows cancel when its Hamiltonian is \
-                 expanded, and nothing is left but round-off: take coordinates about the place where \
-                 the motion is, such as y = q - 10, or gauss, collective or hamilton-jacobi, which \
-                 expand nothing there"
-            .to_owned(),
-    }
+        reason:
+            "when its Hamiltonian is expanded, the terms of its flows cancel to round-off near \
+                 the initial state: shift the coordinates to the region of the motion, such as y = \
+                 q - 10, or take gauss, collective or hamilton-jacobi, which expand nothing there"
+                .to_owned(),
     };
     let mut all = Vec::with_capacity(pieces.len());
     for piece in pieces {

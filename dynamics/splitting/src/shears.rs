@@ -74,7 +74,7 @@ impl Shears {
             }
             Pieces::Perturbed => {
                 return Err(refused(
-                    "which part is small is not known of sums over pairs",
+                    "for sums over pairs it is not known which part is small",
                 ));
             }
         }

@@ -45,9 +45,10 @@ static INFO: PartInfo = PartInfo {
         },
         ParameterInfo {
             name: BODIES,
-            summary: "how bodies are taken, free rigid ones, squares of momenta with the brackets of so(3), and those about a centre, \
-                      a*|p|^2 - k/|q - c| in two or three dimensions: \"axes\", about one axis after the other and kinetic energy \
-                      apart from attraction, or \"whole\", by the body's or Kepler's exact flow, pieces of their own behind the others",
+            summary: "how a step moves free rigid bodies, squares of momenta with the brackets of so(3), and bodies about a centre, \
+                      a*|p|^2 - k/|q - c| in two or three dimensions: \"axes\" rotates about one axis after the other and splits \
+                      kinetic energy from attraction; \"whole\" takes the exact flow of the body or of Kepler's motion, as separate \
+                      pieces after the others",
             default: ParameterDefault::Text(AXES),
         },
     ],
@@ -418,7 +419,7 @@ fn build(
             return Err(BuildError::DoesNotFit {
                 part: NAME,
                 reason:
-                    "of sums over pairs in a loop no body has a flow of its own: leave `bodies` out"
+                    "in sums over pairs in a loop no body has a separate flow: leave `bodies` out"
                         .to_owned(),
             });
         }
@@ -435,7 +436,7 @@ fn build_on_lattice(
     if bodies(parameters)? == Bodies::Whole {
         return Err(BuildError::DoesNotFit {
             part: NAME,
-            reason: "the pieces of a long lattice repeat along it and bodies are not taken whole there: leave `bodies` \
+            reason: "the pieces of a long lattice repeat along it, and whole bodies are not supported there: leave `bodies` \
                      at \"axes\""
                 .to_owned(),
         });

@@ -95,7 +95,7 @@ pub enum SyntaxErrorKind {
     },
     /// More numbers, names and signs than a formula may have.
     #[error(
-        "the formula has more than {limit} numbers, names and signs; write it by `sum` or `define`"
+        "the formula has more than {limit} numbers, names and signs; shorten it with `sum` or `define`"
     )]
     TooLong {
         /// The greatest number.
@@ -183,9 +183,7 @@ pub enum SyntaxErrorKind {
         written: usize,
     },
     /// A key in which one index counts along two axes.
-    #[error(
-        "the index `{name}` counts along two axes of one key: give each axis an index of its own"
-    )]
+    #[error("the index `{name}` counts along two axes of one key: give each axis a separate index")]
     RepeatedIndex {
         /// The index.
         name: String,
@@ -198,7 +196,7 @@ pub enum SyntaxErrorKind {
     },
     /// An index that counts along axes of different lengths.
     #[error(
-        "the index `{name}` counts along an axis of {} sites and along one of {}: give each axis an index of its own",
+        "the index `{name}` counts along an axis of {} sites and along one of {}: give each axis a separate index",
         lengths[0], lengths[1]
     )]
     AxesOfLengths {
@@ -209,7 +207,7 @@ pub enum SyntaxErrorKind {
     },
     /// Two ordered indices of a sum that count along different axes.
     #[error(
-        "the indices `{lower}` < `{name}` count along different axes: both count along one, as in x[{lower}]*x[{name}]"
+        "the indices `{lower}` < `{name}` count along different axes: both must count along the same axis, as in x[{lower}]*x[{name}]"
     )]
     AxesApart {
         /// The lower index.
@@ -234,14 +232,14 @@ pub enum SyntaxErrorKind {
     /// An index used as a number in a tensor or a Hamiltonian.
     #[error(
         "the index `{name}` is used as a number; tensors and Hamiltonians must be homogeneous \
-         along the family, so an index may only stand in brackets"
+         along the family, so an index is allowed only in brackets"
     )]
     IndexAsNumber {
         /// The index.
         name: String,
     },
     /// A vector where a number is meant.
-    #[error("`{text}` is a vector, and a number is meant here")]
+    #[error("`{text}` is a vector, and a number is expected here")]
     VectorAsNumber {
         /// The vector as written.
         text: String,
@@ -257,7 +255,7 @@ pub enum SyntaxErrorKind {
         vectors: Vec<String>,
     },
     /// Vectors of which one has more components.
-    #[error("a vector of {first} components stands beside one of {second}")]
+    #[error("a vector of {first} components meets a vector of {second}")]
     UnlikeVectors {
         /// Components of one.
         first: usize,
@@ -268,7 +266,7 @@ pub enum SyntaxErrorKind {
     #[error("a product of two vectors is `dot(a, b)`, a number, or `cross(a, b)`, a vector")]
     TwoVectors,
     /// A cross product outside of three dimensions.
-    #[error("`cross` is of vectors with three components, and these have {found}")]
+    #[error("`cross` needs vectors with three components, and these have {found}")]
     NoCrossProduct {
         /// Components of the vectors.
         found: usize,
@@ -309,18 +307,18 @@ pub enum SyntaxErrorKind {
     },
     /// Vectors that are written out in more than [`PART_LIMIT`](super::PART_LIMIT) parts.
     #[error(
-        "the components of this have more than {limit} parts: name the numbers in it, norms and products, by `define`"
+        "the components of this vector have more than {limit} parts: name its norms and products by `define`"
     )]
     TooManyParts {
         /// The greatest number of parts.
         limit: usize,
     },
     /// A lattice's function that is not one term a site.
-    #[error("this is no combination of sums over sites, such as `sum(i, x[i]^2)/2`")]
+    #[error("this is not a combination of sums over sites, such as `sum(i, x[i]^2)/2`")]
     NotASumOverSites,
     /// A lattice's function that is not made of the terms of one site and of one pair of sites.
     #[error(
-        "this is no function of sums over sites and pairs, such as `sum(i, p[i]^2) + sum(i<j, (q[i] - q[j])^2)`"
+        "this is not a function of sums over sites and pairs, such as `sum(i, p[i]^2) + sum(i<j, (q[i] - q[j])^2)`"
     )]
     NotSumsOfPairs,
     /// A sum within a template, which couples every site with all others.
@@ -329,7 +327,7 @@ pub enum SyntaxErrorKind {
     )]
     SumInATemplate,
     /// A member of a family by its number within a template.
-    #[error("`{name}` is one site, and a template repeats from site to site")]
+    #[error("`{name}` is a single site, and this formula repeats from site to site")]
     SiteInATemplate {
         /// The member as it is written.
         name: String,
@@ -341,13 +339,13 @@ pub enum SyntaxErrorKind {
         name: String,
     },
     /// A state variable where only parameters, the index and numbers may stand.
-    #[error("`{name}` depends on the state; only parameters, indices and numbers may stand here")]
+    #[error("`{name}` depends on the state; only parameters, indices and numbers are allowed here")]
     NotAFunctionOfParameters {
         /// The variable, family or definition.
         name: String,
     },
     /// A parameter or a definition where a state variable is needed.
-    #[error("`{name}` is no state variable, and one must stand here")]
+    #[error("`{name}` is not a state variable, and one is expected here")]
     NotAVariable {
         /// The parameter or definition.
         name: String,
@@ -366,15 +364,15 @@ pub enum SyntaxErrorKind {
     },
     /// A call of something that the scene has given a function's name.
     #[error(
-        "`{name}` is a name of the scene here and no function (a product is written with `*`); choose another name \
-         for it if the function is meant"
+        "`{name}` is a name of the scene here, not a function (a product is written with `*`); to use the \
+         function, rename it in the scene"
     )]
     NameAndFunction {
         /// The name.
         name: String,
     },
     /// A table without a point.
-    #[error("`{name}` is a table: write its arguments behind it, in parentheses")]
+    #[error("`{name}` is a table: write its arguments after it, in parentheses")]
     TableWithoutPoint {
         /// The table.
         name: String,
@@ -392,7 +390,7 @@ pub enum SyntaxErrorKind {
     },
     /// An order of a table's derivative that is no whole number.
     #[error(
-        "behind its arguments `{name}` takes the orders of a derivative, whole numbers from 0 to 255"
+        "after its arguments `{name}` takes the orders of a derivative, whole numbers from 0 to 255"
     )]
     Orders {
         /// The table.

@@ -374,7 +374,7 @@ fn regions_that_are_none_are_named() {
             Err(error) => error.to_string(),
         }
     };
-    assert!(said(vec![(0.0, 1.0), (1.0, 0.2)], None).contains("I from 1.0 to 0.2 is no range"));
+    assert!(said(vec![(0.0, 1.0), (1.0, 0.2)], None).contains("I from 1.0 to 0.2 is not a range"));
     assert!(said(vec![(0.0, 1.0)], None).contains("1 degrees or bounds for 2 variables"));
     assert!(said(vec![(0.0, 1.0); 2], Some(1_000_000)).contains("more than 100000"));
 }

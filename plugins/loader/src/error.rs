@@ -40,7 +40,7 @@ pub enum Refusal {
         "no folder of the search path holds it: {}; {}give a path with a `/`, or set \
          LEAFWISE_PLUGIN_PATH",
         list(.searched),
-        if *.is_here { "something of that name lies here, where nothing is searched for: " } else { "" }
+        if *.is_here { "a file of that name is in this folder, which is not searched: " } else { "" }
     )]
     NotFound {
         /// The folders, in the order searched.
@@ -59,7 +59,7 @@ pub enum Refusal {
     NotAFile,
     /// Someone other than its owner could replace it.
     #[error(
-        "{} may be written by {who} (mode {mode:04o}); whoever writes it runs code as you: \
+        "{} is writable by {who} (mode {mode:04o}), who could run code as you: \
          chmod go-w it, or move the plugin", place.display()
     )]
     WritableByOthers {
@@ -103,7 +103,7 @@ pub enum Refusal {
         host: String,
     },
     /// Another file than the one that was meant.
-    #[error("its sha256 is {found}, and {expected} was asked for")]
+    #[error("its sha256 is {found}, and {expected} is required")]
     Hash {
         /// The hash given by the scene or the side file.
         expected: String,
@@ -157,7 +157,7 @@ pub enum Refusal {
     /// Measuring the library ended or stopped the process that did.
     #[error(
         "the process that measured it {how}, before it was done: a call into the library does not \
-         come back"
+         return"
     )]
     NotMeasured {
         /// How that process ended.

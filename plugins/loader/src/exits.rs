@@ -32,7 +32,7 @@ extern "C" fn refuse() {
         return;
     };
     platform::end_now(&format!(
-        "error: {part} ended the program from within a call (`exit`, or Fortran's `STOP`), and with it \
-         what was under way: a part says what is wrong by its status and `LwError`\n"
+        "error: {part} ended the program from within a call (`exit`, or Fortran's `STOP`), and the \
+         work in progress is lost: a part must report errors by its status and `LwError`\n"
     ));
 }

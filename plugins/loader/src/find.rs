@@ -193,7 +193,7 @@ mod tests {
         assert_eq!(error.refusal, Refusal::NotFound { searched, is_here });
         assert!(
             error.to_string().contains(
-                "something of that name lies here, where nothing is searched for: give a path with a `/`"
+                "a file of that name is in this folder, which is not searched: give a path with a `/`"
             ),
             "{error}"
         );

@@ -88,7 +88,7 @@ pub fn read(library: &Path) -> Result<Option<SideFile>, Refusal> {
     let metadata = fs::metadata(&file).map_err(|error| wrong(error.to_string()))?;
     if !metadata.is_file() || metadata.len() > LONGEST {
         return Err(wrong(format!(
-            "it is no regular file of at most {LONGEST} bytes"
+            "it is not a regular file of at most {LONGEST} bytes"
         )));
     }
     let text = fs::read_to_string(&file).map_err(|error| wrong(error.to_string()))?;

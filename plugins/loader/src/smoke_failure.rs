@@ -67,8 +67,8 @@ pub enum SmokeFailure {
     },
     /// Another instance changed what this one answers.
     #[error(
-        "{function}: an instance gave another answer once another one had been made and called; what \
-         an instance needs belongs to it, not into a `static`, SAVE or COMMON"
+        "{function}: an instance gave another answer after another instance was made and called; \
+         keep its data in the instance, not in a `static`, SAVE or COMMON"
     )]
     DependsOnOthers {
         /// The function.
@@ -77,7 +77,7 @@ pub enum SmokeFailure {
     /// Instances on several threads disturb each other.
     #[error(
         "{function}: instances called on several threads at once gave other answers than one alone; \
-         scratch space belongs to the instance or the stack, not into a `static`, SAVE or COMMON"
+         put scratch space in the instance or on the stack, not in a `static`, SAVE or COMMON"
     )]
     NotParallel {
         /// The function.

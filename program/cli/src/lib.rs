@@ -150,7 +150,7 @@ fn execute(
     if let Some(change) = change_of_arithmetic() {
         let word = console.error_word();
         console.prose(&format!(
-            "{word} {change}; no number since is to be trusted"
+            "{word} {change}; numbers computed since then are not reliable"
         ));
         if code == exit::DONE {
             code = exit::RUN_FAILED;

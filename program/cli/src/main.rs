@@ -20,7 +20,7 @@ fn main() -> ExitCode {
             std::process::exit(exit::INTERRUPTED.into());
         }
         // A terminal that has gone away is no reason to die before the checkpoint.
-        let _ = writeln!(io::stderr(), "\nstopping; once more to end at once");
+        let _ = writeln!(io::stderr(), "\nstopping; interrupt again to end at once");
     });
     // Schedulers announce the end of a job by it.
     #[cfg(unix)]

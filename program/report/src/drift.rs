@@ -45,7 +45,7 @@ pub(super) fn drift_figure(
         "|I(t) − I(0)|, maximum over every step",
     );
     let mut notes = Vec::new();
-    notes.extend(work.map(|work| format!("The energy {work}: its deviation is no error.")));
+    notes.extend(work.map(|work| format!("The energy {work}: its deviation is not an error.")));
     if draw_round_off(&mut canvas, &frame, invariants) {
         notes.push("Dashed: 2⁻⁵² max |I(0)|, the round-off of the largest invariant.".to_owned());
     }

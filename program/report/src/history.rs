@@ -39,7 +39,7 @@ pub(super) fn energy_figure(
     };
     let (svg, notes) = history(&series, title, "Energy over time", Dense::Envelope)?;
     let expected = match work {
-        Some(work) => format!("It {work}: these deviations are no errors."),
+        Some(work) => format!("It {work}: these deviations are not errors."),
         None => {
             "The error of a Poisson map is expected to oscillate, not to grow; its amplitude is \
                  set by the dynamic approximation and the step."

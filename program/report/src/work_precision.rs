@@ -202,7 +202,7 @@ fn draw_floor(canvas: &mut Canvas, frame: &Frame, floor: Option<f64>) {
     let (_, y) = frame.point(1.0, floor);
     canvas.cell((left, y), (right, bottom), SURFACE);
     canvas.dashes((left, y), (right, y), AXIS, 1.0);
-    let text = "below: not to be told from the reference's own error";
+    let text = "below: not distinguishable from the reference's own error";
     canvas.label_in(text, (left + 8.0, y + 10.0), Anchor::Start, TEXT, 11.0);
 }
 

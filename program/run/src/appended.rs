@@ -219,8 +219,7 @@ pub(super) fn ends_with(
     }
     Err(RunError::Damaged {
         file: path.to_owned(),
-        reason: "there is more, or other, behind its last row: it was changed since, or damaged"
-            .to_owned(),
+        reason: "other data follow its last row: it was changed since, or damaged".to_owned(),
     })
 }
 

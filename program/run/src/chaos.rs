@@ -111,7 +111,7 @@ impl ChaosVerdict {
                 format!("chaotic, e-folding time {time}: {megno}, and growing")
             }
             (MotionKind::Unstable, _) => format!(
-                "unstable: {megno}, and growing; neighbours part exponentially so far, but a motion in two dimensions is not chaotic"
+                "unstable: {megno}, and growing; neighbours diverge exponentially so far, but a motion in two dimensions is not chaotic"
             ),
             (MotionKind::Regular, _) if self.megno <= -CHAOTIC => {
                 format!("regular: {megno}, and falling; neighbours approach")

@@ -42,7 +42,7 @@ pub enum RunError {
     },
     /// The directory holds a run that has gone further than the scene asks.
     #[error(
-        "{} holds a run of the same scene that has made {made} steps, and {asked} are asked for; write \
+        "{} holds a run of the same scene of {made} steps, more than the {asked} requested; write \
          elsewhere with --out DIR, or replace it with --force",
         directory.display()
     )]
@@ -56,7 +56,7 @@ pub enum RunError {
     },
     /// The directory holds a run that has gone further in time than the scene asks.
     #[error(
-        "{} holds a run of the same scene that has come to t = {reached:?}, and t = {asked:?} is asked for; write \
+        "{} holds a run of the same scene that has reached t = {reached:?}, beyond the requested t = {asked:?}; write \
          elsewhere with --out DIR, or replace it with --force",
         directory.display()
     )]
@@ -131,7 +131,7 @@ pub enum RunError {
     },
     /// The directory holds other members of the ensemble, or other settings of the sweep.
     #[error(
-        "{} holds the {} {} to {}, not those that are asked for; write elsewhere with --out DIR, or replace it with --force",
+        "{} holds the {} {} to {}, not those requested; write elsewhere with --out DIR, or replace it with --force",
         directory.display(), items, held[0], held[1].saturating_sub(1)
     )]
     OtherShard {
@@ -144,8 +144,7 @@ pub enum RunError {
     },
     /// The directory holds something else.
     #[error(
-        "{} exists and is not a run directory: it holds files, and no manifest.json of a run that can \
-         be read; choose another with --out DIR",
+        "{} exists and is not a run directory: it holds files, and no readable manifest.json of a run; choose another with --out DIR",
         directory.display()
     )]
     Foreign {
@@ -172,7 +171,7 @@ pub enum RunError {
     },
     /// A file of a shard that is not as it was written.
     #[error(
-        "{} is damaged: {reason}; make that shard again with --force, or take its folder away",
+        "{} is damaged: {reason}; make that shard again with --force, or remove its folder",
         file.display()
     )]
     DamagedShard {
@@ -189,8 +188,8 @@ pub enum RunError {
     },
     /// A file that a finished run has left is another one now.
     #[error(
-        "{} is not what was written: it was changed since, or damaged; remove it, and the same command makes it \
-         anew, or write elsewhere with --out DIR",
+        "{} differs from what was written: it was changed since, or damaged; remove it and run the same command \
+         again, or write elsewhere with --out DIR",
         file.display()
     )]
     Changed {
@@ -231,7 +230,7 @@ pub enum RunError {
     /// Writing failed in the midst of a run; what was recorded up to the last checkpoint is on disk.
     #[error(
         "cannot write {}: {source}; the run is kept in {} as of its last checkpoint: once there is \
-         room, the same command goes on from there",
+         space, the same command continues from there",
         file.display(), directory.display()
     )]
     Kept {

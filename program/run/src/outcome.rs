@@ -97,8 +97,8 @@ impl Failure {
                 "{}; the step crosses a seam of the formulas, where `{seam}` goes from one piece to another",
                 self.message
             ),
-            hint: "take splitting, or dop853, whose substeps end at seams, or a smooth function such as tanh in the place of \
-                   a jump: the equation of an implicit step may have no solution there"
+            hint: "take splitting, or dop853, whose substeps end at seams, or a smooth function such as tanh instead of a \
+                   jump: the equation of an implicit step may have no solution there"
                 .to_owned(),
             ..self
         }
@@ -166,8 +166,7 @@ fn step_key(run: &ComposedRun) -> String {
 fn told(error: &StepError, parts: &[PartChoice], step_key: &str) -> (String, String) {
     if overturns(error, parts) {
         return (
-            "the increment is not finite: in one step a body that is taken whole goes further than its flow is formed for \
-             (about half a nutation, 64 radians, a period of an ellipse, or 8 units of a hyperbola's anomaly, over which \
+            "the increment is not finite: in one step a whole body moves beyond the range of its flow (about half a nutation, 64 radians, a period of an ellipse, or 8 units of a hyperbola's anomaly, over which \
              the distance from the centre grows by up to e^8), or falls into the centre, or the state left the formulas' \
              domain"
                 .to_owned(),
@@ -290,7 +289,7 @@ pub struct RunReport {
     pub crossings: Option<u64>,
     /// The step an earlier session had come to.
     pub resumed_at: Option<u64>,
-    /// Whether it had come to its end before: nothing was computed or written.
+    /// Whether it was already complete: nothing was computed or written.
     pub is_repeated: bool,
     /// How the energy of the map's shadow was kept, where it is recorded.
     pub shadow: Option<ShadowVerdict>,
@@ -364,7 +363,10 @@ mod tests {
         let axes = [part(PartKind::Stepper, vec![("bodies", "axes".into())])];
         let other = StepError::NonFinite { what: "the field" };
         let (message, hint) = told(&StepError::OF_INCREMENT, &whole);
-        assert!(message.contains("a body that is taken whole"), "{message}");
+        assert!(
+            message.contains("a whole body moves beyond the range of its flow"),
+            "{message}"
+        );
         assert!(hint.contains("bodies = \"axes\""), "{hint}");
         for (error, parts) in [(&StepError::OF_INCREMENT, &axes), (&other, &whole)] {
             let (message, hint) = told(error, parts);

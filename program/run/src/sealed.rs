@@ -101,7 +101,7 @@ impl Format {
         };
         if Sha256::digest(head)[..] != digest[..] {
             return Err(Unsealed::Damaged(
-                "it is not what was written: it was changed since, or damaged",
+                "it differs from what was written: it was changed since, or damaged",
             ));
         }
         if *number != self.number {

@@ -112,15 +112,15 @@ impl ShadowVerdict {
         }
         if shadow.is_nan() {
             return format!(
-                "the shadow energy of order {order} has no value at some states: nothing is said of the step"
+                "the shadow energy of order {order} has no value at some states: the step cannot be judged"
             );
         }
         let instead = match self.step {
             Some(step) => {
                 let short: f64 = format!("{step:.1e}").parse().unwrap_or(step);
-                format!("one of about {short} would be")
+                format!("a step of about {short} would be inside it")
             }
-            None => "a shorter one would be".to_owned(),
+            None => "a shorter step would be inside it".to_owned(),
         };
         format!(
             "the energy changes by {energy:.1e} and the shadow energy of order {order} by {shadow:.1e}: the step is outside \

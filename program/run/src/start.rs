@@ -95,7 +95,7 @@ pub(super) fn unwatched((name, at_start): (&str, bool)) -> Advice {
     Advice {
         kind: AdviceKind::UndefinedObservable,
         message: format!(
-            "`{name}` has no finite value at the {place} state, where the motion has one: its drift says nothing"
+            "`{name}` has no finite value at the {place} state, where the motion has one: its drift has no meaning"
         ),
         change: change.to_owned(),
     }

@@ -37,7 +37,7 @@ pub struct StateError {
 #[non_exhaustive]
 pub enum NoStateError {
     /// The run has noise.
-    #[error("noise is drawn anew for other steps: compare means of ensembles")]
+    #[error("other steps draw new noise: compare means of ensembles")]
     Noise,
     /// The run has a pace.
     #[error(
@@ -90,7 +90,7 @@ pub(crate) fn refuse_estimate(document: &SceneDocument, what: &str) -> Result<()
             format!("the error of states is estimated of single runs, and this is {what}"),
             "here",
             Some(
-                "take `error` out of [run]: `leafwise run --error` estimates it for the scene's own run"
+                "remove `error` from [run]: `leafwise run --error` estimates it for the scene's own run"
                     .to_owned(),
             ),
         ))),

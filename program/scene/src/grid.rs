@@ -203,7 +203,7 @@ impl List {
             for ((axis, at), nodes) in axes.iter().zip(&self.places).zip(shape) {
                 let Some(node) = axis.node(row[*at], *nodes) else {
                     return Err(format!(
-                        "row {number} has {} = {:?}, which is no node: {nodes} nodes at equal distances on `axes` are {}",
+                        "row {number} has {} = {:?}, which is not a node: {nodes} nodes at equal distances on `axes` are {}",
                         axis.name,
                         row[*at],
                         axis.shown(*nodes)
@@ -401,7 +401,7 @@ mod tests {
             (
                 &list.replace("0.3", "0.2"),
                 None,
-                "row 2 has y = 0.2, which is no node",
+                "row 2 has y = 0.2, which is not a node",
             ),
             (
                 &list.replace(",B", ",B,C").replace("1\n", "1,5\n"),

@@ -20,7 +20,7 @@ pub fn read_npy(path: &Path) -> Result<NumberArray, String> {
 }
 
 fn array(bytes: &[u8]) -> Result<NumberArray, String> {
-    let not_one = || "it is no array of NumPy's: `numpy.save` writes one".to_owned();
+    let not_one = || "it is not an array of NumPy's: `numpy.save` writes one".to_owned();
     let rest = bytes.strip_prefix(MAGIC).ok_or_else(not_one)?;
     let (length, rest) = match rest {
         [1, _, a, b, rest @ ..] => (usize::from(u16::from_le_bytes([*a, *b])), rest),
@@ -37,7 +37,7 @@ fn array(bytes: &[u8]) -> Result<NumberArray, String> {
         Some(behind.trim_start())
     };
     let descr = field("descr").and_then(|text| text.strip_prefix('\'')?.split_once('\''));
-    let (kind, _) = descr.ok_or_else(|| "its numbers are no plain ones".to_owned())?;
+    let (kind, _) = descr.ok_or_else(|| "its numbers are not of a plain type".to_owned())?;
     let is_fortran = field("fortran_order").is_some_and(|text| text.starts_with("True"));
     let shape = field("shape").and_then(|text| text.strip_prefix('(')?.split_once(')'));
     let (shape, _) = shape.ok_or_else(not_one)?;
@@ -153,7 +153,7 @@ mod tests {
     fn what_is_no_array_is_refused() {
         let doubles = [0; 40];
         for (bytes, said) in [
-            (b"1,2,3".to_vec(), "no array of NumPy's"),
+            (b"1,2,3".to_vec(), "not an array of NumPy's"),
             (
                 file(1, &header("<c16", "False", "(2,)"), &doubles),
                 "of the kind <c16",
@@ -164,9 +164,9 @@ mod tests {
             ),
             (
                 file(1, "{'descr': [('a', '<f8')]}", &doubles),
-                "no plain ones",
+                "not of a plain type",
             ),
-            (file(9, "", &doubles), "no array of NumPy's"),
+            (file(9, "", &doubles), "not an array of NumPy's"),
         ] {
             let error = array(&bytes).expect_err(said);
             assert!(error.contains(said), "{error}");

@@ -91,7 +91,7 @@ pub fn read_states(path: &Path, variables: &[String]) -> Result<Vec<Vec<f64>>, S
     let table = Table::read(&text).map_err(named)?;
     let columns = table.columns.as_deref().ok_or_else(|| {
         named(format!(
-            "it has no line of names: begin it with {}",
+            "it has no header line: begin it with {}",
             variables.join(",")
         ))
     })?;
@@ -139,7 +139,7 @@ fn of_text(text: &str, variables: &[String], time_step: f64) -> Result<PairTable
     let table = Table::read(text)?;
     let Some(columns) = &table.columns else {
         return Err(format!(
-            "it has no line of names: begin it with {}",
+            "it has no header line: begin it with {}",
             headings(variables)
         ));
     };

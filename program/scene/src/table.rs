@@ -6,7 +6,7 @@ use leafwise_core::NumberArray;
 
 use crate::input::read_text;
 
-/// Rows of numbers, at least one, and the names of their columns where the file tells them.
+/// Rows of numbers, at least one, and the names of their columns where the file gives them.
 pub struct Table {
     /// The names.
     pub columns: Option<Vec<String>>,
@@ -60,9 +60,7 @@ pub fn column_of(text: &str, column: Option<&str>) -> Result<Vec<f64>, String> {
             ));
         }
         (Some(name), None) => {
-            return Err(format!(
-                "it has no line of names, and so no column `{name}`"
-            ));
+            return Err(format!("it has no header line, and so no column `{name}`"));
         }
         (Some(name), Some(columns)) => place(columns, name)?,
     };
@@ -234,7 +232,7 @@ mod tests {
             ("1,2", None, "it has 2 columns, and no names"),
             ("a,b\n1,2", None, "choose one by column = \"a\""),
             ("a,b\n1,2", Some("c"), "it has no column `c`"),
-            ("1\n2", Some("a"), "no line of names"),
+            ("1\n2", Some("a"), "no header line"),
             (
                 "a,b\n1,2\n3",
                 Some("a"),

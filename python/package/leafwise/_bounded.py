@@ -58,7 +58,7 @@ def bounds_of(given: Mapping[str, object] | None, names: Sequence[str], at: Arra
     low, high = np.full(len(names), -np.inf), np.full(len(names), np.inf)
     for name, ends in table("bounds", given).items():
         if name not in names:
-            raise ValueError(f"bounds are of {name!r}, which is not fitted; that are {', '.join(names)}")
+            raise ValueError(f"bounds name {name!r}, which is not fitted; the fitted ones are {', '.join(names)}")
         if not (isinstance(ends, (tuple, list)) and len(ends) == 2):
             raise TypeError(f"the bounds of {name} are {ends!r}, not a pair as (0, None)")
         place = list(names).index(name)
@@ -81,12 +81,12 @@ def priors_of(given: Mapping[str, object] | None, names: Sequence[str]) -> tuple
     means, weights = np.zeros(len(names)), np.zeros(len(names))
     for name, prior in table("priors", given).items():
         if name not in names:
-            raise ValueError(f"priors are of {name!r}, which is not fitted; that are {', '.join(names)}")
+            raise ValueError(f"priors name {name!r}, which is not fitted; the fitted ones are {', '.join(names)}")
         if not (isinstance(prior, (tuple, list)) and len(prior) == 2):
             raise TypeError(f"the prior of {name} is {prior!r}, not a mean with its standard deviation as (1.0, 0.1)")
         mean, deviation = (number(f"priors[{name!r}]", of) for of in prior)
         if deviation <= 0:
-            raise ValueError(f"the prior of {name} has the standard deviation {deviation:g}, which is positive")
+            raise ValueError(f"the prior of {name} has the standard deviation {deviation:g}, which must be positive")
         place = list(names).index(name)
         means[place], weights[place] = mean, 1 / deviation
     return means, weights

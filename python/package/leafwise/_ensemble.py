@@ -141,7 +141,7 @@ class Ensemble:
 
     @property
     def failed(self) -> int:
-        """How many members failed; ``statistics`` are those of the others."""
+        """How many members failed; ``statistics`` cover the others."""
         return int(self._ending["failed"])
 
     @property
@@ -187,7 +187,7 @@ class Ensemble:
         asked = (x or first, y or second)
         for name in asked:
             if name not in columns:
-                raise KeyError(f"{name!r} is no column; there are {', '.join(columns)}")
+                raise KeyError(f"{name!r} is not a column; there are {', '.join(columns)}")
         ax = axes(ax)
         for end in _OUTCOMES:
             of_end = self.outcomes == end

@@ -116,7 +116,7 @@ def fit(
         model = AtTimes(along, times_of(reals("times", times, len(given)), along._map.time_step))
     names = [*model.parameters, *(f"{name}(0)" for name in scene.variables if initial)]
     if not names:
-        raise ValueError("nothing to fit: name parameters, or ask for initial=True")
+        raise ValueError("nothing to fit: name parameters, or give initial=True")
     chosen, freedom = len(model.parameters), int(is_there.sum()) - len(names)
 
     # Where a run fails at the values that fewer data gave, it may not at those from which they came.
@@ -146,10 +146,10 @@ def fit(
     if not found.is_converged:
         told = f"the sum of squares is {found.chi2:.3g} of {whole.numbers} numbers"
         message = f"no fit after {made} iterations: {told}, and the last correction was {found.size:.1e} standard deviations"
-        warnings.warn(f"{message}; begin nearer, or with fewer samples", LeafwiseWarning, stacklevel=3)
+        warnings.warn(f"{message}; start nearer to the solution, or with fewer samples", LeafwiseWarning, stacklevel=3)
     elif sigma is not None and found.chi2 > freedom + _UNLIKELY * (2 * max(freedom, 1)) ** 0.5:
-        message = f"the sum of squares is {found.chi2:.3g}, where noise of sigma makes {freedom}: another minimum, another model"
-        warnings.warn(f"{message}, or a sigma that is too small; begin nearer", LeafwiseWarning, stacklevel=3)
+        message = f"the sum of squares is {found.chi2:.3g}, where noise of sigma makes {freedom}: the fit may be at another minimum, or the model may not fit"
+        warnings.warn(f"{message}, or a sigma that is too small; start nearer to the solution", LeafwiseWarning, stacklevel=3)
     covariance = found.inverse * scale
     covariance[~found.free] = covariance[:, ~found.free] = np.nan
     changed: dict[str, object] = {
@@ -303,7 +303,7 @@ def _weight(sigma: ArrayLike | None, shape: tuple[int, ...]) -> Array:
     ndim = np.ndim(sigma)
     given = reals("sigma", sigma, *shape[2 - ndim :]) if ndim <= 2 else reals("sigma", sigma, *shape)
     if (given <= 0).any():
-        raise ValueError("sigma is positive")
+        raise ValueError("sigma must be positive")
     return np.broadcast_to(1.0 / given, shape).copy()
 
 
@@ -335,7 +335,7 @@ def _solve(slopes: Array, left: Array, names: list[str]) -> tuple[Array, Array]:
     if sizes[-1] <= _RANK * sizes[0]:
         mixed = [name for name, part in zip(names, vt[-1], strict=True) if abs(part) > 0.1]
         raise LeafwiseError(
-            f"the data do not tell {' and '.join(mixed)} apart: fix one of them, or observe more coordinates or a longer time"
+            f"the data do not distinguish {' and '.join(mixed)}: fix one of them, or observe more coordinates or a longer time"
         )
     correction = (vt.T @ ((u.T @ left) / sizes)) / scales
     half = vt.T / sizes / scales[:, None]

@@ -40,7 +40,7 @@ def write_fmu(scene: Scene, out: str | PathLike[str], *, library: str | PathLike
         library: ``libleafwise_c.so``, built by ``cargo build --release -p leafwise-c``.
 
     Returns:
-        What is in the unit.
+        The contents of the unit.
 
     Raises:
         LeafwiseError: the file exists, the library is not there, or the scene does not stand alone.

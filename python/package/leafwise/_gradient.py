@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 #: Why JAX and PyTorch are refused the derivatives of derivatives.
 NO_SECOND = (
-    "second derivatives of a trajectory are not known: take differences of gradients, or where a sum of squares is made small J'J "
+    "second derivatives of a trajectory are not available: take differences of gradients, or, to minimize a sum of squares, J'J "
     "with J from trajectory.jvp, as scene.fit does"
 )
 

@@ -128,7 +128,7 @@ def tabulate(
     with tempfile.TemporaryDirectory() as folder:
         if states is not None:
             if box is not None:
-                raise ValueError("states stand in place of a box: give one of them")
+                raise ValueError("states replace a box: give one of them")
             names = scene.variables
             file = Path(folder) / "states.npy"
             np.save(file, reals("states", in_order("states", states, names), None, len(names)))

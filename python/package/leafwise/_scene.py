@@ -333,7 +333,7 @@ class Scene:
         for advice in ensemble.warnings:
             warnings.warn(advice, LeafwiseWarning, stacklevel=3)
         if failed := ensemble.failed:
-            message = f"{failed} of {len(ensemble)} members failed; statistics are those of the others: see failures"
+            message = f"{failed} of {len(ensemble)} members failed; statistics cover the others: see failures"
             warnings.warn(message, LeafwiseWarning, stacklevel=3)
         if ensemble.outcome == "interrupted":
             warnings.warn(f"interrupted after {len(ensemble)} members", LeafwiseWarning, stacklevel=3)
@@ -375,7 +375,7 @@ class Scene:
         if grid is not None and settings is not None:
             raise ValueError("give grid or settings, not both")
         if observables is not None and grid is None and settings is None:
-            raise ValueError("observables stand beside grid or settings: those of the scene's own sweep are in its table")
+            raise ValueError("observables need grid or settings: those of the scene's own sweep are in its table")
         overrides = [] if steps is None else _overrides({"run.steps": count("steps", steps, 0)})
         if grid is not None or settings is not None:
             swept: dict[str, Any] = (

@@ -49,10 +49,10 @@ _ARGUMENTS = {
     "fun": "the motion is given by bracket= and hamiltonian=, or by functions as system=lw.System(...)",
     "y0": "the initial state is x0=",
     "args": "parameters are given by name: parameters={'k': 2.0}, and formulas use the names",
-    "atol": "there is rtol= alone, in parts of the largest coordinate",
-    "max_step": "steps are all alike, and step= is their length",
-    "min_step": "steps are all alike, and step= is their length",
-    "first_step": "steps are all alike, and step= is their length",
+    "atol": "only rtol= is supported, relative to the largest coordinate",
+    "max_step": "all steps have the same length, given by step=",
+    "min_step": "all steps have the same length, given by step=",
+    "first_step": "all steps have the same length, given by step=",
     "dense_output": "every solution is a function of the time: solution(3.75)",
     "vectorized": "formulas are compiled, and functions of lw.System take a column for each point",
     "jac": "derivatives are formed from the formulas",
@@ -118,7 +118,7 @@ class Fields:
 
     def __getitem__(self, field: str) -> Any:
         if field not in _FIELDS:
-            raise KeyError(f"{field!r} is no field; there are {', '.join(_FIELDS)}")
+            raise KeyError(f"{field!r} is not a field; there are {', '.join(_FIELDS)}")
         return getattr(self, field)
 
     def plot(self, *names: str, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:

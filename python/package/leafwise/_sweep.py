@@ -127,7 +127,7 @@ class Sweep:
         asked = (x or keys[0], y or self._named("drifts")[0])
         for name in asked:
             if name not in self._cells:
-                raise KeyError(f"{name!r} is no column; there are {', '.join(self._cells)}")
+                raise KeyError(f"{name!r} is not a column; there are {', '.join(self._cells)}")
         others = [key for key in keys if key != asked[0]]
         groups: dict[tuple[str, ...], list[int]] = {}
         for at in range(len(self)):

@@ -60,7 +60,7 @@ def solve(trajectory: Trajectory, x0: Any = None, values: Any = None, *, throw: 
     try:
         batch = jnp.broadcast_shapes(x0.shape[:-1], values.shape[:-1])
     except ValueError:
-        raise ValueError(f"the batches {x0.shape[:-1]} of x0 and {values.shape[:-1]} of values do not fit each other") from None
+        raise ValueError(f"the batches {x0.shape[:-1]} of x0 and {values.shape[:-1]} of values do not match") from None
     x = _function(trajectory, throw)(*(jnp.broadcast_to(of, (*batch, of.shape[-1])) for of in (x0, values)))
     if throw:
         return x

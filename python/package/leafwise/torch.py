@@ -46,7 +46,7 @@ def solve(trajectory: Trajectory, x0: Any = None, values: Any = None, *, throw: 
         batch = torch.broadcast_shapes(x0.shape[:-1], values.shape[:-1])
     except RuntimeError:
         shapes = f"{tuple(x0.shape[:-1])} of x0 and {tuple(values.shape[:-1])} of values"
-        raise ValueError(f"the batches {shapes} do not fit each other") from None
+        raise ValueError(f"the batches {shapes} do not match") from None
     x0, values = (of.expand(*batch, *of.shape[-1:]) for of in (x0, values))
     samples, _ = _Samples.apply(trajectory, throw, x0, values)
     x = samples.to(tensors[0]) if tensors else samples

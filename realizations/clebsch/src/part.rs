@@ -130,7 +130,7 @@ fn lift_of(
     lift.ok_or_else(|| {
         let names = formulas.variables().join(", ");
         unfit(format!(
-            "its summand of {names} is none that has coordinates with a constant tensor: {reason}"
+            "its summand of {names} has no coordinates with a constant tensor: {reason}"
         ))
     })
 }
@@ -154,7 +154,7 @@ fn quadratic(
     });
     Ok(found.ok_or_else(|| {
         format!(
-            "its brackets of {} variables are those of none of so(3), e(3), so(4), sp(2) to sp(8); give matrices of its algebra as \
+            "its brackets of {} variables match none of so(3), e(3), so(4), sp(2) to sp(8); give matrices of its algebra as \
              `representation`",
             system.dimension()
         )
@@ -208,7 +208,7 @@ fn build(
         return Err(BuildError::NotMade {
             part: NAME,
             reason:
-                "`copies` and `symplectic-form` are those of a `representation`, and none is given"
+                "`copies` and `symplectic-form` belong to a `representation`, and none is given"
                     .to_owned(),
         });
     }

@@ -99,7 +99,7 @@ pub fn algebra(
             "copies",
             &copies.to_string(),
             format!(
-                "a representation is taken of at most {} variables and {} coordinates, and these are {d} and {}",
+                "a representation has at most {} variables and {} coordinates, and this one has {d} and {}",
                 WIDEST[0],
                 WIDEST[1],
                 v * copies

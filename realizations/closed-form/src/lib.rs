@@ -27,12 +27,12 @@ static INFO: PartInfo = PartInfo {
         },
         ParameterInfo {
             name: BETA,
-            summary: "the same for beta; alpha at -p where not said",
+            summary: "the same for beta; the default is alpha at -p",
             default: ParameterDefault::Formulas(&[]),
         },
         ParameterInfo {
             name: DOMAIN,
-            summary: "a formula that is below 1 inside the chart, as \"epsilon*sqrt(p_x^2 + p_y^2)/pi\"; everywhere where not said",
+            summary: "a formula that is below 1 inside the chart, as \"epsilon*sqrt(p_x^2 + p_y^2)/pi\"; the default is everywhere",
             default: ParameterDefault::Formulas(&[]),
         },
         ParameterInfo {

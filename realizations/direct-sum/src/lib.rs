@@ -57,7 +57,7 @@ impl DirectSum {
         let blocks = formulas.summands();
         if blocks.len() < 2 {
             return Err(unfit(
-                "its tensor is no direct sum: its entries join all coordinates",
+                "its tensor is not a direct sum: its entries join all coordinates",
             ));
         }
         let factors = blocks.into_iter().map(|places| {

@@ -202,13 +202,13 @@ fn what_is_no_such_sum_is_refused() {
     let described = with(&body).expect("so(3)* beside a coordinate that rests");
     assert_eq!(described, "direct-sum of so3-exponential and constant");
     let unfit = |bracket: &[(&str, &str)], reason: &str| {
-        let error = with(bracket).expect_err("no direct sum");
+        let error = with(bracket).expect_err("not a direct sum");
         assert!(matches!(error, BuildError::DoesNotFit { .. }), "{error}");
         assert!(error.to_string().contains(reason), "{error}");
     };
-    unfit(&[("x,y", "1"), ("z,c", "2")], "is no direct sum");
+    unfit(&[("x,y", "1"), ("z,c", "2")], "is not a direct sum");
     // Every coordinate enters the entry, or is joined by it.
-    unfit(&[("x,y", "c + z")], "is no direct sum");
+    unfit(&[("x,y", "c + z")], "is not a direct sum");
     unfit(
         &[("x,y", "1 + x^2")],
         "its summand of x, y has no code in pairs",

@@ -18,7 +18,7 @@ static INFO: PartInfo = PartInfo {
     name: TruncatedKarasev::NAME,
     summary: "Karasev's realization truncated after epsilon^n, for any Poisson tensor",
     declares: "order n: the realization error is O(epsilon^(n+1)); self-adjoint",
-    domain: "a neighbourhood of p = 0 where the series decays; any tensor the formulas can say",
+    domain: "a neighbourhood of p = 0 where the series decays; any tensor that formulas can express",
     literature: "Cabrera, Martin de Diego, Vaquero, Approximating Symplectic Realizations, \
                  section 3.2; M. V. Karasev, Math. USSR Izv. 28 (1987)",
     parameters: &[ParameterInfo {

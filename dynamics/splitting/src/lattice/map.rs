@@ -72,7 +72,7 @@ impl LatticeSplitting {
                 geometry.length()
             ),
             None if !is_chain => {
-                "along several axes every piece repeats from site to site, and its Hamiltonian does not split into such"
+                "along several axes every piece repeats from site to site, and its Hamiltonian does not split into such pieces"
                     .to_owned()
             }
             None => format!(

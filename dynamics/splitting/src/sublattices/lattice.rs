@@ -35,7 +35,7 @@ pub(super) fn build(
     let kinds = Kinds::of(&spins, proxy_cells.sites())?;
     let colouring = Colouring::of(geometry, kinds.families.len(), &kinds.bonds).ok_or_else(|| {
         unfit(
-            "its spins do not fall into a few sublattices of which none moves itself: try axes of even length, or \
+            "its spins do not divide into a few sublattices without couplings inside them: try axes of even length, or \
              boundary = \"open\"",
         )
     })?;

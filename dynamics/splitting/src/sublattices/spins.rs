@@ -206,11 +206,11 @@ fn metric(
     let is_zero = |force: &Expression| *force == Expression::from(0);
     if !forces.one_form.iter().all(is_zero) {
         return Err(unfit(
-            "beside a damping it takes no other force, and no noise within a step: write noise = \"split\"",
+            "with a damping it takes neither other forces nor noise within a step: write noise = \"split\"",
         ));
     }
     let Metric::Diagonal(entries) = &damping.metric else {
-        return Err(unfit("the metric of its damping is no diagonal"));
+        return Err(unfit("the metric of its damping is not diagonal"));
     };
     let [a, b, c] = places.map(|at| &entries[at]);
     if a != b || b != c {

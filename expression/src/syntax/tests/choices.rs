@@ -230,12 +230,12 @@ fn what_is_wrong_with_a_choice_or_a_derivative_is_said() {
         (
             "gamma(x)",
             "gamma",
-            "`gamma` is a name of the scene here and no function",
+            "`gamma` is a name of the scene here, not a function",
         ),
         (
             "D(x^2, x)",
             "D",
-            "`D` is a name of the scene here and no function",
+            "`D` is a name of the scene here, not a function",
         ),
         ("arctan(x)", "arctan", "did you mean `atan`?"),
         ("fabs(x)", "fabs", "did you mean `abs`?"),

@@ -117,7 +117,7 @@ fn errors_point_at_their_text_and_suggest_near_names() {
             "sum(i, i*u[i])",
             "i",
             "the index `i` is used as a number; tensors and Hamiltonians \
-            must be homogeneous along the family, so an index may only stand in brackets",
+            must be homogeneous along the family, so an index is allowed only in brackets",
         ),
         (
             "sum(i, sum(i, u[i]))",

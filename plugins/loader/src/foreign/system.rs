@@ -170,10 +170,10 @@ fn check_names(
         let refused =
             |problem: &str| Err(format!("the {what} `{}` {problem}", name.escape_debug()));
         if let Err(error) = Scope::check_name(name) {
-            return refused(&format!("cannot be called so: {}", error.kind));
+            return refused(&format!("cannot have this name: {}", error.kind));
         }
         if TAKEN.contains(&name) {
-            return refused("has a name that samples and formulas have another use for");
+            return refused("has a name that is reserved in samples and formulas");
         }
         if !seen.insert(name) {
             return refused("has the name of another variable, Casimir or parameter");

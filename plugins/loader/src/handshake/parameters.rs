@@ -42,7 +42,7 @@ pub(super) unsafe fn read(
             ));
         }
         if name == PATH || (name == NAME && !is_system) {
-            return Err(refused("has a name that is the host's"));
+            return Err(refused("has a name that the host reserves"));
         }
         if parameters.iter().any(|known| known.name == name) {
             return Err(refused("is declared twice"));

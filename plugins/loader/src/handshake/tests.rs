@@ -235,11 +235,11 @@ fn parameters_have_names_types_and_no_twins() {
         (&[("c", "1"), ("c", "2")], "parameter `c` is declared twice"),
         (
             &[("path", "1")],
-            "parameter `path` has a name that is the host's",
+            "parameter `path` has a name that the host reserves",
         ),
         (
             &[("name", "1")],
-            "parameter `name` has a name that is the host's",
+            "parameter `name` has a name that the host reserves",
         ),
         (
             &[("c", "true")],

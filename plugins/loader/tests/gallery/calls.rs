@@ -65,7 +65,7 @@ fn memory_that_instances_share() {
         SmokeFailure::NotParallel { .. }
     ));
     let text =
-        "gradient: an instance gave another answer once another one had been made and called";
+        "gradient: an instance gave another answer after another instance was made and called";
     assert!(matches!(
         fails("static_parameters", text),
         SmokeFailure::DependsOnOthers { .. }

@@ -71,15 +71,15 @@ fn names_that_no_formula_could_use() {
     for (names, text) in [
         (
             r#""x", "sin", "z""#,
-            "the variable `sin` cannot be called so: ",
+            "the variable `sin` cannot have this name: ",
         ),
         (
             r#""x", "<b>y</b>", "z""#,
-            "the variable `<b>y</b>` cannot be called so: ",
+            "the variable `<b>y</b>` cannot have this name: ",
         ),
         (
             r#""x", "y\nz", "z""#,
-            "the variable `y\\nz` cannot be called so: ",
+            "the variable `y\\nz` cannot have this name: ",
         ),
         (r#""x", "\xff", "z""#, "the name of variable 2 is not UTF-8"),
         (
@@ -96,11 +96,11 @@ fn names_that_no_formula_could_use() {
         ),
         (
             r#""time", "y", "z""#,
-            "the variable `time` has a name that samples and formulas have",
+            "the variable `time` has a name that is reserved in samples and formulas",
         ),
         (
             r#""x", "energy", "z""#,
-            "the variable `energy` has a name that samples",
+            "the variable `energy` has a name that is reserved in samples",
         ),
     ] {
         let option = format!("-DNAMES={names}");
@@ -128,7 +128,7 @@ fn an_id_that_is_taken() {
     assert!(
         error
             .to_string()
-            .contains("a stepper of this name is there already"),
+            .contains("a stepper of this name is already registered"),
         "{error}"
     );
 }

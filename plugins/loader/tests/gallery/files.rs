@@ -98,7 +98,7 @@ fn a_side_file_that_cannot_be_used() {
     fs::remove_file(&side).expect("our own file");
     let made = std::process::Command::new("mkfifo").arg(&side).status();
     assert!(made.expect("mkfifo").success());
-    assert!(said().contains("it is no regular file"));
+    assert!(said().contains("it is not a regular file"));
 }
 
 /// The hash is that of the file that was opened.
@@ -165,7 +165,7 @@ fn a_library_that_others_may_write() {
     assert!(
         error
             .to_string()
-            .contains("may be written by everyone (mode 0666)"),
+            .contains("is writable by everyone (mode 0666)"),
         "{error}"
     );
 }

@@ -94,7 +94,7 @@ pub fn execute(
         let formulas = composed.system.expressions();
         let formula = formulas.and_then(|formulas| formulas.casimirs().get(at));
         let pieces = match formula.is_some_and(|own| own.expression.may_jump()) {
-            true => ", on each of its pieces: where it jumps from one to the next it is none",
+            true => ", on each of its pieces, but not across their jumps",
             false => "",
         };
         let text = describe(&casimir.check, "coordinate", names);
@@ -195,7 +195,7 @@ fn worst<'a>(check: &IdentityCheck, names: &'a [String]) -> Vec<&'a str> {
 
 fn describe(check: &IdentityCheck, what: &str, names: &[String]) -> String {
     let differences = check.floor.map_or_else(String::new, |floor| {
-        format!(" (derivatives are differences, which tell it down to {floor:.1e})")
+        format!(" (derivatives are differences, accurate to {floor:.1e})")
     });
     match check.verdict {
         Verdict::Proved => "proved: its normal form is zero".to_owned(),

@@ -19,9 +19,9 @@ const AUTO: &str = "auto";
 
 /// Meaning of `auto` as a realization, and as dynamics.
 const AUTO_MEANS: [&str; 2] = [
-    "an exact closed form that fits the tensor, the most special one; where there is none, the realization exact to round-off \
-     whose steps take the fewest operations, or karasev-truncated on a long lattice. `run --explain` says what it took \
-     and why",
+    "an exact closed form that fits the tensor, the most specific one; where there is none, the realization exact to \
+     round-off whose steps take the fewest operations, or karasev-truncated on a long lattice. `run --explain` shows the \
+     choice and its reason",
     "hamilton-jacobi of order 4, of order 2 over a system of numbers",
 ];
 

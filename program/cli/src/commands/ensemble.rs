@@ -30,7 +30,7 @@ const MOST_NAMED: usize = 5;
 
 /// Said of an ensemble that has come to its end before.
 const REPEATED: &str =
-    "it had come to its end before: nothing was computed or written; --force runs it anew";
+    "it was already complete: nothing was computed or written; --force runs it again";
 
 /// The object of `ensemble --json`.
 #[derive(Serialize)]
@@ -167,11 +167,11 @@ fn tell_shard(
     if !output.quiet {
         let outcome = match report.outcome {
             RunOutcome::Interrupted => format!(
-                "stopped after {} of them, with a checkpoint: the same command goes on from there",
+                "stopped after {} of them, with a checkpoint: the same command continues from there",
                 grouped(all.members)
             ),
             _ if report.is_repeated => {
-                "it had come to its end before: nothing was computed or written".to_owned()
+                "it was already complete: nothing was computed or written".to_owned()
             }
             _ => format!(
                 "{} failed, {}, {} members a second",
@@ -321,7 +321,7 @@ fn summary(
     if report.outcome == RunOutcome::Interrupted {
         lines.push(String::new());
         lines.push(format!(
-            "stopped after {} of {} members, with a checkpoint: the same command goes on from there",
+            "stopped after {} of {} members, with a checkpoint: the same command continues from there",
             grouped(all.members),
             grouped(ensemble.population.members())
         ));
@@ -397,7 +397,7 @@ fn drift_table(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> Vec<Stri
 fn failures(report: &EnsembleReport, console: &Console<'_>) -> Vec<String> {
     let all = &report.reductions;
     let statistics = match all.failed < all.members {
-        true => "the statistics are those of the others",
+        true => "the statistics cover the others",
         false => "there are no statistics",
     };
     let mut lines = vec![format!(

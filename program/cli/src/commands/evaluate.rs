@@ -108,7 +108,7 @@ pub fn execute(
     refuse_noise(
         &document,
         "parts are not evaluated at steps",
-        "take the noise out",
+        "remove the noise",
     )?;
     let run = while_building(console.shown(false), || compose(&document, &parts.registry))?;
     let Some(method) = run.method.written() else {
@@ -120,7 +120,7 @@ pub fn execute(
         }
         return Err(Failure::usage(
             format!(
-                "a lattice of {} coordinates is not evaluated at a point",
+                "a lattice of {} coordinates cannot be evaluated at a point",
                 run.plan.layout.coordinates()
             ),
             format!(
@@ -132,7 +132,7 @@ pub fn execute(
     if method.realization().abilities().lift.is_some() {
         return Err(Failure::usage(
             format!(
-                "{} is coordinates in which the tensor is constant: it has no alpha and beta to evaluate",
+                "{} uses coordinates in which the tensor is constant: it has no alpha and beta to evaluate",
                 method.realization().describe()
             ),
             "name another realization, with --set method.realization=karasev-collocated",
@@ -140,8 +140,8 @@ pub fn execute(
     }
     if run.extension.is_some() {
         return Err(Failure::usage(
-            "a scene whose Hamiltonian, one-form or forces name the time t, or that has a pace, is not evaluated at a point: its realization is \
-             that of its coordinates with the time and its energy",
+            "a scene whose Hamiltonian, one-form or forces name the time t, or that has a pace, cannot be evaluated at a point: its realization \
+             also has the time and its energy as coordinates",
             "evaluate a copy of the scene with a number in place of t, and without the pace",
         ));
     }
@@ -176,7 +176,7 @@ pub fn execute(
         Failure::usage(
             format!("nothing can be evaluated at this point: {reason}"),
             "choose --x and --p inside the domain of the scene's formulas and of the realization, which \
-             `leafwise describe` states",
+             `leafwise describe` shows",
         )
     })?;
     if arguments.json {

@@ -19,8 +19,7 @@ use crate::scene::read;
 use crate::table::{labelled, words};
 
 /// The next step where there is no bracket.
-const NEXT: &str = "Next: find the bracket of the equations without friction and drive, and write those beside it as `damping` or \
-                    `forces` (leafwise explain forces).";
+const NEXT: &str = "Next: find the bracket of the equations without friction and drive, then add these as `damping` or `forces` (leafwise explain forces).";
 
 /// The degree of Casimirs where none is asked for.
 const CASIMIR_DEGREE: usize = 2;
@@ -209,7 +208,7 @@ fn casimirs(
     let composed = while_building(shown, || compose(&document, &parts.registry))?;
     if composed.contact.is_some() {
         return Err(Failure::usage(
-            "a contact bracket is no Poisson bracket, and has no Casimirs",
+            "a contact bracket is not a Poisson bracket, and has no Casimirs",
             "leafwise find -e \"q' = p\" -e \"p' = -q - 0.2*p\" looks for constants of the motion",
         ));
     }
@@ -307,7 +306,7 @@ fn lines(equations: &Equations, report: &Report) -> Vec<String> {
             lines.push(String::new());
             lines.push(others(bracket));
             if !bracket.has_parameters && !equations.parameters().is_empty() {
-                lines.push("The numbers of the parameters stand in their places.".to_owned());
+                lines.push("The parameters are replaced by their numbers.".to_owned());
             }
         }
         None => lines.push(match &report.never {
@@ -371,14 +370,13 @@ fn title(kind: Kind) -> &'static str {
 fn others(bracket: &FoundBracket) -> String {
     match (bracket.kind, bracket.family) {
         (Kind::FirstIntegrals, _) => {
-            "Every function of the first integrals may stand in the place of H or of the Casimir."
-                .to_owned()
+            "Any function of the first integrals can replace H or the Casimir.".to_owned()
         }
         (Kind::Affine, 1) => {
-            "The motion preserves no other affine tensor, but for a factor.".to_owned()
+            "The motion preserves no other affine tensor, except multiples of this one.".to_owned()
         }
         (Kind::Affine, family) => format!(
-            "One of a linear family of dimension {family} that the motion preserves: the sparsest that was tried, of those with Jacobi's identity."
+            "One of a linear family of dimension {family} that the motion preserves: the sparsest one tried that satisfies Jacobi's identity."
         ),
         (_, family) => format!(
             "One of a linear family of dimension {family}, whose inverses give brackets: the sparsest that was tried."

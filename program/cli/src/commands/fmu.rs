@@ -112,7 +112,7 @@ fn beside_the_program() -> Result<PathBuf, Failure> {
     }
     Err(Failure::usage(
         format!(
-            "there is no {name} beside the program, in {}",
+            "there is no {name} in the program's folder, {}",
             program.with_file_name("").display()
         ),
         "build it by `cargo build --release -p leafwise-c`, or name it: --library FILE",
@@ -141,7 +141,7 @@ fn refuse(run: &ComposedRun) -> Result<(), Failure> {
     equal.map_err(|uneven| Failure::usage(uneven.to_string(), help))?;
     if run.is_extended() {
         return Err(Failure::usage(
-            "units are made of systems whose H does not name the time, without parameters of sites and contact brackets",
+            "a unit needs a system whose H does not name the time, without parameters of sites and contact brackets",
             "make one of a system without them",
         ));
     }
@@ -154,7 +154,7 @@ fn alone(document: &SceneDocument) -> Result<String, Failure> {
     if !files.is_empty() {
         return Err(Failure::usage(
             format!(
-                "a unit holds the text of its scene alone, and this one reads {}",
+                "a unit holds only the text of its scene, and this one reads {}",
                 files.join(", ")
             ),
             "write what its files hold as formulas",
@@ -175,8 +175,8 @@ fn alone(document: &SceneDocument) -> Result<String, Failure> {
     let composed = composed.and_then(|document| compose(&document, &parts.registry).ok());
     if composed.is_none() {
         return Err(Failure::usage(
-            "a unit holds the text of its scene alone, and this one takes parts of plugins",
-            "take a method of the parts that `leafwise list` names without plugins",
+            "a unit holds only the text of its scene, and this one takes parts of plugins",
+            "take a method of built-in parts: leafwise list --no-plugins",
         ));
     }
     Ok(text)

@@ -65,7 +65,7 @@ pub fn execute(
     if arguments.json {
         console.json(&parts);
     } else if arguments.kind.is_none() {
-        console.result("\n`leafwise describe NAME` tells more about any of them.");
+        console.result("\n`leafwise describe NAME` shows the details of each.");
     }
     Ok(exit::DONE)
 }

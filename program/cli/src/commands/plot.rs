@@ -86,8 +86,8 @@ pub fn execute(arguments: &PlotArguments, console: &mut Console<'_>) -> Result<u
             .iter()
             .any(|axis| axis.scale == ChartScale::Logarithmic)
         {
-            true => "their values are no finite numbers, or none above 0 on a logarithmic axis",
-            false => "their values are no finite numbers",
+            true => "their values are not finite numbers, or none above 0 on a logarithmic axis",
+            false => "their values are not finite numbers",
         };
         if lost == all {
             return Err(Failure::usage(
@@ -155,7 +155,7 @@ fn axis(arguments: &PlotArguments, which: AxisName) -> Result<ChartAxis, Failure
         arguments.angle.contains(&which),
     );
     if is_log && is_angle {
-        let message = format!("--log {letter} stands beside --angle {letter}");
+        let message = format!("--log {letter} excludes --angle {letter}");
         return Err(Failure::usage(
             message,
             "an axis is logarithmic or one of angles",
@@ -179,7 +179,10 @@ fn axis(arguments: &PlotArguments, which: AxisName) -> Result<ChartAxis, Failure
 fn curves(arguments: &PlotArguments) -> Result<Vec<PanelSeries>, Failure> {
     let count = arguments.runs.len() * arguments.y.len();
     if arguments.name.len() > count {
-        let message = format!("{} names stand beside {count} curves", arguments.name.len());
+        let message = format!(
+            "{} names are given for {count} curves",
+            arguments.name.len()
+        );
         return Err(Failure::usage(message, "give --name once for each curve"));
     }
     let mut series = Vec::with_capacity(count);
@@ -268,7 +271,7 @@ fn read(file: &Path) -> Result<Table, Failure> {
         }
     };
     Table::read(&text).and_then(whole).map_err(|reason| {
-        let help = "a table of numbers with a line of names: samples.csv, section.csv, windows.csv of a run directory";
+        let help = "a table of numbers with a header line: samples.csv, section.csv, windows.csv of a run directory";
         Failure::usage(format!("{}: {reason}", file.display()), help)
     })
 }
@@ -277,7 +280,7 @@ fn column(file: &Path, table: &Table, name: &str) -> Result<usize, Failure> {
     let Some(columns) = table.columns.as_deref() else {
         return Err(Failure::usage(
             format!(
-                "{}: it has no line of names, and so no column `{name}`",
+                "{}: it has no header line, and so no column `{name}`",
                 file.display()
             ),
             "write the names of the columns into its first line",

@@ -29,12 +29,12 @@ use crate::table::{duration, grouped, numbers, short};
 const SHOWN_COORDINATES: usize = 12;
 
 /// Said of a run that has come to its end before.
-pub(super) const REPEATED: &str = "it had come to its end before: nothing was computed or written; larger `steps` \
-                                   or `until` continue it, --force runs it anew";
+pub(super) const REPEATED: &str = "it was already complete: nothing was computed or written; larger `steps` \
+                                   or `until` continue it, --force runs it again";
 
 /// Said of a run that its condition has ended before.
 const STAYS: &str =
-    "it had stopped there before: nothing was computed or written; --force runs it anew";
+    "it had already stopped there: nothing was computed or written; --force runs it again";
 
 /// Integrates the scene; returns the exit code.
 ///
@@ -275,7 +275,7 @@ fn summary(
             Some(until) => format!(", at t = {} of {}", short(report.time), short(until)),
         };
         lines.push(format!(
-            "stopped at step {}{whole}, with a checkpoint: the same command goes on from there",
+            "stopped at step {}{whole}, with a checkpoint: the same command continues from there",
             grouped(report.steps)
         ));
     }

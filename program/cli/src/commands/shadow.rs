@@ -57,12 +57,12 @@ pub fn execute(
     refuse_noise(
         &document,
         "there is no shadow Hamiltonian",
-        "take the noise out: every step of it follows another Hamiltonian",
+        "remove the noise: with noise every step follows another Hamiltonian",
     )?;
     refuse_acts(
         &document,
         "no shadow Hamiltonian is kept",
-        "take `set` out of the section",
+        "remove `set` from the section",
     )?;
     let run = while_building(shown, || compose(&document, &parts.registry))?;
     while_building(shown, || {

@@ -40,8 +40,8 @@ pub(super) fn of_members(text: &str, count: u64) -> Result<Shard, Failure> {
     let bounds = bounds.and_then(|(from, to)| Some((whole(from)?, whole(to)?)));
     let Some((from, to)) = bounds else {
         return Err(Failure::usage(
-            format!("--members: `{text}` is no range of members"),
-            "write the first and the one behind the last, as in --members 0..6400",
+            format!("--members: `{text}` is not a range of members"),
+            "write the first and the one after the last, as in --members 0..6400",
         ));
     };
     Shard::between(Whole::Members, from..to, count)
@@ -103,7 +103,7 @@ fn whole(text: &str) -> Option<u64> {
 
 fn no_shard(text: &str) -> Failure {
     Failure::usage(
-        format!("--shard: `{text}` is no shard"),
+        format!("--shard: `{text}` is not a shard"),
         "write which of how many, as in --shard 7/1000, or --shard slurm in a task of an array",
     )
 }

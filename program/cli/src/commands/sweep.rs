@@ -130,7 +130,7 @@ fn summary(report: &SweepReport, shard: Option<&Shard>, console: &Console<'_>) -
     }
     if report.is_repeated {
         lines.push(
-            "it had come to its end before: nothing was computed or written; --force runs it anew"
+            "it was already complete: nothing was computed or written; --force runs it again"
                 .to_owned(),
         );
     }
@@ -145,7 +145,7 @@ fn summary(report: &SweepReport, shard: Option<&Shard>, console: &Console<'_>) -
     }
     if report.outcome == RunOutcome::Interrupted {
         lines.push(format!(
-            "stopped after {} of {} settings, with a checkpoint: the same command goes on from there",
+            "stopped after {} of {} settings, with a checkpoint: the same command continues from there",
             grouped(report.done),
             grouped(report.settings)
         ));

@@ -264,7 +264,7 @@ fn tune_says_how_long_a_motion_can_be_followed_where_it_cannot() {
     let said = here.leafwise(&tune);
     assert_eq!(said.code, Some(5), "{}{}", said.out, said.err);
     for piece in [
-        "whether a Poisson map holds it cannot be told",
+        "it is undecided whether a Poisson map meets the bound",
         "grows by a factor of",
         "until t = 1000",
         "take --time",
@@ -381,11 +381,11 @@ fn tune_says_what_it_found_beside_and_what_keeps_it() {
         assert!(said.out.contains(piece), "{piece}: {}", said.out);
     }
     let said = tune(&["--error", "1e-18"], 5);
-    assert!(said.out.contains("ask for less"), "{}", said.out);
+    assert!(said.out.contains("raise the bound"), "{}", said.out);
     let said = tune(&["--error", "1e-7", "--budget", "3e4", "--json"], 5);
     assert_eq!(said.json()["outcome"], "not found");
     assert_eq!(said.json()["nearest"]["limit"], "budget");
-    tune(&[], 2).says(&["nothing is asked"]);
+    tune(&[], 2).says(&["no bound is given"]);
     tune(&["--error", "1e-7", "--write", "--set", "run.steps=3"], 2).says(&["cannot be used"]);
     assert!(here.is_untouched());
 }
@@ -482,14 +482,14 @@ fn a_search_without_time_says_that_nothing_is_known() {
     let here = Place::with(PENDULUM);
     let said = here.leafwise(&["tune", "scene.toml", "--error", "1e-8", "--within", "1e-9"]);
     assert_eq!(said.code, Some(5), "{}{}", said.out, said.err);
-    let known = "no run was judged: whether a Poisson map holds it is not known";
+    let known = "no run was judged: it is not known whether a Poisson map meets the bound";
     assert!(said.out.contains(known), "{}", said.out);
     assert!(
         !said.out.contains("no Poisson map holds it"),
         "{}",
         said.out
     );
-    said.says(&["are not interrupted", "--within"]);
+    said.says(&["is interrupted", "--within"]);
 }
 
 /// A truncated realization is a Poisson map where its defect is round-off, and Casimirs say otherwise.

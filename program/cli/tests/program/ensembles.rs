@@ -54,7 +54,7 @@ fn an_ensemble_prints_its_object_and_tables() {
     }
     let again = here.leafwise(&["ensemble", "scene.toml", "--json"]);
     assert_eq!(again.code, Some(0), "{}", again.err);
-    again.says(&["had come to its end before", "at the end", "50%"]);
+    again.says(&["was already complete", "at the end", "50%"]);
     assert_eq!(again.json(), json);
     let other = here.leafwise(&["run", "scene.toml", "--out", "runs/scene-ensemble"]);
     assert_eq!(other.code, Some(2));
@@ -176,7 +176,7 @@ fn a_table_of_states_is_read_by_name_and_refused_with_the_row_or_column_that_is_
         ),
         (
             "x1,x2,x4\n1,2,3\n",
-            "column `x4` is none of the coordinates x1, x2, x3",
+            "column `x4` is neither one of the coordinates x1, x2, x3",
         ),
         ("x1,x2\n1,2\n", "no column `x3`"),
         ("x1,x2,x2\n1,2,3\n", "two columns `x2`"),
@@ -397,7 +397,7 @@ fn members_of_an_ensemble_of_lattices_run_alone_as_ordinary_runs() {
                    initial = { \"s.x[i]\" = 1, \"s.y[i]\" = 0, \"s.z[i]\" = 0 }\n[ensemble]\nmembers = 2\ninitial = { leaf = 0.1 }\n";
     let said = Place::with(on_leaf).leafwise(&["ensemble", "scene.toml"]);
     assert_eq!(said.code, Some(3), "{}", said.err);
-    said.says(&["every site has a leaf of its own", "draw from a ball"]);
+    said.says(&["every site has a separate leaf", "draw from a ball"]);
 }
 
 #[test]
@@ -539,5 +539,5 @@ fn a_member_that_fails_is_no_warning_of_the_method() {
     let here = with("[ensemble]\ninitial = { file = \"states.csv\" }\n");
     here.write("states.csv", "1,3,3\n1000,3000,3000\n1,2,3\n");
     let said = here.leafwise(&["ensemble", "scene.toml", "--json"]);
-    assert!(!said.err.contains("taken anew"), "{}", said.err);
+    assert!(!said.err.contains("when it is repeated"), "{}", said.err);
 }

@@ -193,7 +193,7 @@ fn a_run_that_goes_on_stops_with_the_same_bytes_and_stays_so() {
         let again = run(&here, "whole", &[steps]);
         assert_eq!(again.code, Some(0), "{}", again.err);
         assert!(
-            again.err.contains("it had stopped there before"),
+            again.err.contains("it had already stopped there"),
             "{}",
             again.err
         );
@@ -201,7 +201,7 @@ fn a_run_that_goes_on_stops_with_the_same_bytes_and_stays_so() {
         assert_eq!(here.read("whole/samples.csv"), before);
     }
     let fewer = run(&here, "whole", &["run.steps=10"]);
-    assert!(fewer.err.contains("has made 37 steps"), "{}", fewer.err);
+    assert!(fewer.err.contains("of 37 steps"), "{}", fewer.err);
 }
 
 #[test]
@@ -267,7 +267,7 @@ fn what_is_no_condition_is_refused_where_it_stands() {
         ),
         (
             "q == 1",
-            "`q == 1` asks for single points, which steps pass over",
+            "`q == 1` holds only at single points, which steps pass over",
         ),
         ("q < -1 or not", "the formula ends where"),
         ("(q < -1", "the formula ends where"),

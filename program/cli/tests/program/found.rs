@@ -108,7 +108,7 @@ fn equations_that_cannot_be_read_are_underlined() {
         (
             "bracket = \"find\"",
             "bracket = \"find\"\nhamiltonian = \"x\"",
-            "cannot stand beside `equations`",
+            "cannot be combined with `equations`",
         ),
         (
             "x = \"y*z\"",

@@ -64,9 +64,9 @@ fn files_that_are_none_are_refused_where_they_are_wrong() {
     let word = text.replacen(" 4.177856445E-01", " ***************", 1);
     let small = text.replacen(" 7.500000000E-01", " 9.500000000E-01", 1);
     for (text, message) in [
-        ("a scene, not an equilibrium", "no two whole numbers"),
+        ("a scene, not an equilibrium", "two whole numbers"),
         (&cut, "the file ends in the flux psi(R, Z)"),
-        (&word, "line 3: `***************` in the place of a number"),
+        (&word, "line 3: `***************` is not a number"),
         (&small, "no extremum within three cells"),
     ] {
         here.write("shot.geqdsk", text);
@@ -143,10 +143,10 @@ fn fields_that_are_none_are_refused_with_what_is_wrong() {
     };
     for (text, message) in [
         ("{}".to_owned(), "`B` is missing"),
-        ("[1, 2]".to_owned(), "no two whole numbers"),
+        ("[1, 2]".to_owned(), "two whole numbers"),
         (
             with("currents", 1.into()),
-            "`currents` is no name of a field",
+            "`currents` is not part of a field",
         ),
         (
             with("periods", 5.5.into()),

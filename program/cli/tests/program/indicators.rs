@@ -98,15 +98,18 @@ fn they_are_refused_where_steps_have_no_tangent() {
         ),
         (
             vec!["run.record.observables=[\"lyapunov 0\"]"],
-            ["`lyapunov 0` is no indicator of chaos", "`lyapunov 2`"],
+            ["`lyapunov 0` is not an indicator of chaos", "`lyapunov 2`"],
         ),
         (
             vec!["run.record.observables=[\"lyapunov 1.5\"]"],
-            ["`lyapunov 1.5` is no indicator of chaos", "`lyapunov 2`"],
+            [
+                "`lyapunov 1.5` is not an indicator of chaos",
+                "`lyapunov 2`",
+            ],
         ),
         (
             vec!["run.record.observables=[\"sali 2\"]"],
-            ["`sali 2` is no indicator of chaos", "write `megno`"],
+            ["`sali 2` is not an indicator of chaos", "write `megno`"],
         ),
         (
             vec!["run.record.observables=[\"lyapunv\"]"],
@@ -118,7 +121,7 @@ fn they_are_refused_where_steps_have_no_tangent() {
                 "run.seed=1",
                 RECORD,
             ],
-            ["is not offered with noise", "take the noise out"],
+            ["is not offered with noise", "remove the noise"],
         ),
     ] {
         let said = run(&here, &set);

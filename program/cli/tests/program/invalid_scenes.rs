@@ -124,7 +124,7 @@ fn an_unknown_method_or_parameter_of_one_is_named_with_its_neighbour() {
         "8:33",
         &[
             "`splitting` has no parameter `composition`",
-            "it stands beside the stepper: composition = \"suzuki-4\"",
+            "it is written next to the stepper: composition = \"suzuki-4\"",
         ],
     );
     refused(

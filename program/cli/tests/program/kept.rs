@@ -87,7 +87,7 @@ fn exact_energy_is_the_same_everywhere() {
     let run = said(&here, &["run", "scene.toml", "--explain"]);
     run.says(&["not a Poisson map"]);
     let run = said(&here, &["run", "scene.toml"]);
-    run.says(&["as a whole it is no Poisson map"]);
+    run.says(&["the whole is not a Poisson map"]);
     let end = last(&here, "scene");
     let energy = 0.5 + 9.0 / 1.5 + 9.0 / 2.5;
     assert!(
@@ -108,7 +108,7 @@ fn exact_energy_refuses_tangents() {
     ]);
     assert_eq!(refused.code, Some(3));
     assert!(
-        refused.err.contains("take `energy` out of [method]"),
+        refused.err.contains("remove `energy` from [method]"),
         "{}",
         refused.err
     );

@@ -127,7 +127,7 @@ fn goes_on_to_the_same_bits(pieces: &Place) {
     let steps = format!("run.steps={}", made + 5000);
     let said = pieces.leafwise(&["run", "scene.toml", "--json", "--set", &steps]);
     // A session that was ended at once has not said how far it came; its checkpoint has.
-    let further = said.err.split_once("has made ").and_then(|(_, rest)| {
+    let further = said.err.split_once("same scene of ").and_then(|(_, rest)| {
         let made: u64 = rest.split_once(' ')?.0.parse().ok()?;
         Some(format!("run.steps={}", made + 5000))
     });
@@ -155,7 +155,7 @@ fn an_interrupted_or_terminated_run_writes_a_checkpoint_exits_130_and_goes_on() 
         signal(name, child.id());
         let said = Said::from(child.wait_with_output().expect("an end"));
         assert_eq!(said.code, Some(130), "{}", said.err);
-        said.says(&["the same command goes on from there"]);
+        said.says(&["the same command continues from there"]);
         let manifest = pieces.read("runs/scene/manifest.json");
         assert!(manifest.contains("\"outcome\": \"interrupted\""));
         let changed = [
@@ -224,7 +224,7 @@ fn a_full_disk_is_an_error_and_the_run_goes_on_once_there_is_room() {
     assert_eq!(said.code, Some(1), "{}", said.err);
     said.says(&[
         "cannot write runs/scene/samples.csv",
-        "the same command goes on from there",
+        "the same command continues from there",
     ]);
     assert_eq!(said.json()["outcome"], "failed");
     let kept = rows(&pieces.path("runs/scene/samples.csv"));

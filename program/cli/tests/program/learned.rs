@@ -122,7 +122,7 @@ fn what_is_no_pair_says_why() {
         (vec!["far.csv"], "--set method.time-step=1.0"),
         (vec!["nan.csv"], "pair 2 holds NaN before the step"),
         (vec!["few.csv", "--basis", "w=fourier"], "no variable `w`"),
-        (vec!["few.csv", "--basis", "splines"], "is no basis"),
+        (vec!["few.csv", "--basis", "splines"], "is not a basis"),
         (vec!["none.csv"], "cannot read none.csv"),
     ] {
         let all: Vec<&str> = ["learn", "scene.toml"]
@@ -159,7 +159,7 @@ fn a_motion_that_no_hamiltonian_makes_is_told() {
     let said = here.leafwise(&["learn", "scene.toml", "pairs.csv", "--degree", "2"]);
     assert_eq!(said.code, Some(5), "{}{}", said.out, said.err);
     assert!(
-        said.err.contains("leave their leaves") || said.err.contains("of the motion is left"),
+        said.err.contains("leave their leaves") || said.err.contains("of the motion is not fitted"),
         "{}",
         said.err
     );

@@ -126,7 +126,7 @@ fn formulas_say_what_to_write() {
             (
                 "H = p^2/2 + q^2/2",
                 REFUSED,
-                &["a formula has no `=`: write what stands on the right of it alone"],
+                &["a formula has no `=`: write only the right-hand side"],
             ),
             (
                 "p^2/2 + e^(-q)",
@@ -243,7 +243,7 @@ fn parameters_and_starts_are_judged_before_a_step() {
             (
                 "Iα = 1.0, I1 = 1, I2 = 1.5, I3 = 2",
                 REFUSED,
-                &["stands in quotes: \"Iα\" = 1.0"],
+                &["needs quotes: \"Iα\" = 1.0"],
             ),
             ("\"Iα\" = 1.0, I1 = 1, I2 = 1.5, I3 = 2", DONE, &["`Iα`"]),
         ],
@@ -335,7 +335,7 @@ fn lattices_say_what_stands_for_a_site() {
                 " + sum(i, cos(2*pi*i/N)*q[i]^2)",
                 REFUSED,
                 &[
-                    "an index may only stand in brackets",
+                    "an index is allowed only in brackets",
                     "w[i] in the formula, and \"w[i]\" = \"…\" in [system.parameters]",
                 ],
             ),
@@ -347,7 +347,7 @@ fn lattices_say_what_stands_for_a_site() {
             (
                 "{ q = [1, 2, 3], \"p[i]\" = 0 }",
                 REFUSED,
-                &["stands under its name with an index: \"q[i]\" = [1, 2, 3]"],
+                &["under its name with an index: \"q[i]\" = [1, 2, 3]"],
             ),
             (start, DONE, &[]),
         ],
@@ -378,7 +378,7 @@ fn the_command_line_says_what_is_there() {
     place.write("spelt.toml", &spelt);
     let said = place.leafwise(&["run", "spelt.toml", "--out", "run"]);
     assert_eq!(said.code, Some(DONE), "{}", said.err);
-    said.says(&["it had come to its end before"]);
+    said.says(&["it was already complete"]);
     let other = scene
         .replace("k = 1 ", "k = 2 ")
         .replace("steps = 20", "steps = 10");
@@ -454,7 +454,7 @@ fn friction_is_named_where_it_is_refused() {
     let said = with(friction).leafwise(&["tune", "scene.toml", "--energy", "1e-6"]);
     said.says(&[
         "friction changes the energy and the Casimirs",
-        "ask for --error 1e-8 alone",
+        "give only --error 1e-8",
     ]);
     let open = scene.replace("stepper = \"gauss\"", "realization = \"auto\"");
     let place = Place::with(&open.replace("[method]", &format!("{friction}\n[method]")));

@@ -171,7 +171,7 @@ fn events_that_change_the_state_and_forces_are_refused() {
     let said = here.leafwise(&["orbit", "scene.toml"]);
     assert_eq!(said.code, Some(2), "{}", said.out);
     said.says(&[
-        "a motion with forces or friction does not hold the energy",
+        "a motion with forces or friction does not keep the energy",
         "take system.forces out",
     ]);
 }
@@ -259,7 +259,8 @@ fn an_equilibrium_is_judged() {
     let said = here.leafwise(&["orbit", "scene.toml", "--equilibrium"]);
     assert_eq!(said.code, Some(0), "{}", said.err);
     assert!(
-        said.out.contains("unstable: neighbours part exponentially"),
+        said.out
+            .contains("unstable: neighbours diverge exponentially"),
         "{}",
         said.out
     );

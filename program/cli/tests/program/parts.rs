@@ -116,7 +116,7 @@ fn a_composition_raises_the_order_of_a_scene() {
 #[test]
 fn a_stepper_stands_in_place_of_realization_and_dynamics() {
     let here = Place::with(BODY);
-    // An override replaces what it cannot stand beside; a scene that names both is refused.
+    // An override replaces what it cannot be combined with; a scene that names both is refused.
     let said = here.leafwise(&[
         "run",
         "scene.toml",
@@ -133,7 +133,7 @@ fn a_stepper_stands_in_place_of_realization_and_dynamics() {
     let said = here.leafwise(&["run", "scene.toml", "--force"]);
     assert_eq!(said.code, Some(3), "{}", said.out);
     said.says(&[
-        "`realization` cannot stand beside `stepper`",
+        "`realization` cannot be combined with `stepper`",
         "scene.toml:8:1",
     ]);
     let said = here.leafwise(&["run", "scene.toml", "--set", "method.stepper=splittin"]);

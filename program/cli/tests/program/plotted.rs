@@ -127,7 +127,7 @@ fn what_is_not_drawn_is_told() {
         ),
         (&["all.csv", "--y", "n"], "no point of n is shown"),
         (&["ragged.csv", "--y", "y"], "row 2 has 1 numbers"),
-        (&["bare.csv", "--y", "y"], "it has no line of names"),
+        (&["bare.csv", "--y", "y"], "it has no header line"),
         (
             &["all.csv", "--y", "y", "--y-label", "漢", "--out", "a.pdf"],
             "the fonts of PDF have no",

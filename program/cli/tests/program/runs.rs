@@ -111,7 +111,7 @@ fn a_finished_run_is_reported_again_or_continued_and_another_is_refused() {
     let before = here.read("runs/scene/manifest.json");
     let again = here.leafwise(&["run", "scene.toml", "--json"]);
     assert_eq!(again.code, Some(0), "{}", again.err);
-    again.says(&["had come to its end before", "largest drift", "--force"]);
+    again.says(&["was already complete", "largest drift", "--force"]);
     assert_eq!(again.json(), first.json());
     assert_eq!(here.read("runs/scene/manifest.json"), before);
     let other = ["run", "scene.toml", "--set", "method.time-step=0.2"];
@@ -131,7 +131,7 @@ fn a_finished_run_is_reported_again_or_continued_and_another_is_refused() {
     let shorter = here.leafwise(&["run", "scene.toml"]);
     assert_eq!(shorter.code, Some(2));
     shorter.says(&[
-        "has made 50 steps, and 40 are asked for",
+        "of 50 steps, more than the 40 requested",
         "--force",
         "--out",
     ]);
@@ -272,7 +272,7 @@ fn a_body_taken_whole_over_too_long_a_step_says_so() {
     let said = here.leafwise(&["run", "scene.toml"]);
     assert_eq!(said.code, Some(1), "{}", said.err);
     said.says(&[
-        "a body that is taken whole goes further",
+        "a whole body moves beyond the range of its flow",
         "bodies = \"axes\"",
     ]);
 }
@@ -324,7 +324,7 @@ fn the_error_of_the_states_is_estimated() {
     );
     assert!(number(&estimate["largest"]) >= number(&estimate["at_end"]));
     assert_eq!(estimate["is_large"], false);
-    // Said of what had come to its end before, too.
+    // Said of what was already complete, too.
     here.leafwise(&["run", "scene.toml", "--error"])
         .says(&["by a pass with half the step"]);
     let long = here.leafwise(&[

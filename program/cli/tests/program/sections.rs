@@ -502,7 +502,7 @@ fn what_is_no_section_is_refused_where_it_stands() {
         ),
         (
             "{ at = \"q = 0\", axes = [\"q\", \"r\"] }",
-            "`r` is no column of section.csv",
+            "`r` is not a column of section.csv",
         ),
         ("{ direction = \"up\" }", "section needs `at`"),
         (

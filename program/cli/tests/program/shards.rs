@@ -164,7 +164,7 @@ fn rows_behind_the_end_are_no_end() {
     here.write("whole/final_states.csv", &rows);
     let refused = whole();
     assert_eq!(refused.code, Some(2), "{}", refused.err);
-    refused.says(&["there is more, or other, behind its last row", "--force"]);
+    refused.says(&["other data follow its last row", "--force"]);
 }
 
 #[test]
@@ -197,7 +197,7 @@ fn what_is_no_shard_is_refused() {
         (["--shard", "three"], "`three` is no shard"),
         (["--shard", "1/0"], "there is at least one"),
         (["--members", "0..65"], "both bounds are multiples of 64"),
-        (["--members", "0-64"], "`0-64` is no range of members"),
+        (["--members", "0-64"], "`0-64` is not a range of members"),
         (["--members", "64..256"], "both bounds are multiples of 64"),
     ] {
         let refused = shard(&here, &asked);

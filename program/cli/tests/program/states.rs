@@ -166,7 +166,7 @@ fn coordinates_that_are_not_there_are_refused_without_the_template() {
         ),
         (
             "states = [\"q[x]\"]",
-            &["`q[x]` is no part of `q`", "q[::100]"],
+            &["`q[x]` is not a part of `q`", "q[::100]"],
         ),
         (
             "states = [\"r\"]",

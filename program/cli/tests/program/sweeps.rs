@@ -298,7 +298,7 @@ fn what_is_no_sweep_is_refused_where_it_stands() {
         ),
         (
             "grid = { \"ensemble.seed\" = [1] }",
-            "`ensemble.seed` is no key of settings",
+            "`ensemble.seed` is not a key of settings",
         ),
         (
             "grid = { \"run.record.every\" = [1] }",
@@ -337,11 +337,11 @@ fn what_is_no_sweep_is_refused_where_it_stands() {
         ),
         (
             "grid = { \"method.time-step\" = [1], \"method.epsilon\" = [1] }",
-            "cannot stand beside",
+            "cannot be combined with",
         ),
         (
             "list = [{ \"run.initial\" = [1, 2, 3], \"run.initial.x1\" = 1 }]",
-            "cannot stand beside",
+            "cannot be combined with",
         ),
         ("grid = { \"method\" = [1] }", "`method` is a table"),
         (
@@ -358,7 +358,7 @@ fn what_is_no_sweep_is_refused_where_it_stands() {
         ),
         (
             "grid = { \"method.dynamics.order\" = [2, 4], \"method.dynamics\" = [\"hamilton-jacobi\"] }",
-            "`method.dynamics` takes the place of what stands in it: name it first",
+            "`method.dynamics` replaces all keys within it: name it first",
         ),
         (
             "grid = { 'system.\"parameters\".I2' = [1] }",

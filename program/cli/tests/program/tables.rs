@@ -121,7 +121,7 @@ steps   = 20
             within("0"),
             "look like coordinates, and not those of `axes`, x: -2, -1.5, -1, … 2",
         ),
-        (list, "which is no node"),
+        (list, "which is not a node"),
     ] {
         let here = Place::with(&other);
         here.write("v.csv", &text);
@@ -244,7 +244,7 @@ fn wrong_tables_are_refused_where_they_stand() {
             "`V` is a table of 1 variable, and 3 arguments stand here: write `V(q)`",
         ),
         ("V(q, 0.5)", "the orders of a derivative, whole numbers"),
-        ("V*q", "`V` is a table: write its arguments behind it"),
+        ("V*q", "`V` is a table: write its arguments after it"),
         ("W(q)", "unknown function `W`"),
     ] {
         let told = here(&PENDULUM.replace("p^2/2 + V(q)", call)).leafwise(&["check", "scene.toml"]);
@@ -288,11 +288,11 @@ fn a_degree_that_costs_the_order_is_warned_of() {
     };
     let told = with("degree = 3, ");
     assert!(
-        told.contains("of the method's order 6 they leave 3"),
+        told.contains("they reduce the method's order 6 to 3"),
         "{told}"
     );
     assert!(told.contains("degree = 6 in [system.tables]"), "{told}");
-    assert!(!with("degree = 6, ").contains("they leave"));
+    assert!(!with("degree = 6, ").contains("they reduce"));
 }
 
 /// Orders hold for smooth formulas: what a table of degree 2 or a seam takes from them breaks no declaration.

@@ -137,7 +137,7 @@ fn what_has_no_table_says_why() {
         (
             "scene.toml",
             vec!["--box", "q=1:0"],
-            "q from 1.0 to 0.0 is no range",
+            "q from 1.0 to 0.0 is not a range",
         ),
         ("scene.toml", vec!["--degree", "q=3"], "p has no degree"),
         ("scene.toml", vec!["--degree", "w=3"], "no variable `w`"),
@@ -268,7 +268,7 @@ fn a_table_holds_for_its_own_step() {
     here.write("until.toml", &format!("{head}[run]{}\n", until.join("\n")));
     let said = here.leafwise(&["check", "until.toml"]);
     assert_eq!(said.code, Some(3), "{}", said.out);
-    said.says(&["is no whole number of them", "write steps = 7"]);
+    said.says(&["is not a whole number of them", "write steps = 7"]);
     here.write(
         "until.toml",
         &here.read("until.toml").replace("until = 10", "steps = 7"),
@@ -306,10 +306,7 @@ fn a_table_of_no_period_is_told() {
     let box_of = ["--box", "q=-1:1", "--box", "p=-1:1", "--degree", "6"];
     let said = here.leafwise(&[&["tabulate", "scene.toml", "--steps", "8"][..], &box_of].concat());
     assert_eq!(said.code, Some(0), "{}", said.err);
-    said.says(&[
-        "the table holds from t = 0 alone",
-        "8 steps from t = 0.8 on",
-    ]);
+    said.says(&["the table holds only from t = 0", "8 steps from t = 0.8 on"]);
     // Whole periods do not.
     let whole = driven.replace(
         "0.1\n",
@@ -325,7 +322,11 @@ fn a_table_of_no_period_is_told() {
         "6",
     ];
     let said = here.leafwise(&[&["tabulate", "scene.toml", "--steps", "16"][..], &own].concat());
-    assert!(!said.err.contains("the table holds from"), "{}", said.err);
+    assert!(
+        !said.err.contains("the table holds only from"),
+        "{}",
+        said.err
+    );
 }
 
 /// Numbers of pairs and states, ranges and degrees that stand twice, scenes without a table: what is wrong is named.
@@ -347,7 +348,7 @@ fn counts_and_scenes_that_give_no_table() {
         (&["scene.toml", "--pairs", "0"][..], "0 is not in 1.."),
         (
             &["scene.toml", "--states", "four.csv"],
-            "a table takes 5 states or more, of which every fifth measures it, and here are 4",
+            "a table needs 5 states or more, of which every fifth measures its error, and these are 4",
         ),
         (
             &["scene.toml", "--states", "four.csv"],
@@ -365,10 +366,10 @@ fn counts_and_scenes_that_give_no_table() {
             &["scene.toml", "--degree", "q=3,q=4"],
             "q has a degree already",
         ),
-        (&["exact.toml"], "with energy = \"exact\" every step"),
+        (&["exact.toml"], "with energy = \"exact\" each step"),
         (
             &["contact.toml"],
-            "the map of a contact bracket is no Poisson map",
+            "the map of a contact bracket is not a Poisson map",
         ),
     ] {
         let said = here.leafwise(&[&["tabulate", "--steps", "4"][..], arguments].concat());

@@ -187,7 +187,7 @@ fn the_rest_is_refused_in_words_of_mathematics() {
     let (_, said) = run(VOLTERRA, &["system.forces={ \"x[i]\" = \"0.1\" }"]);
     assert_eq!(said.code, Some(3), "{}", said.err);
     said.says(&[
-        "integrates x' = {H, x} alone, and this system has forces",
+        "integrates only x' = {H, x}, and this system has forces",
         "one-form",
     ]);
 }

@@ -138,7 +138,7 @@ fn refused_of(scene: &str, from: &str, to: &str, place: &str, pieces: &[&str]) {
 fn the_time_stands_where_it_has_a_meaning() {
     let bracket = [
         "the bracket cannot name the time t",
-        "belongs into the Hamiltonian",
+        "belongs in the Hamiltonian",
     ];
     refused("\"1\" }", "\"1 + t\" }", "3:30", &bracket);
     refused(
@@ -196,7 +196,7 @@ fn what_is_not_offered_with_the_time_says_so() {
     let here = Place::with(DRIVEN);
     let said = here.leafwise(&["evaluate", "scene.toml", "--x", "1,0"]);
     assert_eq!(said.code, Some(2), "{}", said.err);
-    said.says(&["name the time t, or that has a pace, is not evaluated at a point"]);
+    said.says(&["name the time t, or that has a pace, cannot be evaluated at a point"]);
 }
 
 /// Kepler's problem by steps that shorten towards the centre.
@@ -256,10 +256,10 @@ fn a_paced_run_that_goes_on_has_the_same_bytes() {
         }
         let again = run("9", "whole");
         assert_eq!(again.code, Some(0), "{}", again.err);
-        again.says(&["it had come to its end before"]);
+        again.says(&["it was already complete"]);
         let shorter = run("3", "whole");
         assert_eq!(shorter.code, Some(2), "{}", shorter.err);
-        shorter.says(&["has come to t = 9.", "t = 3.0 is asked for"]);
+        shorter.says(&["has reached t = 9.", "beyond the requested t = 3.0"]);
     }
 }
 
@@ -280,7 +280,10 @@ fn a_pace_is_positive_where_the_run_begins() {
         pace,
         "auto",
         "5:14",
-        &["no pace is chosen by itself", "write a positive formula"],
+        &[
+            "a pace is never chosen automatically",
+            "write a positive formula",
+        ],
     );
     refused_pace(pace, "r^2", "5:14", &["unknown name `r`"]);
     // At the centre the energy has no value.
@@ -299,13 +302,13 @@ fn ends_and_intervals_are_times_of_a_pace() {
         "0.5 }",
         "0.5, every = 2 }",
         "10:29",
-        &["`every` cannot stand beside `interval`"],
+        &["`every` cannot be combined with `interval`"],
     );
     refused_pace(
         "until   = 6",
         "until = 6\nsteps = 4",
         "10:1",
-        &["`steps` cannot stand beside `until`"],
+        &["`steps` cannot be combined with `until`"],
     );
     refused_pace("until   = 6", "", "", &["needs `steps`"]);
     let pace = "pace      = \"(q1^2 + q2^2)^0.75\"\n";
@@ -354,7 +357,7 @@ fn what_is_not_offered_with_a_pace_says_so() {
     said.says(&[
         "splitting does not fit this system",
         "with a pace the Hamiltonian is (H + e)*((q1^2 + q2^2)^0.75)",
-        "take the pace out",
+        "remove the pace",
     ]);
 }
 
@@ -452,7 +455,7 @@ fn samples_at_given_times_have_the_same_bytes_however_the_run_came_there() {
             let (longer, whole) = (format!("longer/{file}"), format!("whole/{file}"));
             assert_eq!(here.read(&longer), here.read(&whole), "{times} {file}");
         }
-        run("120", "whole").says(&["it had come to its end before"]);
+        run("120", "whole").says(&["it was already complete"]);
     }
 }
 
@@ -502,14 +505,21 @@ fn given_times_go_the_way_of_the_run() {
     refused("[1, nan]", "13:25", &["finite"]);
     refused("3", "13:21", &["a list of times"]);
     let beside = "[1], every = 2";
-    refused(beside, "13:26", &["`every` cannot stand beside `times`"]);
+    refused(
+        beside,
+        "13:26",
+        &["`every` cannot be combined with `times`"],
+    );
     let paced = PACED.replace("until   = 6", "steps = 6");
     refused_of(
         &paced,
         "interval = 0.5",
         "times = [1]",
         "10:21",
-        &["with a pace nobody knows", "write `until`"],
+        &[
+            "with a pace the times after a number of steps are not known",
+            "write `until`",
+        ],
     );
 }
 

@@ -59,7 +59,7 @@ pub(super) fn advice(
     (largest > 0.0).then(|| Advice {
         kind: AdviceKind::BrokenClaim,
         message: format!(
-            "{} claims to be exact, and at one of the run's states a step is no Poisson map: it changes the tensor by \
+            "{} claims to be exact, but at one of the run's states a step is not a Poisson map: it changes the tensor by \
              {} of its terms",
             part.name,
             number(largest)

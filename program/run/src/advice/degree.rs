@@ -21,7 +21,7 @@ pub(super) fn advice(run: &ComposedRun) -> Option<Advice> {
     Some(Advice {
         kind: AdviceKind::TableDegree,
         message: format!(
-            "{} of polynomials whose derivatives jump between cells: of the method's order {order} they leave {left}",
+            "{} of polynomials whose derivatives jump between cells: they reduce the method's order {order} to {left}",
             match &names[..] {
                 [name] => format!("the table {name} is"),
                 names => format!("the tables {} are", names.join(", ")),

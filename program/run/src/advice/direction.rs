@@ -39,7 +39,7 @@ pub(super) fn advice(document: &SceneDocument, run: &ComposedRun) -> Option<Advi
         kind: AdviceKind::BackwardTime,
         message: format!(
             "{q}' is minus the derivative of H by {p}, so that Hamilton's equations run backwards in time: \
-             {{{q}, {p}}} is {sign}, and x' = {convention} asks for {definition} = 1"
+             {{{q}, {p}}} is {sign}, and x' = {convention} needs {definition} = 1"
         ),
         change: format!("convention = \"{other}\""),
     })

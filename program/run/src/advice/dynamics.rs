@@ -40,7 +40,7 @@ pub(super) fn advice(probe: &mut Probe<'_>) -> Option<Advice> {
         kind: AdviceKind::DynamicsOrder,
         message: format!(
             "{name} of order {m} over {} of order {n}: its terms after order {enough} \
-             change a step by at most {}, and cutting the realization off changes it by {}",
+             change a step by at most {}, and truncating the realization changes it by {}",
             probe.realization.name,
             number(lost),
             number(error)

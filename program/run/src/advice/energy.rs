@@ -66,16 +66,16 @@ impl EnergyError<'_> {
             return Some(Advice {
                 kind: AdviceKind::EnergyError,
                 message: format!(
-                    "the energy{} is off by {}, {} % of its scale along the orbit, for H itself jumps on the way, by {}: the \
-                     motion has the derivatives of H's pieces and takes no notice of a jump, so that the energy says nothing \
-                     of its error",
+                    "the energy{} is off by {}, {} % of its scale along the orbit, because H itself jumps on the way, by {}: the \
+                     motion has the derivatives of H's pieces and ignores jumps, so that the energy does not measure its \
+                     error",
                     self.whose,
                     number(self.largest),
                     number(100.0 * self.largest / scale),
                     number(jump)
                 ),
-                change: "a Hamiltonian without the jump, such as one of tanh, where the motion is to feel it; half the \
-                         time-step to see the error otherwise"
+                change: "a smooth Hamiltonian, such as one of tanh, if the motion should follow the jump; otherwise \
+                         half the time-step, to see the error"
                     .to_owned(),
             });
         }
@@ -83,7 +83,7 @@ impl EnergyError<'_> {
         Some(Advice {
             kind: AdviceKind::EnergyError,
             message: format!(
-                "the energy{} is off by {}, {} % of its scale along the orbit, {}: the motion is not to be trusted",
+                "the energy{} is off by {}, {} % of its scale along the orbit, {}: the motion is not reliable",
                 self.whose,
                 number(self.largest),
                 number(100.0 * self.largest / scale),

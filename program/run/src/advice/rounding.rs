@@ -32,8 +32,7 @@ fn of_the_step(run: &ComposedRun, states: &[Vec<f64>]) -> Option<Advice> {
         let part = sizes.difference(x, &here.ok()?, &there.ok()?);
         (part > DECIDED).then(|| {
             format!(
-                "the state's round-off decides where a step leads: one unit of it changes a coordinate's motion \
-                 by {} of it",
+                "the state's round-off dominates a step: one unit of it changes a coordinate's motion by {} of it",
                 number(part)
             )
         })
@@ -79,8 +78,8 @@ fn of_the_energy(run: &ComposedRun) -> Option<Advice> {
     (scale > 0.0 && round_off > UNRESOLVED * scale).then(|| Advice {
         kind: AdviceKind::RoundOff,
         message: format!(
-            "the energy is known to {} only, its round-off, and the coordinates make {} of it: that its drift is \
-             small says nothing",
+            "the energy has a round-off of {}, and the coordinates contribute only {} to it: a small drift says \
+             nothing",
             number(round_off),
             number(scale)
         ),

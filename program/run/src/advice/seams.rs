@@ -21,6 +21,6 @@ pub(super) fn advice(run: &ComposedRun) -> Option<Advice> {
             "the {subject} is smooth in pieces: a step that crosses a seam of its abs, if, min, max, mod or floor is \
              not of the method's order {order}"
         ),
-        change: "a smaller time-step, or smooth functions such as tanh in their place".to_owned(),
+        change: "a smaller time-step, or smooth functions such as tanh instead".to_owned(),
     })
 }

@@ -10,7 +10,7 @@ pub(super) fn advice(document: &SceneDocument) -> Option<Advice> {
     Some(Advice {
         kind: AdviceKind::ShortenedStep,
         message: format!(
-            "`until` = {} is no whole number of steps of {before:?}: steps of {step:?} come to it, {steps} in all",
+            "`until` = {} is not a whole number of steps of {before:?}: steps of {step:?} reach it, {steps} in all",
             until.value.literal
         ),
         change: format!("time-step = {step:?}"),

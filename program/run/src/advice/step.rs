@@ -153,17 +153,14 @@ impl<'a> Finer<'a> {
             // A run and the members of an ensemble say themselves that their first step fails.
             let is_first = *x == self.run.plan.initial;
             let what = match self.whose {
-                JudgedStates::OfTheRun => "a step that the run took fails where it is taken anew",
-                JudgedStates::Ahead => "a step on the way of the run fails where it is taken anew",
+                JudgedStates::OfTheRun => "a step of the run fails when it is repeated",
+                JudgedStates::Ahead => "a step later in the run fails when it is repeated",
                 JudgedStates::OfMembers => return None,
             };
             return (!is_first).then(|| format!("{what}: {error}"));
         }
         if let Err(error) = finer.advance() {
-            return self.refusal(
-                "a step is taken, and two of half its length are not",
-                &error,
-            );
+            return self.refusal("a step succeeds, and two of half its length fail", &error);
         }
         let part = self.difference(x, [&whole, &finer], COARSE);
         (part > self.outgrown.min(COARSE)).then(|| match self.tighter {
@@ -186,7 +183,7 @@ impl<'a> Finer<'a> {
             whole.advance().ok()?;
             if let Err(error) = finer.advance().and_then(|()| finest.advance()) {
                 let what = format!(
-                    "the first {step} steps are taken, and those of half or a quarter of their length are not"
+                    "the first {step} steps succeed, and those of half or a quarter of their length fail"
                 );
                 return self.refusal(&what, &error);
             }
@@ -219,7 +216,7 @@ impl<'a> Finer<'a> {
             let part = self.sizes.difference(x, &whole.increment, &halves.increment);
             (part > self.outgrown.min(COARSE)).then(|| {
                 format!(
-                    "the stepper steps over something shorter than a step: two of half its length change a coordinate's \
+                    "the stepper misses something shorter than a step: two of half its length change a coordinate's \
                      motion by {} of it",
                     number(part)
                 )

@@ -87,7 +87,7 @@ fn structure(
     Some(Advice {
         kind: AdviceKind::NoPoissonMap,
         message: format!(
-            "{} is no Poisson map, a step of it {kept}; {name} is one, and takes {:.0} operations a \
+            "{} is not a Poisson map, a step of it {kept}; {name} is one, and takes {:.0} operations a \
              step where this takes {:.0}",
             stepper.name, then.operations, now.operations
         ),

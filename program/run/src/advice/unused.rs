@@ -20,9 +20,7 @@ pub(super) fn unused_parameters(document: &SceneDocument) -> Vec<Advice> {
         .map(|name| Advice {
             kind: AdviceKind::UnusedParameter,
             message: format!("nothing depends on the parameter `{name}`: no formula names it"),
-            change: format!(
-                "`{name}` into the formula that it is meant for, or out of [system] parameters"
-            ),
+            change: format!("use `{name}` in a formula, or remove it from [system] parameters"),
         })
         .collect()
 }

@@ -45,7 +45,7 @@ pub(super) fn measured(
         advice.push(Advice {
             kind: AdviceKind::UnusedStates,
             message: format!(
-                "{} of states are given beyond those of the {members} members: they are no member's",
+                "{} of states are given beyond those of the {members} members, and are not used",
                 counted(left_out as usize, "row")
             ),
             change: "no `members` in [ensemble], to take every row".to_owned(),
@@ -81,8 +81,8 @@ pub(super) fn measured(
             advice.push(Advice {
                 kind: AdviceKind::UndefinedObservable,
                 message: format!(
-                    "`{}` has no finite value for {} of {} members, first at t = {}: the statistics are those of \
-                     the others",
+                    "`{}` has no finite value for {} of {} members, first at t = {}: the statistics cover the \
+                     others",
                     names[column],
                     summary.undefined,
                     all.done(),

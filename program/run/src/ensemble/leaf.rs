@@ -97,8 +97,8 @@ pub(super) fn leaves(
         let place = place.as_ref().unwrap_or(&ensemble.place);
         return Err(Box::new(document.diagnostic(
             place,
-            "on a lattice of this length every site has a leaf of its own, and the way onto them is not known: Newton's \
-             method along the Casimirs' gradients solves for a few Casimirs",
+            "on a lattice of this length every site has a separate leaf, and moving onto them is not supported: \
+             Newton's method along the Casimirs' gradients solves for only a few Casimirs",
             "on the leaf",
             Some("draw from a ball, or give the members' states by a file".to_owned()),
         )));
@@ -112,7 +112,7 @@ pub(super) fn leaves(
         if let Some((corank, independent)) = ranks.filter(|(corank, own)| corank > own) {
             return Err(refuse(format!(
                 "the leaf through the center has {corank} equations, the corank of the tensor there, and \
-                 {independent} independent Casimirs are declared: what they fix is more than the leaf"
+                 {independent} independent Casimirs are declared: their common level set is larger than the leaf"
             )));
         }
         return Ok(map);

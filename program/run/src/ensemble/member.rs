@@ -67,7 +67,7 @@ pub fn member_scene(
         for (key, value) in [("seed", section.seed), ("member", member)] {
             let value = i64::try_from(value).map_err(|_| {
                 rewrite(format!(
-                    "{value} is no whole number of TOML: take a smaller seed"
+                    "{value} is not a whole number of TOML: take a smaller seed"
                 ))
             })?;
             run.insert(key, Item::Value(Value::from(value)));

@@ -134,7 +134,7 @@ impl Population {
                     continue;
                 }
                 Some(_) => "has a value for each member already",
-                None => "is no parameter of the system",
+                None => "is not a parameter of the system",
             };
             let message = format!("`{name}` {why}");
             return Err(Box::new(document.diagnostic(&place, message, "here", None)));
@@ -315,9 +315,7 @@ fn rows(
         Err(Box::new(document.diagnostic(place, message, "here", None)))
     };
     if !is_whole || counts.iter().any(|count| *count != counts[0]) || counts.first() == Some(&0) {
-        return refuse(
-            "members that are given need a state and a value of each parameter for each of them",
-        );
+        return refuse("every member that is given needs a state and a value of each parameter");
     }
     if all.flatten().any(|value| !value.is_finite()) {
         return refuse("members that are given hold a number that is not finite");

@@ -21,7 +21,7 @@ pub struct EnsembleReport {
     pub wall_seconds: f64,
     /// The member an earlier session had come to.
     pub resumed_at: Option<u64>,
-    /// Whether it had come to its end before: nothing was computed or written.
+    /// Whether it was already complete: nothing was computed or written.
     pub is_repeated: bool,
     /// Threads that members were stepped on: fewer than asked for where the system grants no more.
     pub threads: usize,
@@ -70,7 +70,7 @@ impl EnsembleReport {
         if !deeper.is_empty() {
             words.push_str("; ");
             words.push_str(&deeper);
-            words.push_str(" lies nearer to the end than the sketch tells ranks apart");
+            words.push_str(" lies nearer to the end than the sketch resolves ranks");
         }
         Some(words)
     }

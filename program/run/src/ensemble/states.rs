@@ -49,7 +49,7 @@ fn places(columns: &[String], names: &[String], parameters: &[&str]) -> Result<V
             ""
         };
         return Err(format!(
-            "its column `{column}` is none of the coordinates {}{rest}, and no parameter",
+            "its column `{column}` is neither one of the coordinates {}{rest} nor a parameter",
             shown.join(", ")
         ));
     }
@@ -111,7 +111,10 @@ mod tests {
     fn named_columns_stand_in_any_order_and_are_the_coordinates() {
         assert_eq!(read("x2,x1\n1,2\n3,4"), Ok(vec![2.0, 1.0, 4.0, 3.0]));
         for (text, said) in [
-            ("x1,y\n1,2", "column `y` is none of the coordinates x1, x2"),
+            (
+                "x1,y\n1,2",
+                "column `y` is neither one of the coordinates x1, x2",
+            ),
             ("x1,x1\n1,2", "two columns `x1`"),
             ("x1,x2,x1\n1,2,3", "two columns `x1`"),
             ("x1\n1", "no column `x2`"),
@@ -134,7 +137,7 @@ mod tests {
             ("x1,x2,I2,I2\n1,2,3,4", "two columns `I2`"),
             (
                 "x1,x2,I3\n1,2,3",
-                "column `I3` is none of the coordinates x1, x2, and no parameter",
+                "column `I3` is neither one of the coordinates x1, x2 nor a parameter",
             ),
         ] {
             let error = members(text).expect_err(text);

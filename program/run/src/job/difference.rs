@@ -93,7 +93,7 @@ pub(super) fn changed_keys(before: &str, after: &str) -> Option<Vec<Change>> {
     if changes.is_empty() {
         changes.push(Change {
             key: None,
-            text: "the keys stand in another order".to_owned(),
+            text: "the keys are in another order".to_owned(),
         });
     }
     Some(changes)
@@ -218,7 +218,7 @@ mod tests {
         let exchanged = "[a]\nw = 1\nx = { y = [1, 2], z = \"t\" }\n";
         assert_eq!(
             texts(before, exchanged),
-            Some(vec!["the keys stand in another order".to_owned()])
+            Some(vec!["the keys are in another order".to_owned()])
         );
         assert_eq!(changed_keys(before, "[a"), None);
     }

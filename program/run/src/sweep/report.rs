@@ -25,7 +25,7 @@ pub struct SweepReport {
     pub wall_seconds: f64,
     /// The setting an earlier session had come to.
     pub resumed_at: Option<u64>,
-    /// Whether it had come to its end before: nothing was computed or written.
+    /// Whether it was already complete: nothing was computed or written.
     pub is_repeated: bool,
     /// Threads that settings were run on.
     pub threads: usize,

@@ -113,7 +113,7 @@ impl Settings {
                 if let Some((first, second, advice)) = conflict(&given) {
                     let (first, second) = (given[first], given[second]);
                     return Err(format!(
-                        "row {number}: `{second}` cannot stand beside `{first}`: {advice}"
+                        "row {number}: `{second}` cannot be combined with `{first}`: {advice}"
                     ));
                 }
                 let is_infinite = |cell: &&String| {

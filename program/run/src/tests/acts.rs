@@ -401,7 +401,7 @@ record  = {{ observables = ["energy", "r.x*p.y - r.y*p.x"] }}
     ));
 }
 
-/// A wall that no formula passes: what has no value, and what cannot stand beside it.
+/// A wall that no formula passes: what has no value, and what cannot be combined with it.
 #[test]
 fn what_cannot_act_is_refused() {
     let run = recorded(&ball("1", "steps = 40").replace("-1*p", "ln(p)")).expect("a run");

@@ -101,11 +101,11 @@ fn indicators_beside_exact_energy_are_refused_with_what_to_take_out() {
     };
     let refusal = compose(&exact).expect("refused");
     assert!(
-        refusal.message.starts_with("`megno` is not offered beside"),
+        refusal.message.starts_with("`megno` is not offered with"),
         "{refusal}"
     );
     let help = refusal.help.as_deref().unwrap_or_default();
-    assert!(help.contains("take `energy` out of [method]"), "{help}");
+    assert!(help.contains("remove `energy` from [method]"), "{help}");
     assert!(compose(&exact.replace("energy = \"exact\"\n", "")).is_none());
     assert!(compose(&exact.replace("megno", "x1")).is_none());
 }

@@ -39,7 +39,7 @@ impl ActTensor {
             Self::Kept => "the motion through them is a Poisson map".to_owned(),
             Self::Broken(defect) => {
                 format!(
-                    "the motion through them is no Poisson map, with a tensor defect of {defect:.1e}"
+                    "the motion through them is not a Poisson map, with a tensor defect of {defect:.1e}"
                 )
             }
             Self::Unknown => {
@@ -69,7 +69,7 @@ pub(super) fn act(
     let mut set = BTreeMap::new();
     for_each_coordinate(document, scope, &entries.value, |key, place, formula| {
         if place >= coordinates {
-            let message = "this is no coordinate that moves";
+            let message = "this is not a coordinate that moves";
             return Err(refuse(
                 &key.place(),
                 message,

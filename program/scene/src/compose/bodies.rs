@@ -200,12 +200,12 @@ fn unless_beside(
     Err(Box::new(document.diagnostic(
         &document.place_in_formula(formula, 0..formula.value.len()),
         format!(
-            "{what} beside a sum over pairs needs every pair of sites written out, at most {WRITTEN_LIMIT} coordinates, and this \
+            "{what} together with a sum over pairs needs every pair of sites written out, at most {WRITTEN_LIMIT} coordinates, and this \
              system has {coordinates}"
         ),
-        "beside a sum over pairs",
+        "together with a sum over pairs",
         Some(format!(
-            "leave it out, or shorten the chain, {}, or couple sites at fixed distances, as q[i+1]: {what} is taken at any length there",
+            "leave it out, or shorten the chain, {}, or couple sites at fixed distances, as q[i+1]: {what} is supported at any length there",
             document.system.shortening(WRITTEN_LIMIT)
         )),
     )))

@@ -118,7 +118,7 @@ impl SceneChecks {
                 ),
             };
             let help =
-                format!("correct {what}, or pass --allow-non-poisson to integrate it all the same");
+                format!("correct {what}, or pass --allow-non-poisson to integrate it anyway");
             let place = &document.system.bracket.place();
             return Some(Box::new(document.diagnostic(
                 place,

@@ -105,7 +105,7 @@ impl ComposedRun {
     pub fn work_of_forces(&self) -> Option<String> {
         if self.keeps_energy {
             return Some(
-                "kept to round-off by multiples of Casimirs, each step's own: as a whole it is no Poisson map"
+                "kept to round-off by multiples of Casimirs, others in each step: the whole is not a Poisson map"
                     .to_owned(),
             );
         }

@@ -52,10 +52,12 @@ impl Contact {
         let [last] = left[..] else {
             let left: Vec<&str> = left.iter().map(|at| names[*at].as_str()).collect();
             let message = match left.is_empty() {
-                true => "a contact bracket has one variable beside its pairs, and here is none"
-                    .to_owned(),
+                true => {
+                    "a contact bracket needs one variable in addition to its pairs, and there is none"
+                        .to_owned()
+                }
                 false => format!(
-                    "a contact bracket has one variable beside its pairs, and here are {}",
+                    "a contact bracket needs one variable in addition to its pairs, and there are {}",
                     left.join(", ")
                 ),
             };
@@ -150,7 +152,7 @@ fn check(document: &SceneDocument) -> Result<(), Refusal> {
         .or(forces.friction.as_ref().map(|own| own.place()));
     if let Some(place) = force {
         let message =
-            "forces do not stand beside a contact bracket: their work is no part of ds - p dq";
+            "a contact bracket does not support forces: their work is not part of ds - p dq";
         let help = "write friction into H: `+ gamma*s` makes p' = ... - gamma*p";
         return Err(refusal(document, &place, message.to_owned(), help));
     }
@@ -161,7 +163,7 @@ fn check(document: &SceneDocument) -> Result<(), Refusal> {
                 .first()
                 .map(|channel| channel.hamiltonian.place()),
             "noise",
-            "take the noise out",
+            "remove the noise",
         ),
         (
             document.method.pace.as_ref().map(|pace| pace.place()),
@@ -181,7 +183,7 @@ fn check(document: &SceneDocument) -> Result<(), Refusal> {
     ];
     for (place, noun, help) in others {
         if let Some(place) = place {
-            let message = format!("a contact bracket does not stand beside {noun}");
+            let message = format!("a contact bracket does not support {noun}");
             return Err(refusal(document, &place, message, help));
         }
     }
@@ -195,8 +197,7 @@ fn check(document: &SceneDocument) -> Result<(), Refusal> {
 pub(super) fn check_short(document: &SceneDocument, is_long: bool) -> Result<(), Refusal> {
     let is_contact = matches!(document.system.bracket.value, BracketSpec::Contact(_));
     if is_contact && is_long {
-        let message =
-            "a contact bracket is not offered on long lattices: s and its momentum meet every site";
+        let message = "a contact bracket is not offered on long lattices: s and its momentum couple to every site";
         let place = document.system.bracket.place();
         return Err(refusal(
             document,

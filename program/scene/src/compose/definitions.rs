@@ -55,7 +55,7 @@ pub(super) fn scope(
             return Err(Box::new(document.diagnostic(
                 &document.place_in_formula(formula, 0..formula.value.len()),
                 format!(
-                    "`{}` is nested more than {DEPTH_LIMIT} levels deep, with what it is defined by",
+                    "`{}` and its definitions are nested more than {DEPTH_LIMIT} levels deep",
                     name.value
                 ),
                 "in this formula",

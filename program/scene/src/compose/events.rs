@@ -194,7 +194,7 @@ pub(super) fn check_axes(
         if !columns.contains(&axis.value) {
             return Err(Box::new(document.diagnostic(
                 &axis.place(),
-                format!("`{}` is no column of section.csv", axis.value),
+                format!("`{}` is not a column of section.csv", axis.value),
                 "not recorded",
                 Some(
                     match nearest(&axis.value, columns.iter().map(String::as_str)) {
@@ -238,7 +238,7 @@ fn margin(
         return Err(refuse(
             document,
             text,
-            format!("`{whole}` asks for single points, which steps pass over"),
+            format!("`{whole}` holds only at single points, which steps pass over"),
             "no end",
             "compare by <, <=, > or >=; `section` finds where both sides are equal",
         ));
@@ -327,7 +327,7 @@ fn moves(
 ) -> Result<(), Refusal> {
     let whole = text.value.trim();
     let why = if difference.variables().is_empty() {
-        "no coordinate and no time stands in it"
+        "it contains neither a coordinate nor the time"
     } else {
         let is_equal = |difference: f64| difference.abs() <= EQUAL_MARGIN;
         // Near and far, on both sides.

@@ -49,7 +49,7 @@ impl ExactEnergySteps {
         }
         if is_shifted(document) {
             return refuse(
-                "`hamiltonian = \"energy-casimir\"` takes every multiple away again",
+                "`hamiltonian = \"energy-casimir\"` removes every multiple again",
                 "leave `hamiltonian` out: the multiples begin at those of energy-casimir",
             );
         }

@@ -110,7 +110,7 @@ impl Extension {
     ) {
         let Clock { time: t, energy: e } = self.clock;
         names.extend([TIME.to_owned(), ENERGY.to_owned()]);
-        // t' = 1 under x' = {K, x} asks for {e, t} = 1, under x' = {x, K} for {t, e} = 1.
+        // t' = 1 under x' = {K, x} needs {e, t} = 1, under x' = {x, K} for {t, e} = 1.
         let one = Expression::from(1);
         let entry = match convention {
             Convention::HamiltonFirst => Expression::Negate(Box::new(one)),
@@ -197,7 +197,7 @@ fn read_pace(
     if text.value.trim() == "auto" {
         return Err(Box::new(document.diagnostic(
             &document.place_in_formula(text, 0..text.value.len()),
-            "no pace is chosen by itself: one from the derivatives of the motion makes a step several times as expensive as a formula by hand",
+            "a pace is never chosen automatically: one from the derivatives of the motion makes a step several times as expensive as a formula by hand",
             "not a formula",
             Some(
                 "write a positive formula, as \"(q1^2 + q2^2)^0.75\" for a body about a centre at q = 0".to_owned(),

@@ -56,7 +56,7 @@ pub(super) fn forces(
     let of = "a formula for each, and 0 where there is none, or a table of them by coordinates; a force F on a momentum is -F \
               for its coordinate";
     let mut one_form = components(&spec.one_form, "forces", of)?;
-    let of = "a formula for each, and 0 where there is none, or a table of them by coordinates: it is added to x' as it stands";
+    let of = "a formula for each, and 0 where there is none, or a table of them by coordinates: it is added to x' unchanged";
     let friction = components(&spec.friction, "friction", of)?;
     if let Some(torque) = &spec.torque {
         add_torque(document, scope, torque, moving, &mut one_form, dimension)?;
@@ -113,7 +113,10 @@ fn by_coordinate(
 ) -> Result<(), Refusal> {
     for_each_coordinate(document, scope, entries, |key, place, formula| {
         let own = formulas.get_mut(place).ok_or_else(|| {
-            let message = format!("`{}` stays as it is, and feels no force", key.value.trim());
+            let message = format!(
+                "`{}` is constant, and no force acts on it",
+                key.value.trim()
+            );
             Box::new(document.diagnostic(&key.place(), message, "no coordinate that moves", None))
         })?;
         *own = formula;
@@ -327,7 +330,7 @@ pub(super) fn check_forces(
                             i + 1,
                             j + 1
                         ),
-                        "write the same formula in both places; a part that is not symmetric may stand in `forces`",
+                        "write the same formula in both places; a part that is not symmetric belongs in `forces`",
                     );
                 }
             }

@@ -89,7 +89,7 @@ pub(super) fn forms(
                     formula.value
                 ),
                 "taken",
-                Some("a constraint is a Casimir by its text: remove that one".to_owned()),
+                Some("every constraint is already a Casimir, named by its text: remove that Casimir".to_owned()),
             )));
         }
         constraints.push(Casimir {
@@ -226,7 +226,7 @@ fn refused(document: &SceneDocument, error: &FormError, names: &[String]) -> Ref
             bracket,
             error.to_string(),
             "has no inverse".to_owned(),
-            "the form must tell all directions apart: is a momentum, or a component, missing?"
+            "the form must be nondegenerate: is a momentum, or a component, missing?"
                 .to_owned(),
         ),
         FormError::DegenerateAt { at: state, .. } => (
@@ -253,8 +253,8 @@ fn refused(document: &SceneDocument, error: &FormError, names: &[String]) -> Ref
             system.constraints.get(*which).map_or(bracket, Located::place),
             "this constraint is of first class: its brackets with all constraints vanish".to_owned(),
             "of first class".to_owned(),
-            "Dirac's bracket is of second-class constraints: add the condition that fixes its gauge, or take a \
-             conserved one off the list"
+            "Dirac's bracket is of second-class constraints: add the condition that fixes its gauge, or remove \
+             a conserved one from the list"
                 .to_owned(),
         ),
         FormError::FirstClass { count, .. } => (

@@ -48,15 +48,15 @@ pub(super) fn indicators(
     if method.noise().is_some() {
         return refuse(
             format!("`{name}` is not offered with noise: every step is of another map"),
-            "take the noise out, or record `energy`",
+            "remove the noise, or record `energy`",
         );
     }
     if document.method.exact_energy.is_some() {
         return refuse(
             format!(
-                "`{name}` is not offered beside `energy = \"exact\"`: each step takes multiples of Casimirs of its own, and follows no one flow"
+                "`{name}` is not offered with `energy = \"exact\"`: each step takes different multiples of Casimirs, and follows no single flow"
             ),
-            "take `energy` out of [method]: the energy of a Poisson map does not drift",
+            "remove `energy` from [method]: the energy of a Poisson map does not drift",
         );
     }
     let map = method.map();

@@ -127,9 +127,9 @@ fn circle(document: &SceneDocument, families: &[SiteFamily<'_>]) -> Refusal {
         .map(|at| format!("`{}`", families[*at].name))
         .collect();
     let message = match names.as_slice() {
-        [only] => format!("values of {only} are given by values of {only}"),
+        [only] => format!("values of {only} are defined by values of {only}"),
         several => format!(
-            "the values of {} are each given by the next",
+            "the values of {} are each defined by the next",
             several.join(", ")
         ),
     };
@@ -149,8 +149,8 @@ fn circle(document: &SceneDocument, families: &[SiteFamily<'_>]) -> Refusal {
     Box::new(document.diagnostic(
         &key.place(),
         message,
-        "goes round in a circle",
-        Some("write one of them by numbers, by indices and by parameters of its own".to_owned()),
+        "a circular definition",
+        Some("write one of them by numbers, indices and other parameters".to_owned()),
     ))
 }
 
@@ -212,7 +212,7 @@ impl State<'_> {
                     &key.place(),
                     format!("`{}` is a parameter of every site", pattern.name()),
                     "no coordinate",
-                    Some("its values stand in [system] parameters".to_owned()),
+                    Some("its values belong in [system] parameters".to_owned()),
                 )));
             }
         }
@@ -283,7 +283,7 @@ impl State<'_> {
             ),
             "given twice",
             Some(format!(
-                "names of indices are free, and neither key goes before the other: keep one, write both as one formula, or give \
+                "index names are arbitrary, and neither key has priority: keep one, write both as one formula, or give \
                  single sites or rows their own values, as in \"{}\"",
                 match one.split_once('[') {
                     Some((family, indices)) if indices.contains(',') => format!("{family}[0,j]"),

@@ -94,7 +94,7 @@ impl<'a> SceneLattice<'a> {
                 &single.place(),
                 format!(
                     "a lattice of more than {DENSE_LIMIT} coordinates has no single variables \
-                     beside its families"
+                     besides its families"
                 ),
                 "this variable",
                 Some("make it a family, or shorten the lattice".to_owned()),
@@ -369,8 +369,8 @@ fn force_reach(
         let rate = function(document, &scope(document, &one_site, None)?, &damping.rate)?;
         if !rate.variables().is_empty() {
             let message = "on a lattice of this length the rate of the damping is a formula of the parameters: one rate that \
-                           depends on the state moves every site by all others";
-            let help = "what differs from site to site stands in the metric: metric = { \"p[i]\" = \"a[i]\" }";
+                           depends on the state couples every site to all others";
+            let help = "values that differ from site to site belong in the metric: metric = { \"p[i]\" = \"a[i]\" }";
             return refuse(damping.rate.place(), message, help);
         }
         if let Some(metric) = &damping.metric {

@@ -287,10 +287,10 @@ pub(super) fn refusal(
         (Some(name), _) => Some(format!("did you mean `{name}`?")),
         (None, SyntaxErrorKind::UnknownName { name }) => Some(unknown_name_help(document, name)),
         (None, SyntaxErrorKind::UnexpectedCharacter { character: '=' }) => {
-            Some("a formula has no `=`: write what stands on the right of it alone".to_owned())
+            Some("a formula has no `=`: write only the right-hand side".to_owned())
         }
         (None, SyntaxErrorKind::IndexAsNumber { name }) => Some(format!(
-            "what differs from site to site is a parameter of sites: w[{name}] in the formula, and \"w[{name}]\" = \"…\" in \
+            "values that differ from site to site are a parameter of sites: w[{name}] in the formula, and \"w[{name}]\" = \"…\" in \
              [system.parameters], a formula of {name}"
         )),
         (None, SyntaxErrorKind::UnknownFunction { .. }) => Some(vocabulary(document)),
@@ -410,7 +410,7 @@ fn about_a_long_lattice(
                     "shorten the lattice, or couple sites at fixed distances, as q[i+5]"
                 }
                 _ => {
-                    "what one site has of its own is a parameter of sites: a[i] in the formula, \"a[i]\" = 0 and \"a[3]\" = 1 in \
+                    "values of single sites are a parameter of sites: a[i] in the formula, \"a[i]\" = 0 and \"a[3]\" = 1 in \
                      [system.parameters]"
                 }
             };

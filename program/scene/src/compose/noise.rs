@@ -196,10 +196,10 @@ impl<'a> NoisySteps<'a> {
             Ok(map) => Err(refuse(match pieces(map.as_ref()) {
                 0 => "nothing moves under it".to_owned(),
                 pieces if self.lattice.is_some() => format!(
-                    "its flows at neighbouring sites do not commute, and come apart into {pieces} pieces"
+                    "its flows at neighbouring sites do not commute, and split into {pieces} pieces"
                 ),
                 pieces => {
-                    format!("it comes apart into {pieces} pieces whose flows do not commute")
+                    format!("it splits into {pieces} pieces whose flows do not commute")
                 }
             })),
             Err(error) => Err(refuse(error.to_string())),
@@ -269,7 +269,7 @@ fn check_strengths(
                 document,
                 &spec.strength,
                 OutOfDomain::Strength(value).to_string(),
-                "take the channel out, or write a positive number or a formula of the parameters that is positive",
+                "remove the channel, or write a positive number or a formula of the parameters that is positive",
             ));
         }
     }

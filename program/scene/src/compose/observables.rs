@@ -223,7 +223,7 @@ pub(super) fn asks_for_indicator(text: &str) -> bool {
 fn no_indicator(document: &SceneDocument, asked: &Located<String>) -> Refusal {
     Box::new(document.diagnostic(
         &document.place_in_formula(asked, 0..asked.value.len()),
-        format!("`{}` is no indicator of chaos", asked.value),
+        format!("`{}` is not an indicator of chaos", asked.value),
         "here",
         Some(
             "write `megno`, `sali`, `lyapunov`, or `lyapunov 2`, `lyapunov 3`, … for the second, third, … largest exponent"

@@ -40,7 +40,7 @@ pub(super) fn check_length(
         return refuse(
             until.place(),
             format!(
-                "{alone}, and `until` = {} is no whole number of them",
+                "{alone}, and `until` = {} is not a whole number of them",
                 until.value.literal
             ),
             format!(

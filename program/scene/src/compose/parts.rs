@@ -156,7 +156,7 @@ fn stepper(
                 refusal.message += &format!(
                     "; with a pace the Hamiltonian is (H + e)*({pace}), where t' = {pace}"
                 );
-                refusal.help = Some("take the pace out, or a realization and dynamics".to_owned());
+                refusal.help = Some("remove the pace, or a realization and dynamics".to_owned());
             }
             refusal
         })?),
@@ -285,7 +285,7 @@ pub(super) fn what_fits(
             let such_as = splits
                 .first()
                 .map_or(String::new(), |part| format!(" such as {}", part.name));
-            format!("a stepper{such_as} may stand in place of both")
+            format!("a stepper{such_as} may replace both")
         }
         (names, true) => format!(
             "these can be swept over a long lattice: {}",

@@ -136,7 +136,7 @@ impl<'a> Request<'a> {
             .first()
             .map(|info| format!(": composition = \"{}\"", info.name));
         format!(
-            "it stands beside the stepper{}",
+            "it is written next to the stepper{}",
             example.unwrap_or_default()
         )
     }

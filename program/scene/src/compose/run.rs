@@ -241,12 +241,12 @@ fn compose_at_its_values(
         (
             !indicators.is_empty(),
             "indicators of chaos",
-            "take the indicators out of the observables",
+            "remove the indicators from the observables",
         ),
         (
             exact.is_some(),
-            "exact energy, which would take back what they change",
-            "take `energy` out of the method",
+            "exact energy, which would undo their change",
+            "remove `energy` from the method",
         ),
     ];
     if let Some(set) = section.and_then(|section| section.set.as_ref())
@@ -329,7 +329,7 @@ pub(super) fn check_times(document: &SceneDocument) -> Result<(), Refusal> {
             format!("the run never comes to t = {}", until.value.literal),
             "here",
             Some(
-                "it begins at t = 0 and goes the way of its steps: forwards where time-step is positive"
+                "it begins at t = 0 and follows the sign of time-step: forwards where it is positive"
                     .to_owned(),
             ),
         ))),

@@ -40,7 +40,7 @@ pub(super) fn check_given_times(document: &SceneDocument) -> Result<(), Refusal>
         (None, Some(_)) => {
             return Err(Box::new(document.diagnostic(
                 &times.place(),
-                "with a pace nobody knows which times a number of steps comes to",
+                "with a pace the times after a number of steps are not known in advance",
                 "here",
                 Some("write `until`, the time at the end, in place of `steps`".to_owned()),
             )));
@@ -65,7 +65,7 @@ pub(super) fn check_given_times(document: &SceneDocument) -> Result<(), Refusal>
             return refuse(
                 time,
                 format!("the run ends at t = {end:?}, before t = {literal}"),
-                "take more `steps`, or leave out the times behind the end".to_owned(),
+                "take more `steps`, or leave out the times after the end".to_owned(),
             );
         }
         before = Some(time);

@@ -116,7 +116,7 @@ impl ShadowEnergy {
         };
         let too_long = |order: usize| NoShadow {
             message: format!("the formulas of a shadow Hamiltonian of order {order} grow too long"),
-            help: format!("ask for a lower order, {} at least", m + 2),
+            help: format!("give a lower order, {} at least", m + 2),
         };
         if let Some(order) = asked {
             if order < m + 2 || order > m + 8 || !(order - m).is_multiple_of(2) {
@@ -126,7 +126,7 @@ impl ShadowEnergy {
                         map.describe()
                     ),
                     help: format!(
-                        "H itself is of order {m}; ask for {}, {}, … or {}",
+                        "H itself is of order {m}; give {}, {}, … or {}",
                         m + 2,
                         m + 4,
                         m + 8
@@ -181,8 +181,8 @@ impl ShadowEnergy {
         }
         Err(NoShadow {
             message: format!(
-                "the shadow Hamiltonian of `{}` is H itself, as far as order {}: over an exact realization nothing errs, and \
-                 what errs here is the realization",
+                "the shadow Hamiltonian of `{}` is H itself, up to order {}: over an exact realization there is no error, \
+                 and here the realization causes it",
                 map.describe(),
                 last - 1
             ),

@@ -195,7 +195,7 @@ fn slice(
         return Err(refuse(
             format!("the state has no coordinates `{name}`"),
             format!(
-                "it has {}; a function of the state belongs into `observables`",
+                "it has {}; a function of the state belongs in `observables`",
                 names.join(", ")
             ),
         ));
@@ -216,7 +216,7 @@ fn slice(
             let last: Vec<String> = whole.axes.iter().map(|n| (n - 1).to_string()).collect();
             return Err(refuse(
                 format!(
-                    "`{text}` is no site of `{name}`, whose last is {name}[{}]",
+                    "`{text}` is not a site of `{name}`, whose last is {name}[{}]",
                     last.join(",")
                 ),
                 format!(
@@ -235,7 +235,7 @@ fn slice(
     let range = inner.and_then(|inner| range(inner, length));
     let Some((first, end, step)) = range else {
         return Err(refuse(
-            format!("`{text}` is no part of `{name}`"),
+            format!("`{text}` is not a part of `{name}`"),
             format!(
                 "write {name} for all of it, {name}[5] for one site, {name}[0..10] for ten, {name}[::100] for \
                  every hundredth"
@@ -245,10 +245,10 @@ fn slice(
     if end > length || first >= end {
         return Err(refuse(
             format!(
-                "`{name}` has the sites 0 to {}, and `{text}` asks for others",
+                "`{name}` has the sites 0 to {}, and `{text}` names others",
                 length - 1
             ),
-            format!("the end of a slice is left out: {name}[0..{length}] is all of it"),
+            format!("the end of a slice is exclusive: {name}[0..{length}] is all of it"),
         ));
     }
     Ok(StateSlice {

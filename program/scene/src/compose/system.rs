@@ -122,7 +122,7 @@ pub(super) fn check_sites(document: &SceneDocument) -> Result<(), Refusal> {
         return Err(Box::new(
             document.diagnostic(
                 &key.place(),
-                "parameters of sites do not stand beside a bracket by a form or with constraints",
+                "parameters of sites are not supported with a bracket by a form or with constraints",
                 "here",
                 Some(
                     "write the bracket's entries, or a number for each site where it is used"

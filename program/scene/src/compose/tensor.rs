@@ -64,7 +64,7 @@ fn at_every_site(
             document.diagnostic(
                 &scalar.place(),
                 format!(
-                    "a Lie algebra at every site is that of vectors, and `{}` is none",
+                    "a Lie algebra at every site needs vectors, and `{}` is not a vector",
                     scalar.value
                 ),
                 "no vector",

@@ -294,7 +294,7 @@ fn what_is_no_algebra_and_no_representation_is_refused_where_it_stands() {
         refused("{ structure = [[1, 2, 1, 1]], representation = [[[1]], [[1]]] }");
     assert_eq!(at, "[[[1]], [[1]]]");
     assert!(
-        message.starts_with("this is no representation: in row 1, column 1"),
+        message.starts_with("this is not a representation: in row 1, column 1"),
         "{message}"
     );
 }

@@ -93,20 +93,20 @@ pub(super) fn about_time(
     if system.casimirs.iter().any(|(_, casimir)| is(casimir)) {
         return told(
             "a Casimir cannot name the time t: it would move with it",
-            "a function of t and of Casimirs may stand in run.record.observables",
+            "record a function of t and of Casimirs in run.record.observables",
         );
     }
     if system.constraints.iter().any(is) {
         return told(
             "a constraint cannot name the time t: with t as a coordinate it would move t's energy",
-            "write the coordinates in which the constraint stands still",
+            "write coordinates in which the constraint does not depend on the time",
         );
     }
     if within(&system.bracket.place()) {
         return told(
             "the bracket cannot name the time t: a motion keeps a bracket only where it does not change, and with t as \
              a coordinate the Jacobi identity fails",
-            "a factor f(t) of the whole bracket belongs into the Hamiltonian; a magnetic field that changes comes with \
+            "a factor f(t) of the whole bracket belongs in the Hamiltonian; a magnetic field that changes comes with \
              an electric one: write positions and canonical momenta, with the vector potential A(x, t) in H, or the bracket by a \
              one-form, whose components may name t",
         );
@@ -123,7 +123,7 @@ pub(super) fn about_time(
     }
     if !system.families.is_empty() && system.coordinates() > DENSE_LIMIT {
         return told(
-            "t is no name of a formula on a lattice of this length: with t as a coordinate every site would move its energy",
+            "t cannot be named by a formula on a lattice of this length: with t as a coordinate every site would move its energy",
             "the first column of samples.csv is t; end the run by `steps`, and record at given `times`",
         );
     }

@@ -20,8 +20,8 @@ const QUATERNION: [&str; 4] = ["q0", "q1", "q2", "q3"];
 const ROUND_OFF: f64 = 1e-12;
 
 /// Help for a system without attitude: forces on m alone move it along its leaf, which keeps |m|.
-const NO_ATTITUDE: &str = "write `library = \"attitude\"`, or \"heavy-top-attitude\" beside gravity, whose orientation is part of the \
-                           state; `forces` cannot stand for a torque on m alone: they keep its length";
+const NO_ATTITUDE: &str = "write `library = \"attitude\"`, or \"heavy-top-attitude\" with gravity, whose orientation is part of the \
+                           state; `forces` cannot express a torque on m alone: they keep its length";
 
 /// Adds the one-form of a torque to that of the other forces.
 ///
@@ -39,7 +39,7 @@ pub(super) fn add_torque(
     let quaternion: Vec<usize> = QUATERNION.iter().filter_map(&at).collect();
     let momentum: Vec<usize> = MOMENTUM.iter().filter_map(at).collect();
     let (&[q0, q1, q2, q3], 3) = (&quaternion[..], momentum.len()) else {
-        let message = "a torque acts on the attitude of a body, the quaternion q0, q1, q2, q3 beside its momentum m1, m2, m3";
+        let message = "a torque acts on the attitude of a body, the quaternion q0, q1, q2, q3 with its momentum m1, m2, m3";
         let help = Some(NO_ATTITUDE.to_owned());
         return Err(Box::new(document.diagnostic(
             &torque.place(),

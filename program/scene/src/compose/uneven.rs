@@ -20,8 +20,8 @@ pub struct Uneven {
 /// Events of a scene that change the state, where the method's steps are made alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[error(
-    "an integrator makes the steps of the method alone, and events of this scene change the state: take a run, or `set` out of the \
-     section"
+    "an integrator makes the steps of the method alone, and events of this scene change the state: take a run, or remove `set` \
+     from the section"
 )]
 pub struct ActingEvents;
 

@@ -162,11 +162,11 @@ fn summand(
     let second = match &bracket.value {
         BracketSpec::Sum(_) => Some((
             "sum",
-            "a summand is no sum: write its summands beside the others",
+            "a summand cannot be a sum: list its summands with the others",
         )),
         BracketSpec::Contact(_) => Some((
             "contact",
-            "a contact system is no summand: write all its pairs beside one variable s",
+            "a contact system cannot be a summand: write all its pairs with one variable s",
         )),
         _ => None,
     };

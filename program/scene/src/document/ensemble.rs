@@ -302,7 +302,7 @@ fn read_parameters(
             let mut define = system.define.iter();
             let is_formula = define.any(|(own, _)| own.value == name.value);
             let kind = match is_formula {
-                true => "parameter of a number of its own (it is a formula of others)",
+                true => "parameter with an independent value (it is a formula of others)",
                 false => "parameter of this system",
             };
             let cause = SceneProblemCause::unknown(kind, &name.value, known());

@@ -6,7 +6,7 @@ use leafwise_find::{Equations, Options, Report, find};
 use toml::de::DeTable;
 use toml_edit::{DocumentMut, InlineTable, value};
 
-use super::error::{SceneErrors, SceneProblemCause};
+use super::error::{ConstantNames, SceneErrors, SceneProblemCause};
 use super::field::{Parameters, read_parameters};
 use super::located::{Located, Place, Source};
 use super::method_table::RewriteError;
@@ -122,7 +122,8 @@ fn read_equations(table: &Table<'_>, problems: &mut Problems) -> Option<Equation
         let cause = SceneProblemCause::NoConstant {
             key: name.value.clone(),
             text: formula.value.clone(),
-            reason: "beside `equations` a parameter is a number".to_owned(),
+            reason: "with `equations` a parameter is a number".to_owned(),
+            names: ConstantNames::None,
             is_of_state: false,
         };
         problems.push(cause, formula.place());

@@ -1,5 +1,7 @@
 //! Errors of a scene's text.
 
+use std::fmt;
+
 use thiserror::Error;
 
 use super::located::{FOUND, Place, Source};
@@ -16,6 +18,24 @@ pub struct SceneProblem {
     pub cause: SceneProblemCause,
     /// Where it is written.
     pub place: Place,
+}
+
+/// Names that a formula of constants may have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ConstantNames {
+    /// None.
+    None,
+    /// Those of other parameters.
+    Parameters,
+}
+
+impl fmt::Display for ConstantNames {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::None => "numbers",
+            Self::Parameters => "numbers and other parameters",
+        })
+    }
 }
 
 /// The ways a scene's text can be wrong.
@@ -71,7 +91,7 @@ pub enum SceneProblemCause {
         found: &'static str,
     },
     /// A text that is no formula of numbers.
-    #[error("`{key}` is no number, nor a formula of numbers and other parameters: {reason}")]
+    #[error("`{key}` is neither a number nor a formula of {names}: {reason}")]
     NoConstant {
         /// The key.
         key: String,
@@ -79,6 +99,8 @@ pub enum SceneProblemCause {
         text: String,
         /// Why not.
         reason: String,
+        /// Names that it may have.
+        names: ConstantNames,
         /// Whether a name of the state stands in it.
         is_of_state: bool,
     },
@@ -119,7 +141,7 @@ pub enum SceneProblemCause {
         allowed: String,
     },
     /// Two keys that say the same thing.
-    #[error("`{second}` cannot stand beside `{first}`")]
+    #[error("`{second}` cannot be combined with `{first}`")]
     Conflict {
         /// One key.
         first: String,
@@ -220,7 +242,7 @@ pub enum SceneProblemCause {
         reason: String,
     },
     /// A key that settings of a sweep may not differ in.
-    #[error("`{key}` is no key of settings: {reason}")]
+    #[error("`{key}` is not a key of settings: {reason}")]
     Swept {
         /// The key.
         key: String,
@@ -298,25 +320,30 @@ impl SceneProblemCause {
                 }
             }
             Self::Syntax { message } if message.contains("unquoted key") => Some(
-                "a key with other letters than a to z, A to Z, 0 to 9, `-` and `_` stands in quotes: \"Iα\" = 1.0"
+                "a key with other letters than a to z, A to Z, 0 to 9, `-` and `_` needs quotes: \"Iα\" = 1.0"
                     .to_owned(),
             ),
             Self::WrongType { key, .. } if key == "bracket" => Some(
-                "bracket = \"canonical\" pairs q with p, for q' = ∂H/∂p and p' = -∂H/∂q; else write the pairs that do not \
+                "bracket = \"canonical\" pairs q with p, for q' = ∂H/∂p and p' = -∂H/∂q; otherwise write the pairs that do not \
                  vanish: bracket = { \"x,y\" = \"x*y\" }"
                     .to_owned(),
             ),
             Self::NotOne { key, .. } => Some(format!(
-                "a value for each site of a family stands under its name with an index: \"{key}[i]\" = [1, 2, 3]"
+                "write a value for each site of a family under its name with an index: \"{key}[i]\" = [1, 2, 3]"
             )),
             Self::NoConstant {
                 text,
+                names,
                 is_of_state: false,
                 ..
-            } => Some(if text.contains('N') {
-                "write the length of a family as a number here".to_owned()
-            } else {
-                "numbers, other parameters by their names, and functions of them may stand here".to_owned()
+            } => Some(match names {
+                _ if text.contains('N') => "write the length of a family as a number here".to_owned(),
+                ConstantNames::Parameters => {
+                    "numbers, other parameters by their names, and functions of them are allowed here".to_owned()
+                }
+                ConstantNames::None => {
+                    "numbers and functions of them are allowed here, as \"sqrt(3)/2\"".to_owned()
+                }
             }),
             Self::NoConstant { key, text, .. } => Some(format!(
                 "a formula of the state is a definition: define = {{ {key} = \"{text}\" }} in [system], without the \
@@ -360,8 +387,8 @@ impl SceneProblemCause {
                 "declare the lattice that it belongs to: families = { q = 100, p = 100 }".to_owned(),
             ),
             Self::NoBracket { .. } => Some(
-                "`leafwise find SCENE` prints what was tried; damping and driving stand beside a bracket of the rest, as \
-                 `forces` and `damping`"
+                "`leafwise find SCENE` prints what was tried; give a bracket without damping and driving, and add these \
+                 as `damping` and `forces`"
                     .to_owned(),
             ),
             Self::NoCasimirs { .. } => Some(
@@ -401,7 +428,7 @@ fn time_help(key: &str, table: &str) -> Option<&'static str> {
             "tend" | "end" | "endtime" | "tmax" | "tfinal" | "finaltime" | "time" | "duration"
             | "t",
         ) => Some(
-            "a run ends after `steps`, as many as the time to go over `time-step`, or at the time `until`",
+            "a run ends after `steps`, the total time divided by `time-step`, or at the time `until`",
         ),
         _ => None,
     }

@@ -88,7 +88,7 @@ impl Section {
         if !needs.is_empty() {
             line(&format!("Needs {needs}.\n"));
         }
-        line("| Key | Value | Default | Meaning | Not beside |");
+        line("| Key | Value | Default | Meaning | Excluded by |");
         line("|---|---|---|---|---|");
         for table in &self.tables {
             for key in table.keys {

@@ -65,7 +65,7 @@ pub use bracket::{BracketSpec, SummandSpec};
 pub use ensemble::{Distribution, EnsembleSection, FinalStates, InitialDraw, ParameterDraw};
 pub(crate) use equations::{asking_for_casimirs, no_casimirs};
 pub use equations::{equations_of, with_casimirs, with_hamiltonian, with_plain_run, with_system};
-pub use error::{SceneErrors, SceneProblem, SceneProblemCause};
+pub use error::{ConstantNames, SceneErrors, SceneProblem, SceneProblemCause};
 pub use families::DENSE_LIMIT;
 pub use faults::{Fault, faults};
 pub use field::FieldSpec;

@@ -58,7 +58,7 @@ pub(super) fn read_numbers(
     ] {
         if let Some(item) = table.get(key) {
             let advice = format!(
-                "`{}` computes numbers, and `{key}` stands beside formulas of a system alone",
+                "`{}` computes numbers, and `{key}` needs a system of formulas",
                 id.value
             );
             problems.conflict("library", item, advice);

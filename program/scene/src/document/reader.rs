@@ -6,7 +6,7 @@ use std::ops::Range;
 use leafwise_expression::syntax::{Formula, Scope, SyntaxErrorKind};
 use toml::de::{DeTable, DeValue};
 
-use super::error::{SceneProblem, SceneProblemCause};
+use super::error::{ConstantNames, SceneProblem, SceneProblemCause};
 use super::located::{Located, Number, Place, Source};
 use super::shape::{Key, choices, has, names};
 use super::suggest::nearest;
@@ -335,6 +335,7 @@ impl<'a> Item<'a> {
                         }
                         kind => kind.to_string(),
                     },
+                    names: ConstantNames::None,
                     is_of_state: false,
                 };
                 problems.push(cause, self.place());

@@ -55,7 +55,7 @@ pub(super) static SCENE: [Key; 6] = [
 
 static STEPPER_BESIDE: [Beside; 1] = [Beside::InPlaceOf {
     keys: &["realization", "dynamics"],
-    advice: "a stepper stands in place of both parts",
+    advice: "a stepper replaces both parts",
 }];
 
 static TIME_STEP_BESIDE: [Beside; 1] = [Beside::InPlaceOf {
@@ -94,15 +94,15 @@ static UNTIL_BESIDE: [Beside; 1] = [Beside::InPlaceOf {
 
 static STOP_BESIDE: [Beside; 1] = [Beside::Elsewhere {
     paths: &[NOISE],
-    message: "`stop` is not offered with noise: its place is found by shorter steps, and noise would be drawn \
-              anew for them",
+    message: "`stop` is not offered with noise: its place is found by shorter steps, and these would draw new \
+              noise",
     help: "record the quantity, and look where its samples end",
 }];
 
 static SECTION_BESIDE: [Beside; 1] = [Beside::Elsewhere {
     paths: &[NOISE],
-    message: "a section is not offered with noise: a crossing is found by shorter steps, and noise would be drawn \
-              anew for them",
+    message: "a section is not offered with noise: a crossing is found by shorter steps, and these would draw new \
+              noise",
     help: "record the quantity, and look where its samples change their sign",
 }];
 
@@ -137,7 +137,7 @@ static TIMES_BESIDE: [Beside; 3] = [
     Beside::Elsewhere {
         paths: &[NOISE],
         message: "`times` are not offered with noise: a state between two steps is found by shorter steps, and \
-                  noise would be drawn anew for them",
+                  these would draw new noise",
         help: "write every = …, a number of steps between two samples",
     },
     Beside::Note("a pace with `run.steps`"),
@@ -204,11 +204,11 @@ pub(super) static METHOD: [Key; 11] = [
     key(
         "energy",
         Shape::Words(&["exact"]),
-        "Keeps the energy to round-off beside the Casimirs: each step takes multiples of Casimirs from H. The steps are no Poisson \
-         map as a whole",
+        "Keeps the energy to round-off, as well as the Casimirs: each step subtracts multiples of Casimirs from H. The steps are \
+         not a Poisson map as a whole",
     )
     .otherwise("as the steps have it")
-    .not_beside(&[Beside::Note("noise, forces, a pace, H that names t, a long lattice, steps that are no exact Poisson maps")]),
+    .not_beside(&[Beside::Note("noise, forces, a pace, H that names t, a long lattice, steps that are not exact Poisson maps")]),
     key(
         CHOSEN_AT,
         Shape::Names(&Shape::Number),
@@ -256,7 +256,7 @@ pub(super) static RUN: [Key; 11] = [
     key(
         "seed",
         Shape::Whole(0),
-        "The seed of the random numbers of noise. Members of an ensemble draw by its own",
+        "The seed of the random numbers of noise. An ensemble uses its own seed for its members",
     )
     .default("0"),
     key(
@@ -270,7 +270,7 @@ pub(super) static RUN: [Key; 11] = [
         Shape::Words(&["estimate"]),
         "Estimates the error of the run's states when it is done, by a pass with half the step: three times the steps in all",
     )
-    .otherwise("none: `run --error` asks for it")
+    .otherwise("none: `run --error` turns it on")
     .not_beside(&[Beside::Note(
         "ensembles, sweeps; an estimate: noise, a pace, events that set, functions in pieces, a tolerance",
     )]),
@@ -311,7 +311,7 @@ pub(super) static RECORD: [Key; 5] = [
     key(
         "interval",
         Shape::Number,
-        "The time between two samples, in place of every, beside a pace",
+        "The time between two samples, in place of every, with a pace",
     )
     .otherwise("none")
     .not_beside(&INTERVAL_BESIDE),
@@ -420,7 +420,7 @@ pub(super) static DRAWS: [Key; 7] = [
     key(
         CENTER,
         Shape::Either(&[NUMBERS, FIELDS]),
-        "The state that draws are about, as `initial` of [run]; what it does not name is the scene's initial state",
+        "The centre of the draws, as `initial` of [run]; coordinates that it does not name keep the scene's initial value",
     )
     .otherwise("the scene's initial state"),
 ];
@@ -452,7 +452,7 @@ pub(super) static ENSEMBLE_RECORD: [Key; 6] = [
     key(
         "interval",
         Shape::Number,
-        "The time between two statistics, in place of every, beside a pace",
+        "The time between two statistics, in place of every, with a pace",
     )
     .otherwise("none")
     .not_beside(&INTERVAL_BESIDE),

@@ -332,13 +332,13 @@ pub fn conflict(keys: &[&str]) -> Option<(usize, usize, String)> {
         let later = keys[second];
         keys[..second].iter().enumerate().find_map(|(first, key)| {
             if alternatives(key, later) {
-                let advice = "each takes the place of the other: keep one".to_owned();
+                let advice = "each replaces the other: keep one".to_owned();
                 return Some((first, second, advice));
             }
             // A part that is named behind its own parameters forgets them.
             let within = key.strip_prefix(later);
             let is_undone = within.is_some_and(|rest| rest.starts_with('.'));
-            let advice = format!("`{later}` takes the place of what stands in it: name it first");
+            let advice = format!("`{later}` replaces all keys within it: name it first");
             is_undone.then_some((first, second, advice))
         })
     })

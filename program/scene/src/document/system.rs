@@ -11,7 +11,7 @@ use toml::de::DeTable;
 use super::bracket::read_bracket;
 use super::canonical::Coordinates;
 use super::equations::{FIND, found_system, has_equations};
-use super::error::SceneProblemCause;
+use super::error::{ConstantNames, SceneProblemCause};
 use super::families::{
     Families, boundaries, chain_length, check_boundaries, on_axes, read_families,
 };
@@ -265,6 +265,7 @@ fn define_parameters(
             key: name.value.clone(),
             text: formula.value.clone(),
             reason,
+            names: ConstantNames::Parameters,
             is_of_state: variables.contains(other),
         };
         problems.push(cause, formula.place());

@@ -50,8 +50,8 @@ static LIBRARY_BESIDE: [Beside; 1] = [Beside::Keys {
         "convention",
         "hamiltonian",
     ],
-    advice: "beside `library` only `parameters`, `define`, `tables`, `families`, `casimirs`, `forces`, `torque`, `damping`, `friction` and \
-              `noise` may stand; remove it, or write the system out without `library`",
+    advice: "with `library` only `parameters`, `define`, `tables`, `families`, `casimirs`, `forces`, `torque`, `damping`, `friction` and \
+              `noise` are allowed; remove it, or write the system out without `library`",
 }];
 
 /// Keys of a system that is written out, and those that are found.
@@ -67,8 +67,8 @@ static EQUATIONS_BESIDE: [Beside; 1] = [Beside::Keys {
         "hamiltonian",
         "casimirs",
     ],
-    advice: "beside `equations` only `variables`, `parameters`, `bracket = \"find\"`, `forces`, `torque`, `damping`, `friction` and `noise` may \
-              stand: the rest is found",
+    advice: "with `equations` only `variables`, `parameters`, `bracket = \"find\"`, `forces`, `torque`, `damping`, `friction` and `noise` are \
+              allowed: the rest is found",
 }];
 
 static PARAMETERS_BESIDE: [Beside; 1] = [Beside::Note(
@@ -145,7 +145,7 @@ pub(super) static SYSTEM: [Key; 18] = [
             PAIRS,
         ]),
         "The Poisson tensor: { \"x,y\" = \"formula\" } for each pair that is not zero, a kind by its name, \"canonical\": q with p, \
-         x with px, q' = dH/dp, \"contact\": such pairs and one variable s, or \"find\" beside `equations`",
+         x with px, q' = dH/dp, \"contact\": such pairs and one variable s, or \"find\" with `equations`",
     ),
     key(
         "constraints",
@@ -182,7 +182,7 @@ pub(super) static SYSTEM: [Key; 18] = [
     key(
         "forces",
         Shape::Either(&[Shape::List(&Shape::Formula), FORMULAS]),
-        "A one-form beside dH, a formula for each variable, or { \"q[i]\" = \"0.1*p[i]\" } for \
+        "A one-form added to dH, a formula for each variable, or { \"q[i]\" = \"0.1*p[i]\" } for \
          some: dH + forces moves the system, on its leaves; a force F on a momentum is -F for \
          its coordinate",
     )
@@ -207,7 +207,7 @@ pub(super) static SYSTEM: [Key; 18] = [
         "friction",
         Shape::Either(&[Shape::List(&Shape::Formula), FORMULAS]),
         "A velocity that is added to x', a formula for each variable, or { m3 = \"-0.1*m3\" } for some: x' = {H, x} + friction; \
-         the tensor and Casimirs change by it, and steppers that are no Poisson maps take it",
+         the tensor and Casimirs change by it, and steppers that are not Poisson maps take it",
     )
     .otherwise("none")
     .not_beside(&[
@@ -260,7 +260,7 @@ pub(super) static LOOKUP: [Key; 6] = [
     key(
         "periodic",
         Shape::List(&Shape::Text),
-        "Axes that are periods: the last node is left out of the file, for it is the first again",
+        "Periodic axes: the file leaves out the last node, which equals the first",
     )
     .default("[]"),
     key(
@@ -385,7 +385,7 @@ pub(super) static BRACKET: [Key; 7] = [
     key(
         "contact",
         Shape::List(&Shape::List(&Shape::Text)),
-        "Pairs of a coordinate and its momentum beside one variable s more: q' = dH/dp, p' = -dH/dq - p dH/ds, s' = p dH/dp - H",
+        "Pairs of a coordinate and its momentum, and one variable s more: q' = dH/dp, p' = -dH/dq - p dH/ds, s' = p dH/dp - H",
     )
     .not_beside(&[Beside::Note(
         "any other entry of the bracket, a sum, forces, noise, a pace, casimirs, constraints, a long lattice",

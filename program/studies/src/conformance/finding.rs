@@ -83,7 +83,7 @@ impl Place<'_> {
         variables: &[String],
     ) -> Finding {
         let floor = check.floor.map_or_else(String::new, |floor| {
-            format!(" (by differences, which tell it down to {floor:.1e})")
+            format!(" (by differences, accurate to {floor:.1e})")
         });
         let (found, judgement) = match check.verdict {
             Verdict::Proved => ("proved".to_owned(), Judgement::Met),
@@ -172,8 +172,8 @@ impl Finding {
             path,
             problem: "none",
         };
-        let instead = "offer a system that it is meant for in the same plugin, or measure it on a scene \
-                       of its own with `leafwise verify`";
+        let instead = "offer a system that it is meant for in the same plugin, or measure it on a \
+                       separate scene with `leafwise verify`";
         place.open(
             "problems",
             match names.as_slice() {

@@ -273,24 +273,24 @@ fn judged(
 fn refuse(run: &ComposedRun, (period, steps): (f64, u64)) -> Result<(), OrbitError> {
     if run.system.has_forces() {
         return Err(OrbitError::NotOffered {
-            message: "a motion with forces or friction does not hold the energy, which the orbits that are closed do",
+            message: "a motion with forces or friction does not keep the energy, which every periodic orbit here must",
             help: run.without_forces().into(),
         });
     }
     let (message, help) = if run.method.lattice().is_some() {
         (
-            "orbits of long lattices are not closed",
+            "the search for periodic orbits does not support long lattices",
             "shorten the lattice",
         )
     } else if run.method.noise().is_some() {
         (
             "a motion with noise has no periodic orbits",
-            "take the noise out",
+            "remove the noise",
         )
     } else if run.plan.events.act.is_some() {
         (
             "events of this scene change the state, and orbits are closed by the method's steps alone",
-            "take `set` out of run.section",
+            "remove `set` from run.section",
         )
     } else if run.table_step().is_some() {
         (
@@ -299,12 +299,12 @@ fn refuse(run: &ComposedRun, (period, steps): (f64, u64)) -> Result<(), OrbitErr
         )
     } else if run.is_extended() {
         (
-            "orbits of systems whose H names the time, with a pace, parameters of sites or a contact bracket are not closed",
+            "the search for periodic orbits does not support an H that names the time, a pace, parameters of sites or a contact bracket",
             "close the orbit of a system without them",
         )
     } else if steps == 0 || !(period > 0.0 && period.is_finite()) {
         (
-            "an orbit takes steps over a positive time, and here are none",
+            "an orbit needs steps over a positive time, and there are none",
             "give a positive period and a number of steps",
         )
     } else {

@@ -328,14 +328,14 @@ fn refuse(run: &ComposedRun) -> Result<(), RestError> {
     }
     let (message, help) = if run.method.lattice().is_some() {
         (
-            "equilibria of long lattices are not looked for",
+            "the search for equilibria does not support long lattices",
             "shorten the lattice",
         )
     } else if run.method.noise().is_some() {
-        ("a motion with noise does not rest", "take the noise out")
+        ("a motion with noise does not rest", "remove the noise")
     } else if run.is_extended() {
         (
-            "equilibria of systems whose H names the time, with a pace, parameters of sites or a contact bracket are not looked for",
+            "the search for equilibria does not support an H that names the time, a pace, parameters of sites or a contact bracket",
             "look for those of a system without them",
         )
     } else {

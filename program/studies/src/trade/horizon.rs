@@ -163,14 +163,14 @@ impl fmt::Display for Horizon {
         if self.wanted <= self.round_off {
             return write!(
                 f,
-                "the round-off of a double of that size is {:.0e}: ask for less",
+                "the round-off of a double of that size is {:.0e}: raise the bound",
                 self.round_off
             );
         }
         if let Some((methods, apart)) = &self.parted {
             write!(
                 f,
-                "{methods} are {apart:.0e} apart, which is no round-off: one of them steps over something shorter than a step, as a \
+                "{methods} are {apart:.0e} apart, more than round-off: one of them steps over something shorter than a step, as a \
                  pulse or a wall; take a smaller time-step; ",
             )?;
             return match self.known {
@@ -179,7 +179,7 @@ impl fmt::Display for Horizon {
                     "to t = {} the state is known to {:.1e}",
                     known.time, known.error
                 ),
-                None => write!(f, "or ask for --energy and --casimir alone"),
+                None => write!(f, "or give only --energy and --casimir"),
             };
         }
         match self.growth {
@@ -198,14 +198,14 @@ impl fmt::Display for Horizon {
         match self.known {
             Some(known) => write!(
                 f,
-                "to t = {} the state is known to {:.1e}: take --time {}, or ask for --energy and \
-                 --casimir alone",
+                "to t = {} the state is known to {:.1e}: take --time {}, or give only --energy and \
+                 --casimir",
                 known.time, known.error, known.time
             ),
             None => write!(
                 f,
-                "not even to t = {} is the state known to {:.0e}: ask for less, or for --energy \
-                 and --casimir alone",
+                "even to t = {} the state is not known to {:.0e}: raise the bound, or give only \
+                 --energy and --casimir",
                 self.time / f64::from(PARTS),
                 self.wanted
             ),

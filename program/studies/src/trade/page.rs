@@ -60,7 +60,7 @@ pub fn comparison_page(
         reading: format!(
             "* on the front of all methods, P on that of the Poisson maps: no other is cheaper \
              and more accurate, {}. Energy and Casimirs: the largest deviation over every step. ~ \
-             marks errors that cannot be told from the reference's own. Times are medians on a \
+             marks errors that cannot be distinguished from the reference's own. Times are medians on a \
              machine that does other things too.",
             comparison.cost
         ),
@@ -100,7 +100,7 @@ fn facts(comparison: &Comparison) -> Vec<(String, String)> {
         (
             "Its own error",
             format!(
-                "{:.1e} (the two methods' distance): errors below {:.1e} cannot be told from it",
+                "{:.1e} (the two methods' distance): errors below {:.1e} cannot be distinguished from it",
                 reference.error,
                 reference.floor()
             ),

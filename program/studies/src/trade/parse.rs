@@ -27,11 +27,11 @@ pub fn parse_method(text: &str, registry: &Registry) -> Result<MethodTable, Trad
             let other = parts.iter().find(|p| p.name == name);
             return Err(wrong(match other.map(|p| p.kind) {
                 Some(other @ PartKind::Dynamics) if kind == PartKind::Stepper => format!(
-                    "`{name}` is a {}: write it behind a realization, as `auto+{text}`",
+                    "`{name}` is a {}: write it after a realization, as `auto+{text}`",
                     other.noun()
                 ),
                 Some(other @ PartKind::Realization) if kind == PartKind::Stepper => format!(
-                    "`{name}` is a {}: write a dynamic approximation behind it, as \
+                    "`{name}` is a {}: write a dynamic approximation after it, as \
                      `{text}+{}:4`",
                     other.noun(),
                     registry
@@ -39,7 +39,7 @@ pub fn parse_method(text: &str, registry: &Registry) -> Result<MethodTable, Trad
                         .map_or("…", |part| part.name)
                 ),
                 Some(PartKind::Composition) if kind == PartKind::Stepper => format!(
-                    "`{name}` is a composition: write what it composes behind it, as \
+                    "`{name}` is a composition: write the composed method after it, as \
                      `{text}/{}`",
                     registry
                         .family(Family::Splitting)

@@ -100,7 +100,7 @@ impl Refused {
             ),
             BuildError::Forces { part } => (
                 part.clone(),
-                "it integrates x' = {H, x} alone, and this system has forces".to_owned(),
+                "it integrates only x' = {H, x}, and this system has forces".to_owned(),
             ),
             BuildError::Friction { part } => (
                 part.clone(),
@@ -111,7 +111,7 @@ impl Refused {
             BuildError::Incompatible { reason, .. } => (combination.clone(), reason.clone()),
             BuildError::LiftAlone { .. } => (
                 combination.clone(),
-                "it is coordinates in which the tensor is constant".to_owned(),
+                "its points are coordinates in which the tensor is constant".to_owned(),
             ),
             other => (combination.clone(), other.to_string()),
         };

@@ -122,7 +122,7 @@ fn matrices_that_are_none_are_refused() {
     let wrong = "[[1, 0], [0, -1]]; [[0, 1], [0, 0]]; [[0, 0], [1/2, 0]]";
     let refused = represent(&sl2, wrong, "", 2)
         .map(|_| ())
-        .expect_err("no representation");
+        .expect_err("not a representation");
     let BuildError::NoRepresentation {
         bracket,
         entry,

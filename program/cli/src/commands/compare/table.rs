@@ -28,7 +28,7 @@ pub(super) fn print(comparison: &Comparison, all: bool, console: &mut Console<'_
         reference.methods.join(" and ")
     ));
     console.result(&format!(
-        "the reference's own error is {:.1e}: errors below {:.1e} (~) cannot be told from it",
+        "the reference's own error is {:.1e}: errors below {:.1e} (~) cannot be distinguished from it",
         reference.error,
         reference.floor()
     ));
@@ -63,7 +63,7 @@ pub(super) fn print(comparison: &Comparison, all: bool, console: &mut Console<'_
     }
     console.result("");
     console.result(&format!(
-        "front: * no method is cheaper and more accurate; P no Poisson map is, {}",
+        "front: * no method is cheaper and more accurate; P no Poisson map is cheaper and more accurate, {}",
         comparison.cost
     ));
     let failures = comparison

@@ -38,7 +38,7 @@ pub(in crate::commands) fn axes(
         };
         let unknown = || {
             Failure::usage(
-                format!("--basis {given} is no basis"),
+                format!("--basis {given} is not a basis"),
                 "write polynomial, centred, spline, exponential, fourier, fourier:PERIOD, or with logarithms polynomial+ln; for one variable q=fourier",
             )
         };

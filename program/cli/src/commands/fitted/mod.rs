@@ -26,9 +26,9 @@ pub(super) fn with_chart(
     let run = while_building(shown, || compose(document, &parts.registry))?;
     if run.system.has_forces() {
         return Err(Failure::usage(
-            "a motion with forces or friction is the flow of no Hamiltonian, and no generating function makes it",
+            "a motion with forces or friction is not a Hamiltonian flow, and has no generating function",
             format!(
-                "{} of the scene, and their work out of the data",
+                "{} of the scene, and remove their work from the data",
                 run.without_forces()
             ),
         ));

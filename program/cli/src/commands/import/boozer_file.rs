@@ -42,7 +42,7 @@ pub(super) fn read(path: &Path, text: &str) -> Result<BoozerData, EquilibriumErr
     };
     if let Some(name) = fields.keys().find(|name| !NAMES.contains(&name.as_str())) {
         return Err(odd(format!(
-            "`{name}` is no name of a field in Boozer coordinates: it has {}",
+            "`{name}` is not part of a field in Boozer coordinates, which has {}",
             NAMES.join(", ")
         )));
     }
@@ -66,7 +66,7 @@ pub(super) fn read(path: &Path, text: &str) -> Result<BoozerData, EquilibriumErr
 fn of<'a>(fields: &'a Map<String, Value>, name: &str) -> Result<&'a Value, EquilibriumError> {
     fields.get(name).ok_or_else(|| {
         EquilibriumError::Odd(format!(
-            "`{name}` is missing of a field in Boozer coordinates, {SHAPE}"
+            "`{name}` is missing from a field in Boozer coordinates, {SHAPE}"
         ))
     })
 }

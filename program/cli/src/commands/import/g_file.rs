@@ -130,7 +130,7 @@ fn lines(equilibrium: &Equilibrium, json: &EquilibriumJson<'_>) -> Vec<String> {
         row(
             "axis",
             format!(
-                "R = {r:.6} m, Z = {z:.6} m; the file tells {:.6}, {:.6}",
+                "R = {r:.6} m, Z = {z:.6} m; the file gives {:.6}, {:.6}",
                 file.axis[0], file.axis[1]
             ),
         ),
@@ -160,7 +160,7 @@ fn lines(equilibrium: &Equilibrium, json: &EquilibriumJson<'_>) -> Vec<String> {
         rows.push(row(
             name,
             format!(
-                "s = {:<4}  q = {}; the file tells {}",
+                "s = {:<4}  q = {}; the file gives {}",
                 factor.s,
                 number(factor.q),
                 number(factor.in_file)

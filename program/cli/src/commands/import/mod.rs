@@ -127,7 +127,7 @@ fn refused(file: &Path, error: &EquilibriumError) -> Failure {
             "`leafwise import --help` says what each option means, and `leafwise explain boozer` what a field in Boozer \
              coordinates is"
         }
-        _ => "write the equilibrium anew, or repair that line",
+        _ => "write the equilibrium again, or repair that line",
     };
     Failure::usage(format!("{}: {error}", file.display()), help)
 }

@@ -41,7 +41,7 @@ pub fn execute(
     let mut parts = Parts::new(plugins)?;
     let document = parts.scene(&arguments.scene)?;
     let shown = console.shown(false);
-    refuse_noise(&document, "no map is learned", "take the noise out")?;
+    refuse_noise(&document, "no map is learned", "remove the noise")?;
     let (document, run) = with_chart(&mut parts, &document, shown)?;
     let Some(method) = run.method.written() else {
         return Err(Failure::usage(
@@ -52,7 +52,7 @@ pub fn execute(
     if run.pace().is_some() {
         return Err(Failure::usage(
             "a scene with a pace has steps of different times, and pairs are all one time step apart",
-            "take method.pace out of the scene",
+            "remove method.pace from the scene",
         ));
     }
     if run.is_extended() {

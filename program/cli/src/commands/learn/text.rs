@@ -32,14 +32,14 @@ pub(super) fn lines(learned: &Learned) -> Vec<String> {
         row(
             "residual",
             learned.residual,
-            "what is left of it along leaves",
+            "the part along leaves that is not fitted",
         ),
     ];
     if let Some(off) = learned.off_leaf {
         rows.push(row(
             "off leaves",
             off,
-            "the part of it that no Hamiltonian makes",
+            "the part that no Hamiltonian can produce",
         ));
     }
     rows.push(row(
@@ -56,7 +56,7 @@ pub(super) fn lines(learned: &Learned) -> Vec<String> {
         rows.push(row(
             "flow of H",
             error,
-            "part of the learned map's velocity that H does not make",
+            "part of the learned map's velocity that H does not produce",
         ));
     }
     lines.extend(words(&rows));

@@ -120,12 +120,12 @@ fn verdict(verdict: Verdict) -> (&'static str, &'static str) {
         ),
         Verdict::SpectrallyStable => (
             "spectrally-stable",
-            "spectrally stable: no neighbour parts exponentially; the energy is no strict extremum, and does not decide",
+            "spectrally stable: no neighbour diverges exponentially; the energy is not a strict extremum, and does not decide",
         ),
-        Verdict::Unstable => ("unstable", "unstable: neighbours part exponentially"),
+        Verdict::Unstable => ("unstable", "unstable: neighbours diverge exponentially"),
         Verdict::Undecided => (
             "undecided",
-            "undecided: zeros among the eigenvalues hide whether others are none",
+            "undecided: round-off of eigenvalues near 0 hides whether their real parts are 0",
         ),
     }
 }

@@ -77,7 +77,7 @@ pub fn execute(
     refuse_acts(
         &document,
         "no orbit is closed",
-        "take `set` out of the section",
+        "remove `set` from the section",
     )?;
     let run = while_building(shown, || compose(&document, &parts.registry))?;
     while_building(shown, || {
@@ -185,7 +185,7 @@ fn stability(orbit: &PeriodicOrbit) -> String {
             "linearly stable: all multipliers lie on the unit circle".to_owned()
         }
         Some(largest) => format!(
-            "unstable: neighbours part by {:.6} a turn, e-folding time {:.6}",
+            "unstable: neighbours diverge by a factor of {:.6} a turn, e-folding time {:.6}",
             largest.modulus(),
             orbit.period / libm::log(largest.modulus())
         ),

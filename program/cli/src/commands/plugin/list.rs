@@ -92,7 +92,7 @@ pub fn execute(
 fn lines(entry: &Entry) -> Vec<Vec<String>> {
     let said = match &entry.said {
         Said::Error(problem) => problem.clone(),
-        Said::SideFile(None) => "says nothing of itself without being loaded".to_owned(),
+        Said::SideFile(None) => "has no description until it is loaded".to_owned(),
         Said::SideFile(Some(side)) => {
             let id = side.id.clone().unwrap_or_default();
             format!("{id} {}", side.version.clone().unwrap_or_default())

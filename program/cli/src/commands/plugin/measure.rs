@@ -166,10 +166,7 @@ fn contract(tried: &Tried) -> Vec<String> {
     let (mark, on) = if tried.problems.is_empty() {
         let why = match tried.refusals.as_slice() {
             [] => "it has formulas alone, which are not called".to_owned(),
-            reasons => format!(
-                "it serves no problem that it could be called on; {}",
-                reasons.join("; ")
-            ),
+            reasons => format!("no problem here fits it; {}", reasons.join("; ")),
         };
         ("-", why)
     } else {
@@ -192,8 +189,8 @@ fn static_data(tried: &Tried) -> Option<Vec<String>> {
             "  ?".to_owned(),
             "static data of the library".to_owned(),
             format!(
-                "written in {}: instances run on several threads at once, so that scratch space belongs \
-                 to the instance or the stack",
+                "written in {}: instances run on several threads at once, so put scratch space in \
+                 the instance or on the stack",
                 functions.join(", ")
             ),
         ]
@@ -224,7 +221,7 @@ fn verdict(reports: &[(Conformance, &Tried)], broken: usize, unmeasured: &[&str]
         .map(|(report, _)| report.findings.len())
         .sum();
     let mut lines = vec![match broken {
-        0 => format!("nothing that is declared is broken ({all} measurements)"),
+        0 => format!("no measurement contradicts what is declared ({all} measurements)"),
         1 => format!("one of {all} measurements contradicts what is declared"),
         many => format!("{many} of {all} measurements contradict what is declared"),
     }];

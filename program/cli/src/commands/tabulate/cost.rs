@@ -81,7 +81,7 @@ impl Cost {
         } = self.fewest;
         Some(format!(
             "the table does not pay: {} of the scene's method over the same time err by {}, no more than the table, and take {} a state, the table {}; \
-             raise method.time-step, or keep the table for what its error leaves",
+             raise method.time-step, or keep the table if its error suffices",
             if count == 1 {
                 "1 step".to_owned()
             } else {

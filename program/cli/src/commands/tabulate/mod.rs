@@ -45,11 +45,11 @@ pub fn execute(
     let mut parts = Parts::new(plugins)?;
     let document = parts.scene(&arguments.scene)?;
     let shown = console.shown(false);
-    refuse_noise(&document, "no table is made", "take the noise out")?;
+    refuse_noise(&document, "no table is made", "remove the noise")?;
     refuse_acts(
         &document,
         "no table is made",
-        "take `set` out of the section",
+        "remove `set` from the section",
     )?;
     let run = while_building(shown, || compose(&document, &parts.registry))?;
     refuse(&document, &run)?;
@@ -135,14 +135,14 @@ pub fn execute(
 fn refuse(document: &SceneDocument, run: &ComposedRun) -> Result<(), Failure> {
     if run.contact.is_some() {
         return Err(Failure::usage(
-            "the map of a contact bracket is no Poisson map, and no generating function of a table makes it",
+            "the map of a contact bracket is not a Poisson map, and a table's generating function cannot represent it",
             "tabulate a scene with a Poisson bracket",
         ));
     }
     if document.method.exact_energy.is_some() {
         return Err(Failure::usage(
-            "with energy = \"exact\" every step adds Casimirs of its own to H, and its map is no Poisson map, nor is a table",
-            "take method.energy out",
+            "with energy = \"exact\" each step adds different multiples of Casimirs to H, and its map is not a Poisson map, so that no table represents it",
+            "remove method.energy",
         ));
     }
     if run.method.lattice().is_some() {
@@ -158,18 +158,18 @@ fn refuse(document: &SceneDocument, run: &ComposedRun) -> Result<(), Failure> {
     if run.pace().is_some() {
         return Err(Failure::usage(
             "a scene with a pace has steps of different times, and a table is of one time",
-            "take method.pace out of the scene",
+            "remove method.pace from the scene",
         ));
     }
     if run.system.has_forces() {
         return Err(Failure::usage(
-            "a motion with forces or friction is the flow of no Hamiltonian, and no generating function makes it",
+            "a motion with forces or friction is not a Hamiltonian flow, and has no generating function",
             run.without_forces(),
         ));
     }
     if !run.plan.layout.sites().is_empty() {
         return Err(Failure::usage(
-            "parameters of sites are no coordinates of a table",
+            "a table has no coordinates for parameters of sites",
             "give a scene without them",
         ));
     }
@@ -236,7 +236,7 @@ fn bounds(
                 return Err(unknown(&format!("{} has a range already", names[at])));
             }
             (Ok(least), Ok(largest)) => given[at] = Some((least, largest)),
-            _ => return Err(unknown("its ends are no numbers")),
+            _ => return Err(unknown("its ends are not numbers")),
         }
     }
     if given.iter().all(Option::is_some) {
@@ -285,8 +285,8 @@ fn no_period(table: &Tabulated, steps: &ManySteps<'_>) -> Option<String> {
     let least = table.error.max(ROUNDED * table.learned.motion);
     (apart > least || apart.is_nan()).then(|| {
         format!(
-            "the table holds from t = {} alone: {} steps from t = {} on differ from it by {}, more than its error; \
-             take as many steps as make a whole period of the Hamiltonian, or use the table once",
+            "the table holds only from t = {}: {} steps from t = {} on differ from it by {}, more than its error; \
+             take as many steps as make a whole period of the Hamiltonian, or use the table only once",
             short(begin),
             steps.count,
             short(beside[0]),

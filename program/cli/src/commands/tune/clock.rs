@@ -78,7 +78,7 @@ impl Clock {
         let took = self.start.elapsed().as_secs_f64();
         let over = match took > OVER * within {
             true => format!(
-                "; it took {}, for a method that is being formed and the reference are not interrupted",
+                "; it took {}, because neither a method being formed nor the reference is interrupted",
                 duration(took)
             ),
             false => String::new(),

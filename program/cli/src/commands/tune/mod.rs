@@ -71,7 +71,7 @@ pub fn execute(
     };
     if asked.is_empty() {
         return Err(Failure::usage(
-            "nothing is asked of the method",
+            "no bound is given for the method",
             "give --error 1e-8, --energy 1e-6, --casimir 1e-12, or several of them; or --shadow 1e-10 alone",
         ));
     }
@@ -90,14 +90,14 @@ pub fn execute(
     let is_forced = motion != MotionClass::Hamiltonian;
     if motion == MotionClass::OffLeaves && (asked.energy.is_some() || asked.casimirs.is_some()) {
         return Err(Failure::usage(
-            "friction changes the energy and the Casimirs, which are no measure of a method then",
-            "ask for --error 1e-8 alone",
+            "friction changes the energy and the Casimirs, which then do not measure a method",
+            "give only --error 1e-8",
         ));
     }
     if is_forced && asked.energy.is_some() {
         return Err(Failure::usage(
             "the energy of a system with forces is not conserved",
-            "ask for --error 1e-8, or --casimir 1e-12",
+            "give --error 1e-8, or --casimir 1e-12",
         ));
     }
     asked.check(&bench)?;

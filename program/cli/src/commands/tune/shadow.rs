@@ -34,12 +34,12 @@ pub(super) fn execute(
     refuse_noise(
         &document,
         "no step is found by the shadow energy",
-        "take the noise out",
+        "remove the noise",
     )?;
     refuse_acts(
         &document,
         "no step is found by the shadow energy",
-        "take `set` out of the section",
+        "remove `set` from the section",
     )?;
     let run = while_building(shown, || compose(&document, &parts.registry))?;
     if run.method.lattice().is_some() || document.method.pace.is_some() {

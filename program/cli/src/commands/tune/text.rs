@@ -218,11 +218,13 @@ fn print_missed(found: &Found<'_>, console: &mut Console<'_>) {
     let kind = if found.any { "method" } else { "Poisson map" };
     console.result(&match (&tuning.nearest, tuning.limit) {
         (None, Some(Limit::Ended)) => {
-            format!("no run was judged: whether a {kind} holds it is not known")
+            format!("no run was judged: it is not known whether a {kind} meets the bound")
         }
-        (Some(_), Some(Limit::Ended)) => format!("no {kind} that was run holds it"),
-        (None, Some(Limit::Reference)) => format!("whether a {kind} holds it cannot be told"),
-        _ => format!("no {kind} holds it"),
+        (Some(_), Some(Limit::Ended)) => format!("no {kind} that was run meets the bound"),
+        (None, Some(Limit::Reference)) => {
+            format!("it is undecided whether a {kind} meets the bound")
+        }
+        _ => format!("no {kind} meets the bound"),
     });
     match (&tuning.nearest, tuning.limit) {
         (Some(reached), _) => {
@@ -253,7 +255,7 @@ fn print_missed(found: &Found<'_>, console: &mut Console<'_>) {
     }
     if let Some(any) = tuning.any.as_ref().filter(|_| !found.any) {
         console.result(&format!(
-            "  {}, {} holds it, and is not a Poisson map; --any takes it",
+            "  {}, {} meets the bound, and is not a Poisson map; --any takes it",
             any.name, any.setting
         ));
     }
@@ -274,7 +276,7 @@ fn nearest(found: &Found<'_>, reached: &Reached) -> [String; 2] {
             drift.join(", ")
         ),
         format!(
-            "  the {} is {:.1} times what is asked: {}",
+            "  the {} is {:.1} times the bound: {}",
             reached.missed,
             reached.ratio,
             advice(reached.limit)
@@ -286,14 +288,14 @@ fn nearest(found: &Found<'_>, reached: &Reached) -> [String; 2] {
 pub(super) fn advice(limit: Limit) -> &'static str {
     match limit {
         Limit::Reference => {
-            "the motion magnifies round-off too much to tell; shorten it with --time, or ask for less"
+            "the motion magnifies round-off too much to decide; shorten it with --time, or raise the bound"
         }
         Limit::RoundOff => {
             "smaller steps no longer help, round-off does not get smaller; shorten the run with \
-             --time, or ask for less"
+             --time, or raise the bound"
         }
-        Limit::Budget => "it would take more operations than a run may; raise --budget",
-        Limit::Ended => "the time that was given ended before; raise --within",
+        Limit::Budget => "it would exceed the operations allowed for a run; raise --budget",
+        Limit::Ended => "the time limit was reached first; raise --within",
         Limit::Structure => "none of the methods is a Poisson map; --any takes others",
         Limit::Failure => "its steps fail; choose another method with --only",
     }

@@ -57,7 +57,7 @@ pub fn execute(
     let survey = survey.map_err(|error| {
         Failure::usage(
             error.to_string(),
-            "choose an initial state and a step that the system bears",
+            "choose an initial state and a step for which the motion has values",
         )
     })?;
     if let Some(file) = &arguments.html {

@@ -12,7 +12,7 @@ pub(super) fn data(survey: &Survey) -> SurveyData {
     let refusals = survey.refusals();
     let refused = refusals.chunk_by(|a, b| a.problem == b.problem);
     SurveyData {
-        title: "What every part does, against what it declares".to_owned(),
+        title: "Measured behaviour of every part, against its declaration".to_owned(),
         version: format!("leafwise {PROGRAM_VERSION}"),
         headings: HEADINGS.map(str::to_owned).to_vec(),
         problems: problems.map(problem).collect(),

@@ -57,7 +57,7 @@ fn every_command_of_the_page_works_as_written() {
     assert_eq!(said.code, Some(0), "{}{}", said.out, said.err);
     let count = |text: &str| said.out.matches(text).count() + said.err.matches(text).count();
     assert_eq!(
-        count("nothing that is declared is broken"),
+        count("no measurement contradicts what is declared"),
         3,
         "{}",
         said.out

@@ -193,11 +193,15 @@ fn bad_arguments_of_the_plugin_commands_are_told_apart() {
             4,
             "plugin missing: no folder of the search path holds it: ",
         ),
-        (&["check", "folder"], 4, "something of that name lies here"),
+        (
+            &["check", "folder"],
+            4,
+            "a file of that name is in this folder",
+        ),
         (
             &["check", "libplanted.so"],
             4,
-            "something of that name lies here, where nothing is searched for: give a path with a `/`",
+            "a file of that name is in this folder, which is not searched: give a path with a `/`",
         ),
         (
             &["probe", good, "--no-plugins"],
@@ -207,7 +211,7 @@ fn bad_arguments_of_the_plugin_commands_are_told_apart() {
         (
             &["check", "notes.txt"],
             4,
-            "something of that name lies here",
+            "a file of that name is in this folder",
         ),
         (
             &["check", "./folder"],
@@ -327,7 +331,7 @@ fn listing_does_not_wait_for_a_pipe() {
     let error = said.json()["plugins"][0]["error"].clone();
     let error = error.as_str().expect("a reason");
     assert!(
-        error.contains("it is no regular file of at most"),
+        error.contains("it is not a regular file of at most"),
         "{error}"
     );
 }

@@ -87,7 +87,7 @@ fn a_check_tells_what_is_accepted_and_what_was_not_measured() {
     let said = leafwise(&here, &["plugin", "check", path]);
     assert_eq!(said.code, Some(5), "{}{}", said.out, said.err);
     for text in [
-        "nothing that is declared is broken",
+        "no measurement contradicts what is declared",
         "nothing could be measured of motions/log-canonical, motions/turn, motions/energy: offer a system",
         "on none of the 4 problems of its dimension; offer a system of its tensor",
         "formulas do not say for which system they are meant; offer a system",
@@ -232,7 +232,7 @@ fn a_run_whose_rounding_a_library_changed_is_no_success() {
     assert_eq!(said.code, Some(1), "{}{}", said.out, said.err);
     said.says(&[
         "gallery/rounds-later",
-        "no number since is to be trusted",
+        "numbers computed since then are not reliable",
         "1 step to t = 0.05",
     ]);
 }

@@ -219,7 +219,7 @@ fn files_and_grids_set_the_number_of_members() {
         ),
         (
             "initial = { file = \"unknown.csv\" }",
-            "its column `I4` is none of the coordinates x1, x2, x3, and no parameter",
+            "its column `I4` is neither one of the coordinates x1, x2, x3 nor a parameter",
         ),
         (
             "members = 5\nrecord = { observables = [\"enrgy\"] }",
@@ -287,7 +287,7 @@ fn members_in_memory_are_those_of_a_file() {
         change(&mut members);
         members
     };
-    let whole = "a state and a value of each parameter for each of them";
+    let whole = "a state and a value of each parameter";
     refused(with(&|m| m.parameters[0].1.push(1.0)), whole);
     refused(with(&|m| m.states = Some(vec![1.0; 8])), whole);
     refused(with(&|m| m.states = Some(Vec::new())), whole);

@@ -23,7 +23,7 @@ fn an_invalid_table_is_refused_where_it_stands() {
         ),
         (
             "members = 5\ninitial = { ball = 1, box = 1 }",
-            "`box` cannot stand beside `ball`",
+            "`box` cannot be combined with `ball`",
             "box",
         ),
         (
@@ -101,7 +101,7 @@ fn an_estimate_of_the_error_is_refused_where_it_is_asked_for() {
     assert!(
         refusal
             .help
-            .is_some_and(|help| help.contains("take `error` out"))
+            .is_some_and(|help| help.contains("remove `error`"))
     );
     // What it says to do cures it.
     assert!(compose(&text).is_none());

@@ -125,7 +125,7 @@ impl Found {
 #[non_exhaustive]
 pub enum MergeError {
     /// No shard stands there.
-    #[error("{} is no shard of an ensemble or a sweep, and holds none", directory.display())]
+    #[error("{} is not a shard of an ensemble or a sweep, and holds none", directory.display())]
     NoShard {
         /// The directory.
         directory: PathBuf,
@@ -257,7 +257,7 @@ impl Shards {
                             None if path.join(MANIFEST).exists() => {
                                 return Err(MergeError::Run(RunError::DamagedShard {
                                     file: path.join(MANIFEST),
-                                    reason: "it is no manifest of this program".to_owned(),
+                                    reason: "it is not a manifest of this program".to_owned(),
                                 }));
                             }
                             None => {}

@@ -66,7 +66,7 @@ pub enum ShardError {
     },
     /// The range is not one of whole leaves of the ensemble.
     #[error(
-        "the {} {from} to {to} are no shard of {count}: both bounds are multiples of {}, the second one may be {count}",
+        "the {} {from} to {to} are not a shard of {count}: both bounds are multiples of {}, the second one may be {count}",
         whole.items(), whole.unit()
     )]
     Bounds {

@@ -259,7 +259,7 @@ fn representation(
                             document,
                             &matrices.place(),
                             format!(
-                                "this is no representation: in row {a}, column {b} the image of [e{i}, e{j}] has {image}, and \
+                                "this is not a representation: in row {a}, column {b} the image of [e{i}, e{j}] has {image}, and \
                                  the commutator of the images of e{i} and e{j} has {commutator}"
                             ),
                             "the commutators of these matrices are not those of the algebra",

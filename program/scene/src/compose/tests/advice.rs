@@ -178,7 +178,7 @@ fn keys_and_values_of_other_kinds_are_told() {
             "\"q[i]\" = [1, 2, 3]",
         ],
     );
-    check(("k = 1.0", "kα = 1.0"), &["stands in quotes"]);
+    check(("k = 1.0", "kα = 1.0"), &["needs quotes"]);
     assert!(composed(&changed(&[("k = 1.0", "k = 1.0, \"kα\" = 1.0")])).is_ok());
     for unknown in ["verlet", "Velocity-Verlet", "leapfrog", "Störmer-Verlet"] {
         check(
@@ -221,8 +221,9 @@ fn a_parameter_may_be_a_formula_of_numbers_and_of_other_parameters() {
     for (wrong, pieces) in [
         (
             "k = \"1/m\"",
-            &["`k` is no number, nor a formula of numbers and other parameters: unknown name `m`"]
-                as &[&str],
+            &[
+                "`k` is neither a number nor a formula of numbers and other parameters: unknown name `m`",
+            ] as &[&str],
         ),
         (
             "k = \"1/mass\", mas = 1",
@@ -240,7 +241,7 @@ fn a_parameter_may_be_a_formula_of_numbers_and_of_other_parameters() {
             "k = \"1/m\", m = \"2*k\"",
             &["`k` is defined by itself, through `m`"],
         ),
-        ("k = \"1 +\"", &["`k` is no number, nor a formula"]),
+        ("k = \"1 +\"", &["`k` is neither a number nor a formula"]),
         ("k = \"1/0\"", &["`k` must be a finite number"]),
     ] {
         check(("k = 1.0", wrong), pieces);
@@ -379,9 +380,12 @@ fn events_that_never_happen_are_told() {
             "section = { at = \"2*q = q + q\" }",
             "both sides are the same",
         ),
-        ("section = { at = \"0 = 0\" }", "no coordinate and no time"),
-        ("stop = \"0 > 1\"", "no coordinate and no time"),
-        ("stop = \"k > 2\"", "no coordinate and no time"),
+        (
+            "section = { at = \"0 = 0\" }",
+            "neither a coordinate nor the time",
+        ),
+        ("stop = \"0 > 1\"", "neither a coordinate nor the time"),
+        ("stop = \"k > 2\"", "neither a coordinate nor the time"),
         ("stop = \"q > q\"", "both sides are the same"),
     ] {
         check(
@@ -491,7 +495,7 @@ fn a_refusal_names_parts_of_the_registry_alone() {
             .expect_err("splitting takes no forces")
             .message
     };
-    let refusal = "splitting integrates x' = {H, x} alone, and this system has forces; what serves it: the steppers ";
+    let refusal = "splitting integrates only x' = {H, x}, and this system has forces; what serves it: the steppers ";
     assert_eq!(message(&few), format!("{refusal}rk4"));
     let told = message(&all);
     assert!(

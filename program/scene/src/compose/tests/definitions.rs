@@ -172,7 +172,7 @@ fn what_depends_on_the_state_is_no_initial_value() {
     assert!(message.contains("`B` depends on the state"), "{message}");
     let (piece, message) = refused(&system, "initial = { q = 1, B = 1, p = 2 }");
     assert_eq!(piece, "B");
-    assert!(message.contains("no state variable"), "{message}");
+    assert!(message.contains("not a state variable"), "{message}");
 }
 
 #[test]

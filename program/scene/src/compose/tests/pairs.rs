@@ -4,7 +4,7 @@ use leafwise_core::Registry;
 
 use super::{compose, document};
 
-/// Noise, damping and forces beside a sum over pairs are written out up to 1024 coordinates; beyond, the formula that is in the
+/// Noise, damping and forces together with a sum over pairs are written out up to 1024 coordinates; beyond, the formula that is in the
 /// way is underlined, with what to do.
 #[test]
 fn what_stands_beside_many_pairs_is_refused_where_it_stands() {

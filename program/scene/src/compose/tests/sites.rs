@@ -150,7 +150,7 @@ fn what_does_not_fit_the_sites_is_refused_where_it_stands() {
                     parameters = { \"J[i]\" = 2 }";
     let message = refusal(one_form, "initial = [1, 2]").message;
     assert!(
-        message.contains("do not stand beside a bracket by a form"),
+        message.contains("are not supported with a bracket by a form"),
         "{message}"
     );
 }
@@ -234,15 +234,15 @@ fn values_that_lead_round_in_a_circle_are_refused() {
     for (parameters, said) in [
         (
             "\"J[i]\" = \"w[i]\", \"w[i]\" = \"m[i]\", \"m[i]\" = \"2*w[i]\"",
-            "the values of `w`, `m` are each given by the next",
+            "the values of `w`, `m` are each defined by the next",
         ),
         (
             "\"J[i]\" = \"1 + J[i-1]\"",
-            "values of `J` are given by values of `J`",
+            "values of `J` are defined by values of `J`",
         ),
         (
             "\"J[i]\" = 1, \"J[2]\" = \"J[1]\"",
-            "values of `J` are given by values of `J`",
+            "values of `J` are defined by values of `J`",
         ),
     ] {
         let refused = compose_system(&document(&chain(parameters), START)).expect_err(said);

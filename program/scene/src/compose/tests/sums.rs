@@ -185,7 +185,7 @@ fn every_variable_is_in_one_summand() {
         (
             "{ variables = [\"x\", \"q\", \"p\"], bracket = { sum = [] } }",
             "{ sum = [] }",
-            "`sum` cannot stand beside `sum`",
+            "`sum` cannot be combined with `sum`",
         ),
         (
             "{ variables = [\"x\", \"q\", \"p\"] }",

@@ -270,7 +270,7 @@ fn a_vector_and_one_of_its_components_are_not_both_given() {
         assert_eq!(piece.trim_matches('"'), component);
         assert_eq!(
             message,
-            &format!("`{component}` cannot stand beside `{vector}`")
+            &format!("`{component}` cannot be combined with `{vector}`")
         );
         let help = help.as_deref().unwrap_or_default();
         assert!(help.contains(&format!("`{vector}` stands for")), "{help}");

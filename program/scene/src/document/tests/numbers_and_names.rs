@@ -45,7 +45,7 @@ fn wrong_types_say_what_was_expected_and_what_was_found() {
     );
     assert_eq!(
         seen(&broken("I2 = 0.75", "I2 = \"half\"")).3,
-        "`I2` is no number, nor a formula of numbers and other parameters: unknown name `half`"
+        "`I2` is neither a number nor a formula of numbers and other parameters: unknown name `half`"
     );
 }
 
@@ -88,7 +88,7 @@ fn a_step_is_two_factors_or_their_product_and_never_zero() {
             15,
             1,
             "epsilon",
-            "`epsilon` cannot stand beside `time-step`",
+            "`epsilon` cannot be combined with `time-step`",
             "give `epsilon` and `h`, or `time-step` alone: one step advances t by epsilon*h"
         )
     );
@@ -141,12 +141,15 @@ fn shapes_are_checked_against_the_dimension() {
         "log-canonical has 2 rows, expected one for each of the 3 variables"
     );
     let both = broken(entries, "{ lie-algebra = \"so3\", \"x1,x2\" = \"x3\" }");
-    assert_eq!(seen(&both).3, "`x1,x2` cannot stand beside `lie-algebra`");
+    assert_eq!(
+        seen(&both).3,
+        "`x1,x2` cannot be combined with `lie-algebra`"
+    );
     let two = broken(
         entries,
         "{ lie-algebra = { name = \"so3\", structure = [] } }",
     );
-    assert_eq!(seen(&two).3, "`structure` cannot stand beside `name`");
+    assert_eq!(seen(&two).3, "`structure` cannot be combined with `name`");
     let none = broken(entries, "{ lie-algebra = { } }");
     assert_eq!(seen(&none).3, "lie-algebra needs `name`");
     let number = broken(entries, "{ lie-algebra = 3 }");

@@ -56,7 +56,7 @@ fn a_library_system_takes_parameters_and_lengths_and_nothing_else() {
     let beside = first("library = \"volterra-lattice\"\nhamiltonian = \"x\"");
     assert_eq!(
         seen(&beside).3,
-        "`hamiltonian` cannot stand beside `library`"
+        "`hamiltonian` cannot be combined with `library`"
     );
     let fragment = first("library = \"broken\"");
     assert_eq!(fragment.source_name, "library system broken");
@@ -132,7 +132,7 @@ fn an_override_takes_the_place_of_its_alternatives_in_every_table() {
     }
     // A library system takes no place: what is written of a system stays, and is refused beside it.
     let errors = with(&[("system.library", "volterra-lattice")]).expect_err("a written system");
-    assert!(errors.to_string().contains("beside `library`"), "{errors}");
+    assert!(errors.to_string().contains("with `library`"), "{errors}");
 }
 
 #[test]
