@@ -370,7 +370,7 @@ fn misuse_is_an_error_with_its_reason() {
     );
     refused(
         simulator.set(instance, &[4], &[f64::NAN]),
-        "no finite number",
+        "not a finite number",
     );
     refused(
         simulator.set(instance, &[4, 9], &[1.0, 1.0]),

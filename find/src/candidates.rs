@@ -114,8 +114,30 @@ pub(crate) fn antiderivatives(
                     if exponent == 1 {
                         let logarithm = ring.apply(Function::Ln, &u)?;
                         found.push(ring.multiply(&lowered, &logarithm));
+                        // The other functions may be those of u′: ∫ sin u/cos u = −ln cos u.
+                        let variables = base.factors().iter();
+                        let variables =
+                            variables.filter(|(own, _)| (*own as usize) < ring.variables());
+                        let rest = variables.fold(Monomial::one(), |rest, (own, exponent)| {
+                            rest.shifted(*own, *exponent)
+                        });
+                        found.push(ring.multiply(&term(rest), &logarithm));
                     }
                     found.push(lowered);
+                }
+                // ∫ tan = ln(1 + tan²)/2, and ∫ tanh = −ln(1 − tanh²)/2.
+                Generator::Function(own @ (Function::Tan | Function::Tanh), _) if exponent == 1 => {
+                    let sign = if *own == Function::Tan { 1 } else { -1 };
+                    let (one, own) = (ring.one(), Polynomial::symbol(generator_symbol));
+                    let square = ring.multiply(&own, &own);
+                    let sum = [
+                        (Rational::one(), one),
+                        (Rational::from_integer(sign), square),
+                    ];
+                    let below = ring.combine(&sum);
+                    let logarithm = ring.apply(Function::Ln, &below)?;
+                    let rest = term(base.shifted(generator_symbol, -1));
+                    found.push(ring.multiply(&rest, &logarithm));
                 }
                 Generator::Function(Function::Ln, _) => {
                     found.push(term(base.shifted(generator_symbol, -1).shifted(symbol, 1)));

@@ -12,7 +12,7 @@ use crate::error::FindError;
 use crate::field::{RingField, dot, over};
 use crate::matrix::{Matrix, inverse, product, transposed, zeros};
 use crate::potential::potential;
-use crate::report::{Attempt, Kind, TensorCandidate};
+use crate::report::{Attempt, Kind, NoBracket, TensorCandidate};
 
 /// Choices of Casimirs among more linear integrals.
 const MOST_CHOICES: usize = 64;
@@ -69,9 +69,9 @@ pub(crate) fn constant(field: &mut RingField, kind: Kind) -> Result<Attempt, Fin
         let leaves = Leaves::of(&casimirs, d);
         match rates.on(&leaves, &slopes)? {
             Ok(found) => return Ok(Attempt::Found(Box::new(found))),
-            Err((reason, of_kind)) => {
-                is_proved &= of_kind;
-                reasons.push(reason);
+            Err(none) => {
+                is_proved &= none.is_proved;
+                reasons.push(none);
             }
         }
     }
@@ -82,15 +82,19 @@ pub(crate) fn constant(field: &mut RingField, kind: Kind) -> Result<Attempt, Fin
     } else {
         "x"
     };
-    let reason = match reasons.first() {
-        Some(reason) => reason.clone(),
-        None => format!(
-            "a tensor in an odd number of variables has a Casimir c·{z}, and no c·{z} is an integral"
-        ),
-    };
-    Ok(match is_proved {
-        true => Attempt::proved(reason),
-        false => Attempt::none(reason),
+    let lacks_hamiltonian = |none: &NoBracket| none.lacks_hamiltonian;
+    let told = reasons.iter().position(lacks_hamiltonian).unwrap_or(0);
+    Ok(match reasons.into_iter().nth(told) {
+        Some(none) => Attempt::None(NoBracket { is_proved, ..none }),
+        None => {
+            let reason = format!(
+                "a tensor in an odd number of variables has a Casimir c·{z}, and no c·{z} is an integral"
+            );
+            match is_proved {
+                true => Attempt::proved(reason),
+                false => Attempt::none(reason),
+            }
+        }
     })
 }
 
@@ -165,12 +169,12 @@ impl Rates<'_> {
         self.g.iter().map(row).collect()
     }
 
-    /// A tensor with these leaves, or the reason why there is none and whether it is a proof.
+    /// A tensor with these leaves, or the reason why there is none.
     fn on(
         &mut self,
         leaves: &Leaves,
         slopes: &[Vec<Polynomial>],
-    ) -> Result<Result<TensorCandidate, (String, bool)>, FindError> {
+    ) -> Result<Result<TensorCandidate, NoBracket>, FindError> {
         let n = leaves.along.len();
         // G_ba = Σ_j T_aj ∂_j g_b along the leaves.
         let mut along = vec![vec![Polynomial::zero(); n]; n];
@@ -224,13 +228,14 @@ impl Rates<'_> {
                 true => String::new(),
                 false => " on the leaves of linear integrals".to_owned(),
             };
-            return Ok(Err((
-                format!(
+            return Ok(Err(NoBracket {
+                reason: format!(
                     "of constant W over {z}, W Dg is symmetric for W = 0 alone{space}: the equations for its {} entries have rank {rank}",
                     pairs.len()
                 ),
-                true,
-            )));
+                is_proved: true,
+                lacks_hamiltonian: false,
+            }));
         }
         let mut best: Option<TensorCandidate> = None;
         let mut is_singular = true;
@@ -266,9 +271,13 @@ impl Rates<'_> {
                     "W Dg is symmetric for a family of W of dimension {}, and every member that was tried is singular",
                     family.len()
                 ),
-                false => "W Dg is symmetric, and no antiderivative of W g was found".to_owned(),
+                false => "one fits, and no formula of its Hamiltonian was found: W Dg is symmetric for an invertible W".to_owned(),
             };
-            (reason, false)
+            NoBracket {
+                reason,
+                is_proved: false,
+                lacks_hamiltonian: !is_singular,
+            }
         }))
     }
 

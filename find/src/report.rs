@@ -174,22 +174,24 @@ impl TensorCandidate {
 /// A search in one kind: a tensor, or the reason why there is none.
 pub(crate) enum Attempt {
     Found(Box<TensorCandidate>),
-    None { reason: String, is_proved: bool },
+    None(NoBracket),
 }
 
 impl Attempt {
     pub fn none(reason: impl Into<String>) -> Self {
-        Self::None {
+        Self::None(NoBracket {
             reason: reason.into(),
             is_proved: false,
-        }
+            lacks_hamiltonian: false,
+        })
     }
 
     pub fn proved(reason: impl Into<String>) -> Self {
-        Self::None {
+        Self::None(NoBracket {
             reason: reason.into(),
             is_proved: true,
-        }
+            lacks_hamiltonian: false,
+        })
     }
 }
 
@@ -221,6 +223,31 @@ pub struct RefusedKind {
     pub reason: String,
     /// Whether it proves that no bracket of this kind exists.
     pub is_proved: bool,
+    /// Whether a tensor of this kind fits, and only its Hamiltonian was not found.
+    pub lacks_hamiltonian: bool,
+}
+
+/// The same before its kind is known.
+pub(crate) struct NoBracket {
+    pub reason: String,
+    pub is_proved: bool,
+    pub lacks_hamiltonian: bool,
+}
+
+impl NoBracket {
+    pub fn of(self, kind: Kind) -> RefusedKind {
+        let Self {
+            reason,
+            is_proved,
+            lacks_hamiltonian,
+        } = self;
+        RefusedKind {
+            kind,
+            reason,
+            is_proved,
+            lacks_hamiltonian,
+        }
+    }
 }
 
 /// Everything that a search found.

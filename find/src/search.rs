@@ -75,11 +75,7 @@ pub fn find(equations: &Equations, options: Options) -> Result<Report, FindError
             Kind::FirstIntegrals => low(&mut field, known)?,
         };
         match attempt {
-            Attempt::None { reason, is_proved } => report.refused.push(RefusedKind {
-                kind,
-                reason,
-                is_proved,
-            }),
+            Attempt::None(none) => report.refused.push(none.of(kind)),
             Attempt::Found(candidate) => {
                 let bracket = proved(&numbers, &mut field, &candidate, false, options)?;
                 report.bracket = bracket;
@@ -89,6 +85,7 @@ pub fn find(equations: &Equations, options: Options) -> Result<Report, FindError
                         kind,
                         reason: "a tensor was found that was not proved to be Poisson".to_owned(),
                         is_proved: false,
+                        lacks_hamiltonian: false,
                     }),
                 }
             }

@@ -165,6 +165,7 @@ impl Far {
             .pair
             .iter()
             .chain(&self.coupled)
+            .chain([&self.in_entry])
             .map(|offset| offset.abs())
             .max();
         let width = each * (self.order - 1) + beside.unwrap_or(0);

@@ -113,6 +113,25 @@ mod tests {
         }
     }
 
+    /// A coordinate that is 0 is varied in its own unit, however small beside the others'.
+    #[test]
+    fn no_coordinate_is_varied_by_the_size_of_another() {
+        let (x, unit) = ([1.0, 0.0], 1e-36);
+        let found = super::in_steps_of(&[1.0, unit], &x, 1, |at, out| {
+            assert!((at[0] - 1.0).abs() <= super::LARGEST && at[1].abs() <= super::LARGEST * unit);
+            out[0] = libm::cos(at[0]) * (1.0 + at[1] / unit);
+            Ok(())
+        });
+        let found = found.expect("a smooth map");
+        for (k, exact) in [-libm::sin(1.0), libm::cos(1.0) / unit]
+            .into_iter()
+            .enumerate()
+        {
+            let error = (found.jacobian[k] - exact).abs();
+            assert!(error <= found.error[k] && found.error[k] <= 1e-9 * exact.abs());
+        }
+    }
+
     /// A solve that stops at 1e-12 puts that into the values, and a thousand times as much into slopes. At
     /// a point two slopes may agree by chance, in the mean over many they do not.
     #[test]

@@ -7,7 +7,7 @@
 
 use crate::common::{Problem, distance, gauss, largest, library, step, toda, volterra};
 use leafwise_core::diagnostics::TensorDefect;
-use leafwise_core::{BuildError, StepMap};
+use leafwise_core::{BuildError, Convention, StepMap};
 use leafwise_splitting::Splitting;
 
 /// The systems that split, with the number of their pieces.
@@ -240,4 +240,72 @@ fn casimirs_are_no_pieces() {
         Ok(problem.initial.clone())
     );
     assert!(step(stepper.as_mut(), &[1.0, f64::NAN, 0.0]).is_err());
+}
+
+/// H = Σ p²/2 + √(1 + S²), S = Σ_{i<j} (q_i − q_j)²: two pieces however many monomials S² has, and one step is the leapfrog written
+/// by hand.
+#[test]
+fn functions_of_sums_over_pairs_are_one_piece() {
+    const SITES: usize = 12;
+    let mut pairs = Vec::new();
+    for i in 0..SITES {
+        for j in i + 1..SITES {
+            pairs.push(format!("(q{i} - q{j})^2"));
+        }
+    }
+    let kinetic: Vec<String> = (0..SITES).map(|i| format!("p{i}^2/2")).collect();
+    let of = |letter: &str| (0..SITES).map(move |i| format!("{letter}{i}"));
+    let q: Vec<f64> = (0..SITES).map(|i| libm::sin(i as f64)).collect();
+    let p: Vec<f64> = (0..SITES)
+        .map(|i| 0.1 * libm::cos(3.0 * i as f64))
+        .collect();
+    let problem = Problem {
+        id: "a function of pairs",
+        variables: of("q").chain(of("p")).collect(),
+        parameters: Vec::new(),
+        bracket: of("q")
+            .zip(of("p"))
+            .map(|(q, p)| (q, p, "1".to_owned()))
+            .collect(),
+        hamiltonian: format!(
+            "{} + sqrt(1 + ({})^2)",
+            kinetic.join(" + "),
+            pairs.join(" + ")
+        ),
+        casimirs: Vec::new(),
+        convention: Convention::HamiltonianSecond,
+        initial: [q.clone(), p.clone()].concat(),
+        time_step: 0.01,
+    };
+    let system = problem.system();
+    let splitting = Splitting::new(&system).expect("a system that splits");
+    assert_eq!(splitting.pieces().len(), 2);
+    let h = problem.time_step;
+    let mut stepper = splitting.stepper(1, &[], 1.0, h);
+    let found = step(stepper.as_mut(), &problem.initial).expect("finite");
+    let drift =
+        |q: &mut [f64], p: &[f64], h: f64| q.iter_mut().zip(p).for_each(|(q, p)| *q += h * p);
+    let kick = |q: &[f64], p: &mut [f64], h: f64| {
+        let differences = |i: usize| q.iter().map(move |other| q[i] - other);
+        let s: f64 = (0..SITES).flat_map(differences).map(|d| d * d / 2.0).sum();
+        for (i, p) in p.iter_mut().enumerate() {
+            let slope = 2.0 * differences(i).sum::<f64>() * s / libm::sqrt(1.0 + s * s);
+            *p -= h * slope;
+        }
+    };
+    let orders = [true, false].map(|drifts_first| {
+        let (mut q, mut p) = (q.clone(), p.clone());
+        if drifts_first {
+            drift(&mut q, &p, h / 2.0);
+            kick(&q, &mut p, h);
+            drift(&mut q, &p, h / 2.0);
+        } else {
+            kick(&q, &mut p, h / 2.0);
+            drift(&mut q, &p, h);
+            kick(&q, &mut p, h / 2.0);
+        }
+        distance(&found, &[q, p].concat())
+    });
+    let error = orders[0].min(orders[1]);
+    assert!(error <= 64.0 * f64::EPSILON * largest(&found), "{orders:?}");
 }

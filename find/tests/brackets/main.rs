@@ -179,6 +179,12 @@ fn classical_systems_have_brackets() {
             0,
         ),
         (
+            "tangents",
+            &[("q", "tanh(p/2)"), ("p", "-tan(3*q) - 2*sin(q)/cos(q)")],
+            Kind::Constant,
+            0,
+        ),
+        (
             "two oscillators",
             &[("x", "u"), ("y", "v"), ("u", "-x"), ("v", "-y")],
             Kind::Constant,
@@ -222,7 +228,7 @@ fn classical_systems_have_brackets() {
         assert_eq!(bracket.casimirs.len(), *casimirs, "{name}");
         count += 1;
     }
-    assert_eq!(count, 20);
+    assert_eq!(count, 21);
 }
 
 /// Entries and Hamiltonians as they are printed, of systems whose bracket of a kind is unique.
@@ -395,4 +401,16 @@ fn a_food_web_of_forty_species_has_its_bracket() {
         Vec::<usize>::new()
     );
     assert_eq!(names.len(), found.system.dimension());
+}
+
+/// Equations that a bracket fits, whose Hamiltonian has no formula here, are told from those that none fits.
+#[test]
+fn a_hamiltonian_that_is_missing_is_said() {
+    for (force, lacks_hamiltonian) in [("-exp(-q^2)", true), ("-q - p", false)] {
+        let report = search(&equations(&[("q", "p"), ("p", force)], &[]));
+        assert!(report.bracket.is_none(), "{force}");
+        let mut refused = report.refused.iter();
+        let lacks = refused.any(|kind| kind.lacks_hamiltonian && !kind.is_proved);
+        assert_eq!(lacks, lacks_hamiltonian, "{force}");
+    }
 }

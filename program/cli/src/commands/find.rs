@@ -21,6 +21,9 @@ use crate::table::{labelled, words};
 /// The next step where there is no bracket.
 const NEXT: &str = "Next: find the bracket of the equations without friction and drive, then add these as `damping` or `forces` (leafwise explain forces).";
 
+/// The next step where only H is missing.
+const NEXT_HAMILTONIAN: &str = "Next: a bracket fits these equations, and only a formula of H is missing: write it in a scene with `bracket` and `hamiltonian`, and let `leafwise check` print its motion.";
+
 /// The degree of Casimirs where none is asked for.
 const CASIMIR_DEGREE: usize = 2;
 
@@ -339,7 +342,13 @@ fn lines(equations: &Equations, report: &Report) -> Vec<String> {
     lines.extend(labelled(&texts));
     if report.bracket.is_none() {
         lines.push(String::new());
-        lines.push(NEXT.to_owned());
+        let lacks_hamiltonian = report.refused.iter().any(|kind| kind.lacks_hamiltonian);
+        let next = if lacks_hamiltonian {
+            NEXT_HAMILTONIAN
+        } else {
+            NEXT
+        };
+        lines.push(next.to_owned());
     }
     let integrals = integrals(equations, report);
     if report.bracket.is_none() && !integrals.is_empty() {

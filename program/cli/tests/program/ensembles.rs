@@ -180,7 +180,7 @@ fn a_table_of_states_is_read_by_name_and_refused_with_the_row_or_column_that_is_
         ),
         ("x1,x2\n1,2\n", "no column `x3`"),
         ("x1,x2,x2\n1,2,3\n", "two columns `x2`"),
-        ("x1,x2,x3,I4\n1,2,3,0.7\n", "column `I4` is none"),
+        ("x1,x2,x3,I4\n1,2,3,0.7\n", "column `I4` is neither"),
     ] {
         let said = run(table);
         assert_eq!(said.code, Some(3), "{table}: {}", said.err);

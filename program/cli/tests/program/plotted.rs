@@ -31,7 +31,7 @@ fn runs_become_a_figure() {
         let run = ["run", "ball.toml", "--out", name];
         let said = here.leafwise(&[&run[..], &start[..]].concat());
         assert_eq!(said.code, Some(0), "{}", said.err);
-        said.says(&["each sets p = -0.9*p", "no Poisson map"]);
+        said.says(&["each sets p = -0.9*p", "not a Poisson map"]);
     }
     let both = [
         "plot",

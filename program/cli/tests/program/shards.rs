@@ -194,7 +194,7 @@ fn what_is_no_shard_is_refused() {
     for (asked, said) in [
         (["--shard", "4/3"], "shards are counted from 1 to 3"),
         (["--shard", "0/3"], "shards are counted from 1 to 3"),
-        (["--shard", "three"], "`three` is no shard"),
+        (["--shard", "three"], "`three` is not a shard"),
         (["--shard", "1/0"], "there is at least one"),
         (["--members", "0..65"], "both bounds are multiples of 64"),
         (["--members", "0-64"], "`0-64` is not a range of members"),

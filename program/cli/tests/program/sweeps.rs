@@ -409,7 +409,7 @@ fn shards_that_do_not_fit_are_refused_by_name() {
     for (asked, said) in [
         ("4/3", "shards are counted from 1 to 3"),
         ("0/3", "shards are counted from 1 to 3"),
-        ("three", "`three` is no shard"),
+        ("three", "`three` is not a shard"),
     ] {
         let refused = sweep(&here, &["--shard", asked]);
         assert_eq!(refused.code, Some(2), "{}", refused.err);

@@ -273,9 +273,12 @@ pub fn rest(run: &ComposedRun) -> Result<Rest, RestError> {
     }
     let gradients: Columns = gradients.iter().map(|g| units.gradient(g)).collect();
     // A curvature in units is over the unit of the energy, a gradient is not.
-    let least = leaf.steepness() * extent * units.action / units.time;
+    let least = leaf.steepness() * units.action / units.time;
+    // Units of coordinates across the leaf are in no entry of the motion: sizes of the state count there.
+    let inside = units.inside(&sizes);
+    let across = |gradient: &[f64]| across(gradient, &leaf.basis, &inside);
     Ok(Rest {
-        multiples: multiples(&gradients[0], &gradients[1..], least),
+        multiples: multiples(&gradients[0], &gradients[1..], across, least),
         energy: now[0],
         casimirs: now[1..].to_vec(),
         speed,
@@ -301,8 +304,13 @@ fn products(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a.abs() * b).sum()
 }
 
-/// λ with ∇H = Σ λ_c ∇C_c. A gradient far below `size` is none.
-fn multiples(gradient: &[f64], casimirs: &[Vec<f64>], size: f64) -> Option<Vec<f64>> {
+/// λ with ∇H = Σ λ_c ∇C_c, up to what is far below `least` in the size of a gradient across the leaf: along it none is left.
+fn multiples(
+    gradient: &[f64],
+    casimirs: &[Vec<f64>],
+    across: impl Fn(&[f64]) -> f64,
+    least: f64,
+) -> Option<Vec<f64>> {
     let solved = SingularValues::of(&casimirs.to_vec()).solve(gradient, PART);
     let mut left = gradient.to_vec();
     for (multiple, casimir) in solved.iter().zip(casimirs) {
@@ -310,7 +318,20 @@ fn multiples(gradient: &[f64], casimirs: &[Vec<f64>], size: f64) -> Option<Vec<f
             .zip(casimir)
             .for_each(|(l, c)| *l -= multiple * c);
     }
-    (length(&left) <= super::CLOSED * length(gradient).max(size)).then_some(solved)
+    (across(&left) <= super::CLOSED * across(gradient).max(least)).then_some(solved)
+}
+
+/// The size of a covector across the leaf, in an orthonormal basis of the leaf's directions: of coordinates larger than their units that
+/// times the coordinate.
+fn across(covector: &[f64], basis: &Columns, state: &[f64]) -> f64 {
+    let mut rest = covector.to_vec();
+    for direction in basis {
+        let along: f64 = rest.iter().zip(direction).map(|(g, b)| g * b).sum();
+        let pairs = rest.iter_mut().zip(direction);
+        pairs.for_each(|(g, b)| *g -= along * b);
+    }
+    let weighed = rest.iter().zip(state).map(|(g, x)| g * x.abs().max(1.0));
+    length(&weighed.collect::<Vec<f64>>())
 }
 
 fn transposed(rows: &[Vec<f64>], columns: usize) -> Columns {

@@ -294,7 +294,7 @@ fn members_in_memory_are_those_of_a_file() {
     refused(with(&|m| m.parameters[0].1[1] = f64::NAN), "not finite");
     refused(
         with(&|m| m.parameters[0].0 = "I4".to_owned()),
-        "`I4` is no parameter",
+        "`I4` is not a parameter",
     );
     let twice = with(&|m| m.parameters.push(m.parameters[0].clone()));
     refused(twice, "`I2` has a value for each member already");
