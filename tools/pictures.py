@@ -175,7 +175,8 @@ def simplified(points: list[tuple[int, int]], tolerance: float) -> list[tuple[in
 def smaller(picture: str, title: str) -> str:
     """The same picture with a title and white paper: cells and dots of one colour as one path, lines by the points that bend them."""
     head, body = re.match(r"<svg[^>]*>", picture).group(0), picture[picture.index(">") + 1 : -len("</svg>")]
-    width, height = re.search(r'width="(\d+)" height="(\d+)"', head).groups()
+    size = re.search(r'viewBox="0 0 (\d+) (\d+)"', head) or re.search(r'width="(\d+)" height="(\d+)"', head)
+    width, height = size.groups()
     elements = re.findall(r"<text.*?</text>|<[^>]*>", body, re.S)
 
     def kind(element: str) -> tuple[str, ...]:

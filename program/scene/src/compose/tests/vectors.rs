@@ -76,7 +76,7 @@ fn what_does_not_fit_vectors_is_refused_where_it_stands() {
         "families = { s = { components = [\"x\", \"y\", \"z\"], length = 1 }, q = 3 }\nboundary = \"open\"",
     ));
     assert_eq!(piece, "q");
-    assert!(message.contains("`q` is none"), "{message}");
+    assert!(message.contains("`q` is not a vector"), "{message}");
     let unknown =
         format!("{SPINS}hamiltonian = \"sum(i, s.w[i])\"\nbracket = {{ lie-algebra = \"so3\" }}");
     let (piece, message) = refused(&unknown);
