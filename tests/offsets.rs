@@ -298,7 +298,12 @@ fn pairs_mean_fields_and_single_sites_are_written_out() {
             SPLITTING,
             "not a combination of sums over sites",
         ),
-        (2000, "sum(i, q[i]*q[0])", SPLITTING, "`q[0]` is a single site"),
+        (
+            2000,
+            "sum(i, q[i]*q[0])",
+            SPLITTING,
+            "`q[0]` is a single site",
+        ),
     ] {
         let text = format!(
             "[system]\n{}\n[method]\n{method}\ntime-step = 0.1\n[run]\ninitial = {START}\nsteps = 1\n",
