@@ -149,7 +149,7 @@ fn rotations_and_hyperbolic_motions_are_one_formula() {
         bracket: vec![("q".to_owned(), "p".to_owned(), "1".to_owned())],
         hamiltonian: "p^2/2 + k*q^2/2".to_owned(),
         casimirs: Vec::new(),
-        convention: leafwise_core::Convention::HamiltonianSecond,
+        convention: Convention::HamiltonianSecond,
         initial: vec![0.3, 1.1],
         time_step: 0.5,
     };
@@ -195,7 +195,7 @@ fn rates_that_do_not_divide_may_vanish() {
         bracket: vec![("q".to_owned(), "p".to_owned(), "1".to_owned())],
         hamiltonian: String::new(),
         casimirs: Vec::new(),
-        convention: leafwise_core::Convention::HamiltonianSecond,
+        convention: Convention::HamiltonianSecond,
         initial: Vec::new(),
         time_step: 0.5,
     };
@@ -254,7 +254,7 @@ fn functions_of_sums_over_pairs_are_one_piece() {
         }
     }
     let kinetic: Vec<String> = (0..SITES).map(|i| format!("p{i}^2/2")).collect();
-    let of = |letter: &str| (0..SITES).map(move |i| format!("{letter}{i}"));
+    let of = |letter: &'static str| (0..SITES).map(move |i| format!("{letter}{i}"));
     let q: Vec<f64> = (0..SITES).map(|i| libm::sin(i as f64)).collect();
     let p: Vec<f64> = (0..SITES)
         .map(|i| 0.1 * libm::cos(3.0 * i as f64))
