@@ -384,10 +384,10 @@ fn misuse_is_an_error_with_its_reason() {
     assert_eq!(simulator.plain("fmi3ExitInitializationMode", instance), 0);
     refused(
         simulator.step(instance, 0.0, 0.07).0,
-        "no multiple of the scene's time-step, 0.05",
+        "not a multiple of the scene's time-step, 0.05",
     );
     for step in [0.0, -0.05, f64::NAN, f64::INFINITY] {
-        refused(simulator.step(instance, 0.0, step).0, "no multiple");
+        refused(simulator.step(instance, 0.0, step).0, "not a multiple");
     }
     refused(simulator.step(instance, 1.0, 0.05).0, "the unit is at 0");
     refused(
