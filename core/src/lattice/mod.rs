@@ -11,7 +11,7 @@
 //! - [`reach`]: how far templates look, as they are written.
 //! - [`locality`]: which lattice is written out in the place of a long one.
 //! - [`stages`]: how a realization writes its maps as stages.
-//! - `beside`: inputs of the sites at the ends of axes, looked up once.
+//! - `edges`: inputs of the sites at the ends of axes, looked up once.
 //! - `blocks`: sites as lanes of a kernel.
 //! - `fields`: what stages read and write.
 //! - `stencil`: the code of one class of sites in one stage, and its sweep over them.
@@ -26,10 +26,10 @@
 //! - [`observables`]: sums over sites.
 //! - `poles`: what no step crosses.
 
-mod beside;
 mod blocks;
 pub mod cells;
 mod differential;
+mod edges;
 mod fields;
 pub mod geometry;
 pub mod implicit;

@@ -5,8 +5,8 @@ use std::ops::Range;
 use leafwise_expression::syntax::AXES;
 use leafwise_expression::{Aligned, Execution, Graph, Kernel, Term, Workspace};
 
-use super::beside::Beside;
 use super::blocks::{BLOCK, Blocks, RowPart, load};
+use super::edges::EdgeSites;
 use super::fields::{Fields, stride};
 use super::geometry::{LatticeGeometry, PerAxis, Proxy, SiteBox, SiteClass};
 use super::stages::{Field, Written};
@@ -47,7 +47,7 @@ struct Inside {
     /// The other sites of the class, in ranges.
     outside: Vec<Range<usize>>,
     /// Where their inputs stand, and which of the distances each input has.
-    beside: Option<(Beside, Vec<usize>)>,
+    beside: Option<(EdgeSites, Vec<usize>)>,
 }
 
 /// Room for a sweep of one stencil.
@@ -128,10 +128,10 @@ impl Stencil {
     }
 
     /// Where the inputs stand of the sites that are not swept in place.
-    fn beside(&self, geometry: &LatticeGeometry) -> Option<(Beside, Vec<usize>)> {
+    fn beside(&self, geometry: &LatticeGeometry) -> Option<(EdgeSites, Vec<usize>)> {
         let shifts = self.taps.iter().map(|tap| tap.shift);
         let sites = self.inside.outside.iter().cloned().flatten();
-        let beside = Beside::find(geometry, sites, shifts.clone())?;
+        let beside = EdgeSites::find(geometry, sites, shifts.clone())?;
         let shifts: Option<Vec<usize>> = shifts.map(|shift| beside.shift(shift)).collect();
         Some((beside, shifts?))
     }
@@ -235,7 +235,7 @@ impl Stencil {
     /// Evaluates the code at the sites that are not swept in place, on copies of their inputs and outputs.
     fn sweep_beside(
         &self,
-        (beside, shifts): &(Beside, Vec<usize>),
+        (beside, shifts): &(EdgeSites, Vec<usize>),
         offsets: &[usize],
         workspace: &mut Workspace,
         fields: &mut Fields,

@@ -13,23 +13,23 @@ use crate::rational::Rational;
 impl Ring {
     /// A formula of the same value, expanded: Σ c·m. Each function, inverse or root in it is one [`Expression::Shared`].
     pub fn formula(&self, f: &Polynomial) -> Expression {
-        Writer::of(self).polynomial(f)
+        FormulaWriter::of(self).polynomial(f)
     }
 
     /// A formula of the same value, of parameters alone.
     pub fn coefficient_formula(&self, c: &Coefficient) -> Expression {
-        Writer::of(self).coefficient(c)
+        FormulaWriter::of(self).coefficient(c)
     }
 }
 
 /// Formulas of generators and atoms that are written already: a derivative names the same root in each of its terms.
-struct Writer<'a> {
+struct FormulaWriter<'a> {
     ring: &'a Ring,
     generators: FxHashMap<Symbol, Expression>,
     atoms: FxHashMap<Symbol, Expression>,
 }
 
-impl<'a> Writer<'a> {
+impl<'a> FormulaWriter<'a> {
     fn of(ring: &'a Ring) -> Self {
         Self {
             ring,

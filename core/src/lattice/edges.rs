@@ -10,7 +10,7 @@ const MOST: usize = 1 << 24;
 
 /// Some sites, such as those at the ends of rows, and where others stand beside each of them, looked up once.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Beside {
+pub(super) struct EdgeSites {
     sites: Vec<u32>,
     /// Distances to the sites whose numbers are read.
     shifts: Vec<PerAxis<isize>>,
@@ -18,7 +18,7 @@ pub(super) struct Beside {
     places: Vec<Vec<u32>>,
 }
 
-impl Beside {
+impl EdgeSites {
     /// Looks up the sites that stand at these distances; `None` where they are too many to be kept.
     pub(super) fn find(
         geometry: &LatticeGeometry,
@@ -87,7 +87,7 @@ impl Beside {
 #[cfg(test)]
 mod tests {
     use super::super::geometry::{Axis, LatticeGeometry};
-    use super::{BLOCK, Beside};
+    use super::{BLOCK, EdgeSites};
 
     /// Numbers of the sites of a torus's surface and of those one behind them along each axis.
     #[test]
@@ -99,7 +99,7 @@ mod tests {
         let geometry = LatticeGeometry::along(["s".to_owned()], axes.to_vec());
         let sites = (0..geometry.length()).filter(|site| site % 7 == 6 || site / 28 == 2);
         let shifts = [[0, 0, 1], [0, 1, 0], [1, 0, 0], [-1, 0, -1], [0, 0, 1]];
-        let beside = Beside::find(&geometry, sites.clone(), shifts.into_iter()).expect("few");
+        let beside = EdgeSites::find(&geometry, sites.clone(), shifts.into_iter()).expect("few");
         let field: Vec<f64> = (0..geometry.length()).map(|site| site as f64).collect();
         assert!(beside.blocks() > 1 && beside.shift([0, 0, 2]).is_none());
         for shift in shifts {
