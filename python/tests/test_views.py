@@ -115,7 +115,7 @@ def test_sweeps_as_labelled_grids_and_figures(tmp_path: Path) -> None:
     assert [line.get_label() for line in ax.lines] == ["method.time-step = 0.1", "method.time-step = 0.2"]
     np.testing.assert_array_equal(ax.lines[1].get_ydata(), found.x1.sel({"method.time-step": 0.2}))
     assert sweep.plot().get_xlabel() == "method.time-step"
-    with pytest.raises(KeyError, match="no column"):
+    with pytest.raises(KeyError, match="not a column"):
         sweep.plot("x9")
     sweep.save_report(tmp_path / "sweep.html")
     assert (tmp_path / "sweep.html").exists()
@@ -128,7 +128,7 @@ def test_a_solution_is_a_mapping_a_table_and_a_figure(tmp_path: Path) -> None:
     whole = dict(solution)
     assert whole["y"] is solution.y and whole.keys() == set(solution.keys()) and solution.get("nothing", 3) == 3
     assert len(list(solution.items())) == len(solution) == len(list(solution.values())) and bool(solution)
-    with pytest.raises(KeyError, match="no field"):
+    with pytest.raises(KeyError, match="not a field"):
         solution["x"]
     frame = solution.to_pandas()
     assert list(frame.columns) == ["x1", "x2", "x3", "energy", "spin"]
