@@ -112,6 +112,9 @@ impl Cells {
     /// Writes one lane of a state over the sites, coordinate j of lane w at `[j*lanes + w]`, into a
     /// field.
     pub fn gather(&self, state: &[f64], lane: usize, lanes: usize, field: &mut [f64]) {
+        if self.period * lanes == 1 {
+            return field.copy_from_slice(state);
+        }
         self.each_row(|start, range| {
             let from = state[start * lanes + lane..]
                 .iter()
@@ -125,6 +128,9 @@ impl Cells {
 
     /// Writes a field into one lane of a state over the sites.
     pub fn scatter(&self, field: &[f64], state: &mut [f64], lane: usize, lanes: usize) {
+        if self.period * lanes == 1 {
+            return state.copy_from_slice(field);
+        }
         self.each_row(|start, range| {
             let to = state[start * lanes + lane..]
                 .iter_mut()

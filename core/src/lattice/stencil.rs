@@ -6,7 +6,7 @@ use leafwise_expression::syntax::AXES;
 use leafwise_expression::{Aligned, Execution, Graph, Kernel, Term, Workspace};
 
 use super::blocks::{BLOCK, Blocks, RowPart, load};
-use super::edges::EdgeSites;
+use super::edges::{EdgeSites, blocks_of};
 use super::fields::{Fields, stride};
 use super::geometry::{LatticeGeometry, PerAxis, Proxy, SiteBox, SiteClass};
 use super::stages::{Field, Written};
@@ -36,19 +36,32 @@ pub(super) struct Stencil {
 
 /// Sites whose inputs and outputs all stand as far from them as everywhere in memory: the kernel takes them in place.
 ///
-/// Along several axes they are rows with other sites between. The kernel runs over these as well; what it writes there
-/// is put back.
+/// Along several axes they are rows with other sites between. The kernel runs over these as well. What they hold behind
+/// the sweep is found before it, from the numbers that stand there then, and written after it.
 #[derive(Clone, Debug, Default)]
 struct Inside {
-    /// From the first row to the last.
-    range: Range<usize>,
     /// Their rows, in the order of the sites.
     rows: Vec<Range<usize>>,
+    /// From the first row to the last, in parts, and what lies before and behind.
+    parts: Vec<Part>,
+    /// Sites between the rows that are not swept beside them: their numbers are kept, and put back.
+    kept: Vec<Range<usize>>,
     /// The other sites of the class, in ranges.
     outside: Vec<Range<usize>>,
     /// Where their inputs stand, and which of the distances each input has.
     beside: Option<(EdgeSites, Vec<usize>)>,
 }
+
+/// Sites that are swept together, so that what stands beside a row is found while the row is near.
+#[derive(Clone, Debug)]
+struct Part {
+    range: Range<usize>,
+    /// The blocks of other sites among them.
+    beside: Range<usize>,
+}
+
+/// The most sites of a part: a few fields of them stay in a cache.
+const PART: usize = 4096;
 
 /// Room for a sweep of one stencil.
 #[derive(Clone, Debug)]
@@ -56,7 +69,10 @@ pub(super) struct SweepRoom {
     workspace: Workspace,
     /// Numbers between the rows that are swept in place.
     between: Vec<f64>,
-    /// Sites that are left of these rows.
+    /// Numbers of the other sites of a part.
+    beside: Vec<f64>,
+    /// The ranges that were swept in place, and what is left of the rows.
+    swept: Vec<Range<usize>>,
     left: Vec<Range<usize>>,
     block: Vec<RowPart>,
 }
@@ -113,25 +129,71 @@ impl Stencil {
         let (Some(first), Some(last)) = (rows.first().cloned(), rows.last().cloned()) else {
             return self;
         };
-        // Of a thin box most of what the kernel computes would be put back.
+        // Of a thin box most of what the kernel computes would be in vain.
         if 2 * sites.sites() < last.end - first.start {
             return self;
         }
-        self.inside.rows = rows;
         // What is written first starts a cache line.
         let offset = offsets[self.outputs[0].1];
         let begin = (offset + first.start).next_multiple_of(Aligned::LINE) - offset;
-        self.inside.range = begin.min(last.end)..last.end;
+        let range = begin.min(last.end)..last.end;
         self.inside.outside = rest(self.class.sites, sites, geometry);
-        self.inside.beside = self.beside(geometry);
+        self.inside.kept = gaps(&rows).collect();
+        self.inside.rows = rows;
+        self.part(geometry, range);
         self
     }
 
+    /// Cuts what is swept in place into parts, with the other sites of the class among them.
+    fn part(&mut self, geometry: &LatticeGeometry, range: Range<usize>) {
+        let starts = range.clone().step_by(PART);
+        let mut ranges = vec![0..range.start];
+        ranges.extend(starts.map(|start| start..range.end.min(start + PART)));
+        ranges.push(range.end..geometry.length());
+        let mut outside = self.inside.outside.iter().cloned().flatten().peekable();
+        let groups = ranges.iter().map(|range| {
+            let mut own = Vec::new();
+            while let Some(site) = outside.next_if(|site| *site < range.end) {
+                own.push(site);
+            }
+            own
+        });
+        let groups: Vec<Vec<usize>> = groups.collect();
+        let beside = self.beside(geometry, &groups);
+        let (mut block, is_known) = (0, beside.is_some());
+        let last = ranges.len() - 1;
+        let parts = ranges.into_iter().zip(&groups).enumerate();
+        let parts = parts.map(|(at, (range, sites))| {
+            let before = block;
+            block += if is_known {
+                blocks_of(geometry, sites).count()
+            } else {
+                0
+            };
+            let is_swept = at > 0 && at < last;
+            Part {
+                range: if is_swept { range } else { 0..0 },
+                beside: before..block,
+            }
+        });
+        self.inside.parts = parts.collect();
+        if let Some(beside) = beside {
+            let own = &self.inside.outside;
+            let mut kept = Vec::new();
+            without(&self.inside.kept, own, &mut kept);
+            self.inside.kept = kept;
+            self.inside.beside = Some(beside);
+        }
+    }
+
     /// Where the inputs stand of the sites that are not swept in place.
-    fn beside(&self, geometry: &LatticeGeometry) -> Option<(EdgeSites, Vec<usize>)> {
+    fn beside(
+        &self,
+        geometry: &LatticeGeometry,
+        groups: &[Vec<usize>],
+    ) -> Option<(EdgeSites, Vec<usize>)> {
         let shifts = self.taps.iter().map(|tap| tap.shift);
-        let sites = self.inside.outside.iter().cloned().flatten();
-        let beside = EdgeSites::find(geometry, sites, shifts.clone())?;
+        let beside = EdgeSites::find(geometry, groups, shifts.clone())?;
         let shifts: Option<Vec<usize>> = shifts.map(|shift| beside.shift(shift)).collect();
         Some((beside, shifts?))
     }
@@ -173,6 +235,8 @@ impl Stencil {
         SweepRoom {
             workspace,
             between: Vec::new(),
+            beside: Vec::new(),
+            swept: Vec::new(),
             left: Vec::new(),
             block: Vec::new(),
         }
@@ -189,81 +253,83 @@ impl Stencil {
         let SweepRoom {
             workspace,
             between,
+            beside,
+            swept,
             left,
             block,
         } = room;
-        let Inside {
-            range,
-            rows,
-            outside,
-            beside,
-        } = &self.inside;
         self.keep(offsets, fields, between);
-        let numbers = fields.all_mut();
-        let reached = self
-            .kernel
-            .evaluate_along(workspace, numbers, range.clone());
-        let swept = range.start..range.start + reached;
-        self.put_back(offsets, fields, (between, swept.end));
-        let mut in_place = 0;
-        left.clear();
-        for row in rows {
-            let own = row.start.max(swept.start)..row.end.min(swept.end);
-            let beside = match own.is_empty() {
-                true => [row.clone(), 0..0],
-                false => {
-                    in_place += own.len();
-                    [row.start..own.start, own.end..row.end]
-                }
-            };
-            left.extend(beside.into_iter().filter(|range| !range.is_empty()));
+        swept.clear();
+        for Part { range, beside: own } in &self.inside.parts {
+            beside.clear();
+            self.find_beside(own.clone(), offsets, (workspace, beside), fields);
+            let numbers = fields.all_mut();
+            let reached = self
+                .kernel
+                .evaluate_along(workspace, numbers, range.clone());
+            self.write_beside(own.clone(), offsets, beside, fields);
+            take_in(swept, range.start..range.start + reached);
         }
-        let outside = match beside {
-            Some(beside) => {
-                self.sweep_beside(beside, offsets, workspace, fields);
-                &[][..]
-            }
-            None => &outside[..],
+        self.put_back(offsets, fields, between);
+        without(&self.inside.rows, swept, left);
+        let outside = match self.inside.beside {
+            Some(_) => &[][..],
+            None => &self.inside.outside[..],
         };
         for sites in [outside, &left[..]] {
             let room = (&mut *workspace, &mut *block);
             self.sweep_by_copies(geometry, offsets, room, fields, sites);
         }
-        in_place
+        total(&self.inside.rows) - total(left)
     }
 
-    /// Evaluates the code at the sites that are not swept in place, on copies of their inputs and outputs.
-    fn sweep_beside(
+    /// Evaluates the code on copies of the inputs of sites that are not swept in place.
+    fn find_beside(
         &self,
-        (beside, shifts): &(EdgeSites, Vec<usize>),
+        blocks: Range<usize>,
         offsets: &[usize],
-        workspace: &mut Workspace,
-        fields: &mut Fields,
+        (workspace, found): (&mut Workspace, &mut Vec<f64>),
+        fields: &Fields,
     ) {
-        for block in 0..beside.blocks() {
+        let Some((beside, shifts)) = &self.inside.beside else {
+            return;
+        };
+        for block in blocks {
             for (input, (tap, shift)) in self.taps.iter().zip(shifts).enumerate() {
                 let field = &fields.get(Field(tap.field))[offsets[tap.family]..];
                 beside.load(workspace.input_mut(input), field, *shift, block);
             }
             self.kernel.evaluate_in_place(workspace);
-            for (output, &(field, family)) in self.outputs.iter().enumerate() {
-                let values = self.kernel.output(workspace, output);
+            for output in 0..self.outputs.len() {
+                found.extend_from_slice(self.kernel.output(workspace, output));
+            }
+        }
+    }
+
+    /// Writes what was found at them.
+    fn write_beside(
+        &self,
+        blocks: Range<usize>,
+        offsets: &[usize],
+        found: &[f64],
+        fields: &mut Fields,
+    ) {
+        let Some((beside, _)) = &self.inside.beside else {
+            return;
+        };
+        let mut found = found.chunks_exact(BLOCK);
+        for block in blocks {
+            for (&(field, family), values) in self.outputs.iter().zip(&mut found) {
                 let field = &mut fields.get_mut(Field(field))[offsets[family]..];
                 beside.store(values, field, block);
             }
         }
     }
 
-    /// The ranges between the rows that are swept in place.
-    fn gaps(&self) -> impl Iterator<Item = Range<usize>> {
-        let pairs = self.inside.rows.windows(2);
-        pairs.map(|rows| rows[0].end..rows[1].start)
-    }
-
-    /// Keeps the numbers between the rows that are swept in place.
+    /// Keeps the numbers of the sites between rows that nothing is found for.
     fn keep(&self, offsets: &[usize], fields: &Fields, between: &mut Vec<f64>) {
         between.clear();
-        for gap in self.gaps() {
+        for gap in &self.inside.kept {
             for &(field, family) in &self.outputs {
                 let field = &fields.get(Field(field))[offsets[family]..];
                 // Gaps are mostly of two sites: a call to copy them takes longer than they do.
@@ -274,10 +340,10 @@ impl Stencil {
         }
     }
 
-    /// Puts it back, as far as the sweep came.
-    fn put_back(&self, offsets: &[usize], fields: &mut Fields, (between, end): (&[f64], usize)) {
+    /// Puts them back.
+    fn put_back(&self, offsets: &[usize], fields: &mut Fields, between: &[f64]) {
         let mut kept = between;
-        for gap in self.gaps().take_while(|gap| gap.start < end) {
+        for gap in &self.inside.kept {
             for &(field, family) in &self.outputs {
                 let (own, behind) = kept.split_at(gap.len());
                 kept = behind;
@@ -324,6 +390,48 @@ impl Stencil {
                     }
                 }
             }
+        }
+    }
+}
+
+/// The ranges between rows.
+fn gaps(rows: &[Range<usize>]) -> impl Iterator<Item = Range<usize>> {
+    let pairs = rows.windows(2);
+    pairs.map(|rows| rows[0].end..rows[1].start)
+}
+
+/// Adds a range behind others, as one with the last where they touch.
+fn take_in(ranges: &mut Vec<Range<usize>>, range: Range<usize>) {
+    match ranges.last_mut() {
+        _ if range.is_empty() => {}
+        Some(last) if last.end == range.start => last.end = range.end,
+        _ => ranges.push(range),
+    }
+}
+
+/// How many sites there are in ranges.
+fn total(ranges: &[Range<usize>]) -> usize {
+    ranges.iter().map(Range::len).sum()
+}
+
+/// Ranges without others, both in the order of the sites.
+fn without(ranges: &[Range<usize>], others: &[Range<usize>], left: &mut Vec<Range<usize>>) {
+    left.clear();
+    let mut others = others.iter().peekable();
+    for range in ranges {
+        let mut start = range.start;
+        while let Some(other) = others.peek().filter(|other| other.start < range.end) {
+            if other.start > start {
+                left.push(start..other.start);
+            }
+            start = start.max(other.end);
+            if other.end > range.end {
+                break;
+            }
+            others.next();
+        }
+        if start < range.end {
+            left.push(start..range.end);
         }
     }
 }
