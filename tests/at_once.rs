@@ -1,8 +1,8 @@
 //! Steps of one or two evaluations as one kernel each: to the bit what they are one evaluation after the other.
 
-use leafwise::core::solver::{SolverStatistics, StepCheck};
+use leafwise::core::solver::{SolverStatistics, StepCheck, StepRecord};
 use leafwise::core::{
-    Method, PartParameters, PoissonSystem, Registry, StepError, StepMap, two_sum,
+    Method, PartParameters, PoissonSystem, Registry, StepError, StepMap, Stepper, two_sum,
 };
 use leafwise_tests::library;
 use leafwise_tests::systems::from_formulas;
@@ -26,22 +26,45 @@ struct Standing {
     outcome: Result<(), StepError>,
     /// The state, what it holds beyond a double, and the stepper's memory.
     bits: Vec<u64>,
+    way: Way,
     work: SolverStatistics,
 }
 
+/// The state after each step, and the evaluations up to there.
+type Way = Vec<(Vec<u64>, u64)>;
+
+fn bits(numbers: &[f64]) -> Vec<u64> {
+    numbers.iter().map(|v| v.to_bits()).collect()
+}
+
 fn standing(
-    made: u64,
+    way: Way,
     outcome: Result<(), StepError>,
     numbers: [&[f64]; 3],
     work: SolverStatistics,
 ) -> Standing {
-    let bits = numbers.concat().iter().map(|v| v.to_bits()).collect();
     Standing {
-        made,
+        made: way.len() as u64,
         outcome,
-        bits,
+        bits: bits(&numbers.concat()),
+        way,
         work,
     }
+}
+
+/// Up to so many steps with a record: their way, and what ended them.
+fn recorded(
+    stepper: &mut dyn Stepper,
+    steps: u64,
+    [x, low, room]: [&mut [f64]; 3],
+    check: &mut dyn StepCheck,
+) -> (Way, Result<(), StepError>) {
+    let (d, count) = (x.len(), steps as usize);
+    let (mut states, mut evaluations) = (vec![f64::NAN; d * count], vec![7; count]);
+    let mut record = StepRecord::new(&mut states, &mut evaluations, d);
+    let (made, outcome) = stepper.advance(steps, x, low, room, Some(check), Some(&mut record));
+    let way = states.chunks_exact(d).map(bits).zip(evaluations);
+    (way.take(made as usize).collect(), outcome)
 }
 
 /// A method over systems of two and three coordinates.
@@ -103,18 +126,19 @@ fn all_ways(
     let d = initial.len();
     let mut stepper = method.stepper(1, parameters, 1.0, h);
     let (mut x, mut low, mut room) = (initial.to_vec(), vec![0.0; d], vec![0.0; d]);
-    let (mut made, mut outcome) = (0, Ok(()));
+    let (mut way, mut outcome) = (Vec::new(), Ok(()));
     for steps in calls {
         let mut edge = Edge(edge);
-        let (more, ended) = stepper.advance(*steps, &mut x, &mut low, &mut room, Some(&mut edge));
-        made += more;
+        let numbers = [&mut x[..], &mut low[..], &mut room[..]];
+        let (more, ended) = recorded(&mut *stepper, *steps, numbers, &mut edge);
+        way.extend(more);
         outcome = ended;
         if outcome.is_err() {
             break;
         }
     }
     let advanced = standing(
-        made,
+        way,
         outcome,
         [&x, &low, &stepper.memory()],
         stepper.statistics(),
@@ -141,8 +165,8 @@ fn by_increments(
     let mut stepper = method.stepper(lanes, &repeated(parameters), 1.0, h);
     let (mut x, mut low) = (initial.to_vec(), vec![0.0; d]);
     let mut increments = vec![0.0; d * lanes];
-    let (mut made, mut outcome) = (0, vec![Ok(()); lanes]);
-    while made < steps && outcome[0].is_ok() {
+    let (mut way, mut outcome) = (Way::new(), vec![Ok(()); lanes]);
+    while (way.len() as u64) < steps && outcome[0].is_ok() {
         stepper.increment(
             &repeated(&x),
             &repeated(&low),
@@ -157,7 +181,8 @@ fn by_increments(
             for i in 0..d {
                 (x[i], low[i]) = two_sum(x[i], increment[i] + low[i]);
             }
-            made += 1;
+            let evaluations = stepper.statistics().evaluations / lanes as u64;
+            way.push((bits(&x), evaluations));
         }
     }
     let memory = stepper.memory();
@@ -171,7 +196,7 @@ fn by_increments(
         rounded: work.rounded / lanes,
         ..work
     };
-    standing(made, outcome.swap_remove(0), [&x, &low, memory], work)
+    standing(way, outcome.swap_remove(0), [&x, &low, memory], work)
 }
 
 proptest! {
@@ -244,24 +269,24 @@ fn a_check_is_asked_of_the_parts_that_it_reads() {
                     edge,
                     asked: 0,
                 };
-                let (mut made, mut outcome) = (0, Ok(()));
+                let (mut way, mut outcome) = (Way::new(), Ok(()));
                 for _ in 0..calls {
-                    let check: Option<&mut dyn StepCheck> = Some(&mut watched);
-                    let (more, ended) = stepper.advance(each, &mut x, &mut low, &mut room, check);
-                    made += more;
+                    let numbers = [&mut x[..], &mut low[..], &mut room[..]];
+                    let (more, ended) = recorded(&mut *stepper, each, numbers, &mut watched);
+                    way.extend(more);
                     outcome = ended;
                     if outcome.is_err() {
                         break;
                     }
                 }
-                let bits: Vec<u64> = x.iter().chain(&low).map(|v| v.to_bits()).collect();
-                ((made, outcome, bits), watched.asked)
+                let end = bits(&[x, low].concat());
+                ((way, outcome, end), watched.asked)
             };
             let (together, asked) = steps(500, 1);
             assert_eq!(together, steps(1, 500).0, "x{coordinate} below {edge}");
             refused += u32::from(together.1.is_err());
             if edge.is_infinite() {
-                assert_eq!((together.0, asked), (500, 500), "x{coordinate}");
+                assert_eq!((together.0.len(), asked), (500, 500), "x{coordinate}");
             }
         }
     }

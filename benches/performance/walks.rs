@@ -62,10 +62,19 @@ const CASES: [(&str, &str, &str); 7] = [
     ),
 ];
 
-/// A scene of so many steps, with a record every so many.
-fn scene(system: &str, initial: &str, steps: u64, every: u64) -> (SceneDocument, ComposedRun) {
+/// Steps from one look at the drifts to the next, where they are looked at rarely.
+const RARELY: u64 = 64;
+
+/// A scene of so many steps, with a record and a look at the drifts every so many.
+fn scene(
+    system: &str,
+    initial: &str,
+    steps: u64,
+    (every, drift_every): (u64, u64),
+) -> (SceneDocument, ComposedRun) {
     let text = format!(
-        "{system}[run]\ninitial = {initial}\nsteps = {steps}\nrecord = {{ every = {every} }}\n"
+        "{system}[run]\ninitial = {initial}\nsteps = {steps}\n\
+         record = {{ every = {every}, drift-every = {drift_every} }}\n"
     );
     let registry = Registry::with_builtin();
     let document = SceneDocument::parse("bench.toml", &text, &registry).expect("a scene");
@@ -91,13 +100,15 @@ pub fn table() -> String {
         "a bare step",
         "a step of a run",
         "ratio",
+        "drifts every 64 steps",
         "a row of `samples.csv`",
     ]);
     for (name, system, initial) in CASES {
-        let dimension = scene(system, initial, 1, 1).1.dimension() as u64;
+        let dimension = scene(system, initial, 1, (1, 1)).1.dimension() as u64;
         let steps = (COORDINATES / dimension).max(20);
-        let (document, composed) = scene(system, initial, steps, steps);
-        let (recorded, recorded_run) = scene(system, initial, steps, 1);
+        let (document, composed) = scene(system, initial, steps, (steps, 1));
+        let (rarely, rare_run) = scene(system, initial, steps, (steps, RARELY));
+        let (recorded, recorded_run) = scene(system, initial, steps, (1, 1));
         let bare = || {
             let mut walk = composed.walk();
             let started = std::time::Instant::now();
@@ -115,6 +126,7 @@ pub fn table() -> String {
             &mut [
                 Box::new(bare),
                 Box::new(|| whole(&document, &composed)),
+                Box::new(|| whole(&rarely, &rare_run)),
                 Box::new(rows),
             ],
             ROUNDS,
@@ -125,8 +137,9 @@ pub fn table() -> String {
             time(a_step(0)),
             time(a_step(1)),
             ratio(times.ratio(1, 0)),
+            ratio(times.ratio(2, 0)),
             match has_rows {
-                true => time(a_step(2) - a_step(1)),
+                true => time(a_step(3) - a_step(1)),
                 false => "—".to_owned(),
             },
         ]);

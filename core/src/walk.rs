@@ -2,7 +2,7 @@
 
 use crate::compensation::two_sum;
 use crate::error::StepError;
-use crate::solver::{Setting, SolverStatistics, StepMap, Stepper};
+use crate::solver::{Setting, SolverStatistics, StepMap, StepRecord, Stepper};
 use crate::system::PoissonSystem;
 
 /// Trajectories of one step map, x_{k+1} = x_k + Δ_k, in one lane or in several side by side: a lane has the bits that it
@@ -244,12 +244,7 @@ impl Walk {
             return first.map_or(Ok(()), Err);
         }
         if self.lanes == 1 {
-            let (state, low) = (&mut self.state, &mut self.low);
-            let (made, outcome) =
-                self.stepper
-                    .advance(steps, state, low, &mut self.increment, None);
-            self.steps += made;
-            return outcome.inspect_err(|error| self.failed.push((0, error.clone())));
+            return self.advance_alone(steps, None);
         }
         for _ in 0..steps {
             self.step_side_by_side();
@@ -258,6 +253,40 @@ impl Walk {
             }
         }
         Ok(())
+    }
+
+    /// The same of one lane, with a record of the state after each step.
+    ///
+    /// # Errors
+    /// As [`advance`](Self::advance): the record holds the steps that were made.
+    ///
+    /// # Panics
+    /// Of several lanes, and when the record has no room for so many steps.
+    pub fn advance_with(
+        &mut self,
+        steps: u64,
+        record: &mut StepRecord<'_>,
+    ) -> Result<(), StepError> {
+        assert_eq!(self.lanes, 1, "a record is of one lane");
+        self.failed.clear();
+        match &self.rests[0] {
+            Some(rest) => rest.error.clone().map_or(Ok(()), Err),
+            None => self.advance_alone(steps, Some(record)),
+        }
+    }
+
+    fn advance_alone(
+        &mut self,
+        steps: u64,
+        record: Option<&mut StepRecord<'_>>,
+    ) -> Result<(), StepError> {
+        let (state, low) = (&mut self.state, &mut self.low);
+        let increment = &mut self.increment;
+        let (made, outcome) = self
+            .stepper
+            .advance(steps, state, low, increment, None, record);
+        self.steps += made;
+        outcome.inspect_err(|error| self.failed.push((0, error.clone())))
     }
 
     /// n steps, each followed by a look at where it has led to.

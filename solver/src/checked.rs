@@ -1,6 +1,6 @@
 //! Steps that are looked at before they are handed out.
 
-use super::{Setting, SolverStatistics, StepCheck, Stepper};
+use super::{Setting, SolverStatistics, StepCheck, StepRecord, Stepper};
 use crate::error::StepError;
 
 /// A stepper that refuses steps by a check.
@@ -56,15 +56,16 @@ impl Stepper for Checked {
         low: &mut [f64],
         increment: &mut [f64],
         check: Option<&mut dyn StepCheck>,
+        record: Option<&mut StepRecord<'_>>,
     ) -> (u64, Result<(), StepError>) {
         let mut both = InTurn {
             first: self.check.as_mut(),
             is_refused: false,
             then: check,
         };
-        let (made, ended) = self
-            .stepper
-            .advance(steps, state, low, increment, Some(&mut both));
+        let (made, ended) =
+            self.stepper
+                .advance(steps, state, low, increment, Some(&mut both), record);
         self.failures += u64::from(both.is_refused);
         // A step that failed by itself may not have been looked at.
         let mut outcome = [ended];

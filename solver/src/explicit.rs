@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use leafwise_expression::{Graph, Kernel, OperationCount, Term, Workspace};
 
 use super::{ByTangents, Differential, Explicit, Inverse, in_reverse};
-use super::{Setting, SolverStatistics, StepCheck, Stepper, add};
+use super::{Setting, SolverStatistics, StepCheck, StepRecord, Stepper, add};
 use crate::error::{BuildError, StepError};
 
 /// x ↦ x + f_{ε,h}(x), f given by code.
@@ -208,8 +208,10 @@ impl Stepper for ExplicitStepper {
         low: &mut [f64],
         increment: &mut [f64],
         mut check: Option<&mut dyn StepCheck>,
+        mut record: Option<&mut StepRecord<'_>>,
     ) -> (u64, Result<(), StepError>) {
         let kernel = &self.shared.step;
+        let before = self.statistics.evaluations;
         for made in 0..steps {
             let changes = kernel.evaluate_rows::<1>(&mut self.workspace, state.as_chunks().0);
             let changes = changes.as_flattened();
@@ -231,6 +233,9 @@ impl Stepper for ExplicitStepper {
                 self.increment(state, low, increment, &mut outcome);
                 let [outcome] = outcome;
                 return (made, outcome.and_then(|()| add(state, low, increment)));
+            }
+            if let Some(record) = &mut record {
+                record.take(state, before + (made + 1) * self.evaluations);
             }
         }
         self.statistics.count_all(steps, self.evaluations);

@@ -32,6 +32,7 @@ mod linear;
 mod newton;
 mod numeric;
 mod properties;
+mod record;
 mod statistics;
 mod stepper;
 
@@ -62,6 +63,7 @@ use nalgebra::linalg::balancing::{balance_parlett_reinsch, unbalance};
 pub use newton::{NewtonKernel, NewtonStepper, StartCode, Uncoupled};
 pub use numeric::{NumericSolver, Progress, Solve};
 pub use properties::{MapProperties, Pieces, Structure};
+pub use record::StepRecord;
 pub use statistics::SolverStatistics;
 use stepper::one_by_one;
 pub use stepper::{Setting, StepCheck, Stepper, add, restore_each};

@@ -2,6 +2,7 @@
 
 use leafwise_expression::kernel::apart;
 
+use super::record::StepRecord;
 use super::statistics::SolverStatistics;
 use crate::compensation::two_sum;
 use crate::error::StepError;
@@ -35,7 +36,7 @@ pub trait Stepper: Send {
     /// Up to `steps` steps x_{k+1} = x_k + Δ_k of a stepper of one lane; x_k is `state` + `low`, and what rounding
     /// takes from a sum stays in `low`. Returns the steps made, and what ended them: the state is then that before
     /// the step that failed. `increment` is room for Δ_k. Where there is a `check`, it looks at every step before
-    /// that is taken.
+    /// that is taken. Where there is a `record`, it takes every state that a step has led to.
     fn advance(
         &mut self,
         steps: u64,
@@ -43,8 +44,9 @@ pub trait Stepper: Send {
         low: &mut [f64],
         increment: &mut [f64],
         check: Option<&mut dyn StepCheck>,
+        record: Option<&mut StepRecord<'_>>,
     ) -> (u64, Result<(), StepError>) {
-        one_by_one(self, steps, [state, low, increment], check)
+        one_by_one(self, steps, [state, low, increment], check, record)
     }
     /// The solution y of β̂(L(y)) = x of a lane's last step, `None` for a map without a bisection.
     fn solution(&self, lane: usize) -> Option<Vec<f64>> {
@@ -82,6 +84,7 @@ pub(super) fn one_by_one<S: Stepper + ?Sized>(
     steps: u64,
     [state, low, increment]: [&mut [f64]; 3],
     mut check: Option<&mut dyn StepCheck>,
+    mut record: Option<&mut StepRecord<'_>>,
 ) -> (u64, Result<(), StepError>) {
     for made in 0..steps {
         let mut outcome = [Ok(())];
@@ -92,6 +95,9 @@ pub(super) fn one_by_one<S: Stepper + ?Sized>(
         let [outcome] = outcome;
         if let Err(error) = outcome.and_then(|()| add(state, low, increment)) {
             return (made, Err(error));
+        }
+        if let Some(record) = &mut record {
+            record.take(state, stepper.statistics().evaluations);
         }
     }
     (steps, Ok(()))

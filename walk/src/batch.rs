@@ -1,6 +1,7 @@
 //! Room for the states of many steps of one lane.
 
 use leafwise_core::BuildError;
+use leafwise_core::solver::StepRecord;
 
 use crate::course::Course;
 use crate::functions::FunctionValues;
@@ -39,8 +40,7 @@ impl Batch {
         (lanes, parameters): (usize, &[f64]),
     ) -> Result<Option<Self>, BuildError> {
         let most = (COORDINATES / dimension.max(1)).min(MOST);
-        let is_watched =
-            course.looks_between() || course.indicators.is_some() || course.invariants_every != 1;
+        let is_watched = course.looks_between() || course.indicators.is_some();
         if lanes > 1 || is_watched || most < LEAST || !course.invariants.is_code() {
             return Ok(None);
         }
@@ -63,19 +63,26 @@ impl Batch {
             .set_parameters(&spread(parameters, self.most))
     }
 
-    /// Keeps the state after a step.
-    pub fn keep(&mut self, at: usize, state: &[f64], evaluations: u64) {
-        self.states[at * state.len()..][..state.len()].copy_from_slice(state);
-        for (x, place) in state.iter().zip((at..).step_by(self.most)) {
-            self.columns[place] = *x;
-        }
-        self.evaluations[at] = evaluations;
+    /// Takes in the states of so many steps, which `steps` makes.
+    pub fn record<T>(&mut self, count: usize, steps: impl FnOnce(&mut StepRecord<'_>) -> T) -> T {
+        let dimension = self.states.len() / self.most;
+        let states = &mut self.states[..count * dimension];
+        let evaluations = &mut self.evaluations[..count];
+        steps(&mut StepRecord::new(states, evaluations, dimension))
     }
 
-    /// Evaluates the invariants at the states of so many steps.
-    pub fn evaluate(&mut self, made: usize) {
-        // Lanes without a state repeat the last one.
-        for row in self.columns.chunks_exact_mut(self.most) {
+    /// Evaluates the invariants at the states of so many steps, which came after so many evaluations.
+    pub fn evaluate(&mut self, made: usize, evaluations: u64) {
+        let own = self.evaluations[..made].iter_mut();
+        own.for_each(|own| *own += evaluations);
+        let dimension = self.states.len() / self.most;
+        for (coordinate, row) in self.columns.chunks_exact_mut(self.most).enumerate() {
+            let states = self.states[coordinate..].iter().step_by(dimension);
+            row[..made]
+                .iter_mut()
+                .zip(states)
+                .for_each(|(x, state)| *x = *state);
+            // Lanes without a state repeat the last one.
             let last = row[made - 1];
             row[made..].fill(last);
         }

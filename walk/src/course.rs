@@ -40,6 +40,12 @@ impl Course {
         self.epsilon * self.h
     }
 
+    /// Whether the invariants are looked at after so many steps.
+    pub fn looks_at(&self, steps: u64) -> bool {
+        let is_last = self.pace.is_none() && steps == self.steps;
+        is_last || steps.is_multiple_of(self.invariants_every)
+    }
+
     /// The time at a state after so many steps.
     pub fn time(&self, steps: u64, state: &[f64]) -> f64 {
         match &self.pace {

@@ -3,6 +3,7 @@
 use std::cell::Cell;
 
 use crate::batch::Batch;
+use crate::course::Course;
 use crate::fault::Ended;
 
 /// The states between two steps.
@@ -27,7 +28,7 @@ pub struct Steps<'a> {
     /// How many they are.
     pub count: usize,
     pub(crate) batch: &'a Batch,
-    pub(crate) time_step: f64,
+    pub(crate) course: &'a Course,
     /// How many have been taken in: where one cannot be, the walk goes back to the last that was.
     pub taken: Cell<usize>,
 }
@@ -39,7 +40,7 @@ impl Steps<'_> {
         At {
             steps,
             // As of every walk whose steps are of the time itself.
-            time: steps as f64 * self.time_step + 0.0,
+            time: steps as f64 * self.course.step() + 0.0,
             state: self.batch.state(at),
             evaluations: self.batch.evaluations[at],
             // They are followed step by step.
@@ -55,6 +56,16 @@ impl Steps<'_> {
     /// One of the invariants after each step.
     pub fn invariant(&self, invariant: usize) -> &[f64] {
         &self.batch.invariant(invariant)[..self.count]
+    }
+
+    /// Whether the invariants are looked at after a step, counted from 0.
+    pub fn is_looked_at(&self, at: usize) -> bool {
+        self.course.looks_at(self.before + at as u64 + 1)
+    }
+
+    /// Whether they are after each.
+    pub fn are_all_looked_at(&self) -> bool {
+        self.course.invariants_every == 1
     }
 
     /// Evaluations up to each step.

@@ -1,6 +1,6 @@
 //! Steps of one length alone.
 
-use leafwise_solver::{Setting, SolverStatistics, StepCheck, Stepper};
+use leafwise_solver::{Setting, SolverStatistics, StepCheck, StepRecord, Stepper};
 
 use crate::error::StepError;
 
@@ -53,13 +53,16 @@ impl Stepper for OfOneLength {
         low: &mut [f64],
         increment: &mut [f64],
         check: Option<&mut dyn StepCheck>,
+        record: Option<&mut StepRecord<'_>>,
     ) -> (u64, Result<(), StepError>) {
         match &self.refused {
             Some(refused) if steps > 0 => {
                 self.failures += 1;
                 (0, Err(refused.clone()))
             }
-            _ => self.stepper.advance(steps, state, low, increment, check),
+            _ => self
+                .stepper
+                .advance(steps, state, low, increment, check, record),
         }
     }
 

@@ -28,6 +28,8 @@ pub struct ReportData {
     pub invariants: Vec<InvariantSeries>,
     /// Whether the drift plot has a logarithmic time axis, for long runs.
     pub logarithmic_time: bool,
+    /// Every how many steps the invariants are looked at.
+    pub drift_every: u64,
     /// How the energy of the motion itself changes, in words, as "changes by the forces"; none where it is an
     /// invariant.
     pub work: Option<String>,

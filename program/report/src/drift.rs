@@ -11,11 +11,22 @@ use super::number::number;
 /// Where exact zeros are drawn, unless a deviation is smaller.
 const FLOOR: f64 = 1e-17;
 
+/// The steps of which a drift is the largest.
+pub(super) fn looked_at(every: u64) -> String {
+    match every {
+        1 => "every step".to_owned(),
+        2 => "every second step".to_owned(),
+        3 => "every third step".to_owned(),
+        every => format!("one step in {every}"),
+    }
+}
+
 /// max |I − I(0)| of every invariant over time; log–log when `logarithmic_time`. The text `work` says how the motion
 /// itself changes the energy.
 pub(super) fn drift_figure(
     invariants: &[InvariantSeries],
     logarithmic_time: bool,
+    drift_every: u64,
     work: Option<&str>,
 ) -> Result<Figure, ReportError> {
     let (width, height) = (960.0, 380.0);
@@ -42,7 +53,7 @@ pub(super) fn drift_figure(
     frame.draw(
         &mut canvas,
         "time t",
-        "|I(t) − I(0)|, maximum over every step",
+        &format!("|I(t) − I(0)|, maximum over {}", looked_at(drift_every)),
     );
     let mut notes = Vec::new();
     notes.extend(work.map(|work| format!("The energy {work}: its deviation is not an error.")));
@@ -183,7 +194,7 @@ mod tests {
                 times: (0..50).map(f64::from).collect(),
                 deviations: (0..50).map(|k| f64::EPSILON * f64::from(1 + k)).collect(),
             };
-            drift_figure(&[series], false, None).expect("a figure")
+            drift_figure(&[series], false, 1, None).expect("a figure")
         };
         let (with, without) = (drift(4.0), drift(1e30));
         let told = "Dashed: 2⁻⁵² max |I(0)|, the round-off of the largest invariant.";

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::axis::{Axis, Frame};
 use super::canvas::{AXIS, Canvas, FAINT, GRID, SERIES};
 use super::data::{InvariantSeries, Outcome, SectionPoints};
-use super::drift::drift_figure;
+use super::drift::{drift_figure, looked_at};
 use super::error::ReportError;
 use super::figure::Figure;
 use super::number::number;
@@ -162,11 +162,8 @@ fn drift(data: &EnsembleData) -> Result<Option<Figure>, ReportError> {
     if data.drifts.iter().all(|series| series.times.is_empty()) {
         return Ok(None);
     }
-    let mut figure = drift_figure(&data.drifts, false, None)?;
-    let over = match data.drift_every {
-        1 => "every step".to_owned(),
-        every => format!("every {every}th step"),
-    };
+    let mut figure = drift_figure(&data.drifts, false, data.drift_every, None)?;
+    let over = looked_at(data.drift_every);
     figure.caption = format!(
         "The largest deviation of each invariant from its initial value over all members and \
          {over} of each window."

@@ -119,6 +119,7 @@ impl Figures {
             let drift = drift_figure(
                 &data.invariants,
                 data.logarithmic_time,
+                data.drift_every,
                 data.work.as_deref(),
             )?;
             figures.wide.push(drift);

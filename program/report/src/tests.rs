@@ -95,6 +95,7 @@ fn rigid_body(count: usize) -> ReportData {
             },
         ],
         logarithmic_time: false,
+        drift_every: 1,
         energy: Some(TimeSeries {
             times: times.clone(),
             values: energy,
@@ -432,6 +433,7 @@ fn degenerate_data_gives_a_page() {
                     let html = page(&ReportData {
                         invariants: vec![drift.clone()],
                         logarithmic_time: dimension % 2 == 0,
+                        drift_every: 1,
                         energy: Some(series.clone()),
                         solver: Some(series.clone()),
                         trajectory: Some(trajectory),

@@ -93,6 +93,15 @@ impl Windows {
 
     /// Takes in the values after each of these steps, to the same bits; `before` are the evaluations of earlier sessions.
     pub fn push_steps(&mut self, steps: &Steps<'_>, range: Range<usize>, before: u64) {
+        if !steps.are_all_looked_at() {
+            for k in range.filter(|k| steps.is_looked_at(*k)) {
+                let count = self.initial.len();
+                let values: Vec<f64> = (0..count).map(|i| steps.invariant(i)[k]).collect();
+                let at = steps.at(k);
+                self.push(&values, at.time, || before + at.evaluations);
+            }
+            return;
+        }
         let mut begin = range.start;
         while begin < range.end {
             let room = (self.width - self.filled).min(MOST_WINDOWS as u64 * 1024) as usize;
@@ -182,13 +191,20 @@ impl Windows {
         series
     }
 
-    /// Mean evaluations a step in each full window.
-    pub fn evaluations_per_step(&self) -> Vec<f64> {
+    /// Mean evaluations a step in each full window, of looks that are so many steps apart. A last look that
+    /// comes sooner ends no window that counts.
+    pub fn evaluations_per_step(&self, (every, steps): (u64, u64)) -> Vec<f64> {
+        let ends_sooner = !steps.is_multiple_of(every) && self.filled == 0;
+        let whole = self
+            .evaluations
+            .len()
+            .saturating_sub(usize::from(ends_sooner));
         let mut before = 0;
-        self.evaluations
+        self.evaluations[..whole]
             .iter()
             .map(|&evaluations| {
-                let mean = evaluations.saturating_sub(before) as f64 / self.width as f64;
+                let steps = self.width * every;
+                let mean = evaluations.saturating_sub(before) as f64 / steps as f64;
                 before = evaluations;
                 mean
             })
@@ -252,7 +268,7 @@ mod tests {
         assert_eq!(growing, windows.ends());
         assert!(
             windows
-                .evaluations_per_step()
+                .evaluations_per_step((1, windows.filled))
                 .iter()
                 .all(|mean| *mean == 3.0)
         );

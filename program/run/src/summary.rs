@@ -78,7 +78,7 @@ pub(super) fn report_data(
         })
         .chain(shadow)
         .collect();
-    let evaluations = windows.evaluations_per_step();
+    let evaluations = windows.evaluations_per_step((run.plan.drift_every, report.steps));
     let solver = TimeSeries {
         times: ends.iter().take(evaluations.len()).copied().collect(),
         values: evaluations,
@@ -95,6 +95,7 @@ pub(super) fn report_data(
         facts: facts(run, session, report),
         invariants,
         logarithmic_time: report.steps > LONG_RUN,
+        drift_every: run.plan.drift_every,
         work: work(run),
         energy: energy.map(|at| TimeSeries {
             times: times.clone(),

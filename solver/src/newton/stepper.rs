@@ -3,7 +3,7 @@
 use super::block::{Columns, LaneBlock, lane_block};
 use super::kernel::NewtonKernel;
 use crate::error::StepError;
-use crate::{Setting, SolverStatistics, StepCheck, Stepper, tangent_of_map};
+use crate::{Setting, SolverStatistics, StepCheck, StepRecord, Stepper, tangent_of_map};
 
 /// The lanes of a wide block, as many as a kernel evaluates at once.
 const WIDE: usize = 8;
@@ -142,6 +142,7 @@ impl Stepper for NewtonStepper {
         low: &mut [f64],
         increment: &mut [f64],
         check: Option<&mut dyn StepCheck>,
+        record: Option<&mut StepRecord<'_>>,
     ) -> (u64, Result<(), StepError>) {
         let _ = increment;
         let Self {
@@ -153,7 +154,7 @@ impl Stepper for NewtonStepper {
         let [block] = &mut single[..] else {
             unreachable!("a stepper of one lane")
         };
-        let (made, taken, outcome) = block.run(steps, state, low, statistics, check);
+        let (made, taken, outcome) = block.run(steps, state, low, statistics, check, record);
         *jacobians += taken;
         (made, outcome)
     }

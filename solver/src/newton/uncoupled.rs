@@ -8,7 +8,7 @@ use super::kernel::{NewtonKernel, StartCode};
 use super::stepper::{NewtonStepper, Standing};
 use crate::SourceTarget;
 use crate::error::{BuildError, StepError};
-use crate::{Setting, SolverStatistics, StepCheck, Stepper, one_by_one, restore_each};
+use crate::{Setting, SolverStatistics, StepCheck, StepRecord, Stepper, one_by_one, restore_each};
 
 /// A step β̂(L(y)) = x that is several, each of coordinates of its own: the step of a direct sum whose Hamiltonian is a sum of
 /// functions of the summands. D(β̂∘L) is block diagonal, in whatever order the coordinates stand.
@@ -187,12 +187,16 @@ impl PartStepper {
         steps: u64,
         whole: [&mut [f64]; 2],
         check: &mut Option<&mut dyn StepCheck>,
+        record: Option<&mut StepRecord<'_>>,
     ) -> u64 {
         let (x, low, increment) = (&mut self.x, &mut self.low, &mut self.increment);
+        let mut record = record.map(|record| record.of_part(&self.rows));
+        let record = record.as_mut();
         let concerns =
             |check: &&mut &mut dyn StepCheck| self.rows.iter().any(|at| check.reads(*at));
         let Some(check) = check.as_mut().filter(concerns) else {
-            return self.stepper.advance(steps, x, low, increment, None).0;
+            let stepper = &mut self.stepper;
+            return stepper.advance(steps, x, low, increment, None, record).0;
         };
         let mut alone = Alone {
             rows: &self.rows,
@@ -200,7 +204,8 @@ impl PartStepper {
             check: &mut **check,
         };
         let check: Option<&mut dyn StepCheck> = Some(&mut alone);
-        let (made, _) = self.stepper.advance(steps, x, low, increment, check);
+        let stepper = &mut self.stepper;
+        let (made, _) = stepper.advance(steps, x, low, increment, check, record);
         for row in alone.rows {
             alone.whole[1][*row] = 0.0;
         }
@@ -284,9 +289,10 @@ impl Stepper for UncoupledStepper {
         low: &mut [f64],
         increment: &mut [f64],
         mut check: Option<&mut dyn StepCheck>,
+        mut record: Option<&mut StepRecord<'_>>,
     ) -> (u64, Result<(), StepError>) {
         if steps == 1 {
-            return one_by_one(self, steps, [state, low, increment], check);
+            return one_by_one(self, steps, [state, low, increment], check, record);
         }
         self.room.copy_from_slice(state);
         increment.fill(0.0);
@@ -295,14 +301,18 @@ impl Stepper for UncoupledStepper {
             part.take(state, low, 1);
             part.stepper.note(&mut part.standing);
             let whole = [&mut self.room[..], &mut *increment];
-            made = made.min(part.advance(steps, whole, &mut check));
+            let record = record.as_deref_mut();
+            made = made.min(part.advance(steps, whole, &mut check, record));
         }
         if made < steps {
+            if let Some(record) = &mut record {
+                record.forget();
+            }
             for part in &mut self.parts {
                 part.take(state, low, 1);
                 part.stepper.return_to(&part.standing);
                 let whole = [&mut self.room[..], &mut *increment];
-                part.advance(made, whole, &mut check);
+                part.advance(made, whole, &mut check, record.as_deref_mut());
             }
         }
         for part in &self.parts {
@@ -311,7 +321,11 @@ impl Stepper for UncoupledStepper {
             }
         }
         self.steps += made;
-        let (more, outcome) = one_by_one(self, steps - made, [state, low, increment], check);
+        if let Some(record) = &mut record {
+            record.end_of_parts(made);
+        }
+        let (more, outcome) =
+            one_by_one(self, steps - made, [state, low, increment], check, record);
         (made + more, outcome)
     }
 

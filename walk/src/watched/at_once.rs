@@ -52,31 +52,32 @@ impl Watched<'_> {
             walk: self.walk.checkpoint(),
             statistics: self.statistics(),
         };
-        let before = self.earlier.evaluations;
-        let (mut made, mut is_whole) = (0, true);
-        while is_whole && (made as u64) < count {
-            is_whole = self.walk.step().is_ok();
-            if is_whole {
-                let evaluations = before + self.walk.evaluations();
-                batch.keep(made, self.walk.state(), evaluations);
-                made += 1;
-            }
-        }
+        let is_whole = batch
+            .record(count as usize, |record| {
+                self.walk.advance_with(count, record)
+            })
+            .is_ok();
+        let made = (self.walk.steps() - begin.walk.steps) as usize;
         if made == 0 {
             self.take_failures();
             return Ok(());
         }
-        batch.evaluate(made);
+        batch.evaluate(made, self.earlier.evaluations);
         let mut lost = None;
         if !batch.are_finite(made) {
-            let is_lost = |at: &usize| !batch.is_finite(*at) && self.is_outside(batch.state(*at));
+            let (course, before) = (self.course, begin.walk.steps);
+            let is_lost = |at: &usize| {
+                course.looks_at(before + *at as u64 + 1)
+                    && !batch.is_finite(*at)
+                    && self.is_outside(batch.state(*at))
+            };
             lost = (0..made).find(is_lost);
         }
         let steps = Steps {
             before: begin.walk.steps,
             count: lost.unwrap_or(made),
             batch,
-            time_step: self.course.step(),
+            course: self.course,
             taken: Cell::new(0),
         };
         if steps.count > 0

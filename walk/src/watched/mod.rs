@@ -327,8 +327,7 @@ impl<'a> Watched<'a> {
             self.look_for_events(take)?;
         }
         let is_last = self.course.pace.is_none() && steps == self.course.steps;
-        let is_looked_at = is_last || steps.is_multiple_of(self.course.invariants_every);
-        let (is_some_inside, lost) = match is_looked_at {
+        let (is_some_inside, lost) = match self.course.looks_at(steps) {
             true => self.look_at_invariants(),
             false => (false, Vec::new()),
         };

@@ -228,6 +228,13 @@ fn summary(
         ]);
     }
     lines.extend(numbers(&rows));
+    match composed.plan.drift_every {
+        1 => {}
+        every => lines.push(format!(
+            "  drifts   at one step in {}, and at the end",
+            grouped(every)
+        )),
+    }
     lines.push(String::new());
     let rate = report.steps as f64 / report.wall_seconds.max(1e-9);
     lines.push(format!("  solver   {}", report.statistics.summary()));

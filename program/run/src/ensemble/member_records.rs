@@ -251,7 +251,8 @@ impl<'a> MemberRecords<'a> {
                 let count = self.record.initial.len();
                 for k in 0..steps.count {
                     let values: Vec<f64> = (0..count).map(|i| steps.invariant(i)[k]).collect();
-                    self.take_step(steps.at(k), Some(&values), true);
+                    let values = steps.is_looked_at(k).then_some(&values[..]);
+                    self.take_step(steps.at(k), values, true);
                 }
                 Ok(())
             }

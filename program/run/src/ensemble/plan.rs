@@ -118,7 +118,7 @@ fn compose_from(
     let columns = run.plan.observables.iter().map(column).collect();
     let formulas = run.recorded_columns().map_err(without_code)?;
     let mut course = run.course(&[]).map_err(without_code)?;
-    course.invariants_every = ensemble.drift_every;
+    course.invariants_every = ensemble.record.drift_every;
     Ok(ComposedEnsemble {
         course,
         formulas,

@@ -104,6 +104,7 @@ fn recording(mut document: SceneDocument) -> Result<SceneDocument, Refusal> {
         times: None,
         observables,
         states: None,
+        drift_every: document.run.record.drift_every,
     };
     Ok(document)
 }

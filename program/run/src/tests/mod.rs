@@ -5,6 +5,7 @@ mod between;
 mod corners;
 mod damage;
 mod directories;
+mod drifts;
 mod in_memory;
 mod indicators;
 mod recorded;

@@ -170,7 +170,7 @@ impl ComposedRun {
             stop: stop.transpose()?,
             events: events.collect::<Result<_, _>>()?,
             invariants: self.invariant_functions()?,
-            invariants_every: 1,
+            invariants_every: plan.drift_every,
             indicators: self.indicators(),
         })
     }

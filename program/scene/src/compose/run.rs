@@ -47,6 +47,8 @@ pub struct RunPlan {
     pub until: Option<f64>,
     /// When samples are kept.
     pub samples: SampleTimes,
+    /// Every how many steps energy and Casimirs are looked at.
+    pub drift_every: u64,
     /// x_0, as its [`layout`](Self::layout) has it.
     pub initial: Vec<f64>,
     /// Observables that a sample holds beside time and state.
@@ -272,6 +274,7 @@ fn compose_at_its_values(
         steps: document.run.steps.value,
         until: document.run.until.as_ref().map(|until| until.value.value),
         samples: sample_times(document),
+        drift_every: document.run.record.drift_every,
         initial: composed.initial,
         layout,
         files: document.files(),

@@ -9,13 +9,14 @@ use super::system::{check_contradictions, with_beside};
 use crate::document::SceneDocument;
 
 /// Keys whose values no part of a method is made of.
-const VALUES: [&str; 8] = [
+const VALUES: [&str; 9] = [
     "method.time-step",
     "method.epsilon",
     "method.h",
     "run.initial",
     "run.steps",
     "run.record.every",
+    "run.record.drift-every",
     "run.record.interval",
     "run.record.times",
 ];
@@ -65,6 +66,7 @@ impl ComposedRun {
         run.plan.step_key = step.key();
         run.plan.steps = document.run.steps.value;
         run.plan.samples = sample_times(document);
+        run.plan.drift_every = document.run.record.drift_every;
         run.plan.initial = initial;
         Ok(Some(run))
     }

@@ -4,7 +4,8 @@ use super::error::SceneProblemCause;
 use super::located::{Located, Place};
 use super::reader::{Item, Problems, Table};
 use super::run::{
-    InitialSpec, RecordSpec, read_initial as read_state, read_observables, read_sample_times,
+    InitialSpec, RecordSpec, read_drift_every, read_initial as read_state, read_observables,
+    read_sample_times,
 };
 use super::schema::{CENTER, DRAWS, ENSEMBLE, ENSEMBLE_RECORD, WAYS};
 use super::shape::Key;
@@ -29,8 +30,6 @@ pub struct EnsembleSection {
     pub has_every: bool,
     /// The quantiles of every observable, between 0 and 1.
     pub quantiles: Vec<f64>,
-    /// Every how many steps the invariants' drifts are taken in.
-    pub drift_every: u64,
     /// Whether each member's last state is kept.
     pub final_states: FinalStates,
     /// The run directory, when the scene names one.
@@ -139,7 +138,7 @@ pub(super) fn read_ensemble(
     let out = optional(table, "out", problems, |item, problems| {
         item.string(problems)
     });
-    let (record, has_every, quantiles, drift_every) = record?;
+    let (record, has_every, quantiles) = record?;
     Some(EnsembleSection {
         place: table.place.clone(),
         members: members?,
@@ -149,7 +148,6 @@ pub(super) fn read_ensemble(
         record,
         has_every,
         quantiles,
-        drift_every,
         final_states: final_states?.unwrap_or_default(),
         out: out?,
     })
@@ -360,7 +358,7 @@ fn is_count(count: f64) -> bool {
     (2.0..=MOST_POINTS).contains(&count) && libm::floor(count) == count
 }
 
-type Record = (RecordSpec, bool, Vec<f64>, u64);
+type Record = (RecordSpec, bool, Vec<f64>);
 
 fn read_record(
     table: &Table<'_>,
@@ -377,15 +375,16 @@ fn read_record(
             times: None,
             observables,
             states,
+            drift_every: 1,
         };
-        return Some((record, false, Vec::new(), 1));
+        return Some((record, false, Vec::new()));
     };
     let record = item.table("record", "a table", problems)?;
     record.only(&ENSEMBLE_RECORD, problems);
     let whole = |item: &Item<'_>, problems: &mut Problems| item.whole(1, problems);
     let every = optional(&record, "every", problems, whole);
     let times = read_sample_times(&record, problems);
-    let drift_every = optional(&record, "drift-every", problems, whole);
+    let drift_every = read_drift_every(&record, problems);
     let observables = read_observables(Some(&record), &table.place, system, problems);
     let quantiles = match record.get("quantiles") {
         Some(list) => list.list_of("a list of numbers", problems, read_quantile),
@@ -399,9 +398,9 @@ fn read_record(
         times,
         observables: observables?,
         states: None,
+        drift_every: drift_every?,
     };
-    let drift_every = drift_every?.map_or(1, |every| every.value);
-    Some((record, every.is_some(), quantiles?, drift_every))
+    Some((record, every.is_some(), quantiles?))
 }
 
 fn read_quantile(item: &Item<'_>, problems: &mut Problems) -> Option<f64> {

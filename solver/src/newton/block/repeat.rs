@@ -6,7 +6,13 @@ use super::Block;
 use super::at_once::{End, Program};
 use crate::elimination::{Rows, dimension};
 use crate::error::StepError;
-use crate::{SolverStatistics, StepCheck};
+use crate::{SolverStatistics, StepCheck, StepRecord};
+
+/// A check of every step, and a record of where each leads.
+type Onlookers<'a, 'c, 'r, 's> = (
+    &'a mut Option<&'c mut dyn StepCheck>,
+    &'a mut Option<&'r mut StepRecord<'s>>,
+);
 
 impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
     /// Makes steps of a lane alone at once as long as they are likely to be of one or two evaluations, up to `steps`; returns
@@ -16,6 +22,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
         steps: u64,
         work: &mut SolverStatistics,
         check: &mut Option<&mut dyn StepCheck>,
+        record: &mut Option<&mut StepRecord<'_>>,
     ) -> (u64, Result<(), StepError>) {
         let mut made = 0;
         let Some(mut own) = self.at_once.take() else {
@@ -28,8 +35,14 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
             if !self.hand_over(program) {
                 break;
             }
-            let (more, end) =
-                self.repeat(program, needs_two, steps - made, work, check, &mut outcome);
+            let (more, end) = self.repeat(
+                program,
+                needs_two,
+                steps - made,
+                work,
+                (check, record),
+                &mut outcome,
+            );
             made += more;
             match end {
                 End::Made => {}
@@ -77,7 +90,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
         needs_two: bool,
         steps: u64,
         work: &mut SolverStatistics,
-        check: &mut Option<&mut dyn StepCheck>,
+        (check, record): Onlookers<'_, '_, '_, '_>,
         outcome: &mut Result<(), StepError>,
     ) -> (u64, End) {
         let d = dimension::<D>(self.dimension);
@@ -115,6 +128,9 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
                 break End::Another;
             }
             made += 1;
+            if let Some(record) = record {
+                record.take(inputs[..d].as_flattened(), work.evaluations);
+            }
             if needs_other {
                 break End::Other;
             }

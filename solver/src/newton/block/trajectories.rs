@@ -7,7 +7,7 @@ use crate::error::StepError;
 use crate::judge::Watch;
 use crate::newton::convergence::Convergence;
 use crate::newton::kernel::NewtonKernel;
-use crate::{SolverStatistics, StepCheck, add};
+use crate::{SolverStatistics, StepCheck, StepRecord, add};
 
 /// Block of lanes as a stepper uses it, whatever its dimension.
 pub(in crate::newton) trait LaneBlock: Send {
@@ -23,6 +23,7 @@ pub(in crate::newton) trait LaneBlock: Send {
         low: &mut [f64],
         work: &mut SolverStatistics,
         check: Option<&mut dyn StepCheck>,
+        record: Option<&mut StepRecord<'_>>,
     ) -> (u64, u64, Result<(), StepError>);
     /// Hands over the outcomes of a step and counts it; returns how many evaluations were with
     /// Jacobians.
@@ -76,6 +77,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> LaneBlock for Block
         low: &mut [f64],
         work: &mut SolverStatistics,
         mut check: Option<&mut dyn StepCheck>,
+        mut record: Option<&mut StepRecord<'_>>,
     ) -> (u64, u64, Result<(), StepError>) {
         let d = dimension::<D>(self.dimension);
         for i in 0..d {
@@ -84,7 +86,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> LaneBlock for Block
         }
         let (mut made, mut jacobians, mut outcome) = (0, 0, Ok(()));
         while made < steps {
-            let (more, ended) = self.run_at_once(steps - made, work, &mut check);
+            let (more, ended) = self.run_at_once(steps - made, work, &mut check, &mut record);
             made += more;
             jacobians += more + u64::from(ended.is_err());
             outcome = ended;
@@ -107,6 +109,9 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> LaneBlock for Block
                 break;
             }
             made += 1;
+            if let Some(record) = &mut record {
+                record.take(self.x.as_ref()[..d].as_flattened(), work.evaluations);
+            }
         }
         for i in 0..d {
             state[i] = self.x.as_ref()[i][0];
