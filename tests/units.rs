@@ -416,12 +416,12 @@ fn compared(base: f64, largest: i32, steps: Vec<f64>, cases: u32) -> u32 {
 
 #[test]
 fn units_that_are_powers_of_two_change_no_bit() {
-    let compared = compared(2.0, 60, vec![0.5, 1.0, 2.0], 160);
-    assert!(compared > 150, "{compared}");
+    let compared = compared(2.0, 60, vec![0.5, 1.0, 2.0], 90);
+    assert!(compared > 80, "{compared}");
 }
 
 #[test]
 fn units_change_nothing_but_round_off() {
-    let compared = compared(10.0, 30, vec![0.5, 1.0, 2.0], 130);
-    assert!(compared > 120, "{compared}");
+    let compared = compared(10.0, 30, vec![0.5, 1.0, 2.0], 75);
+    assert!(compared > 65, "{compared}");
 }

@@ -45,7 +45,8 @@ impl Chain {
         };
         let mut scope = Scope::new()
             .with_boundary(boundary)
-            .with_length(self.geometry.length());
+            .with_length(self.geometry.length())
+            .with_rings(&self.geometry.lengths());
         for ((name, length), offset) in geometry.families.iter().zip(geometry.offsets()) {
             scope = scope.with_family(name, offset, *length);
         }
@@ -82,8 +83,8 @@ impl LatticeSource for Chain {
             let entry = Formula::parse(entry).expect("a formula");
             for site in 0..geometry.length() {
                 let at = Some((&["i"][..], site));
-                let ends = (a.resolve(&scope, at), b.resolve(&scope, at));
-                let (Ok(Some(a)), Ok(Some(b))) = ends else {
+                let ends = [&a, &b].map(|end| end.resolve(&scope, at).expect("known names"));
+                let [Some(a), Some(b)] = ends else {
                     continue;
                 };
                 // An entry that reaches outside is absent.
