@@ -12,7 +12,12 @@ use crate::expression::Function;
 impl Parser<'_> {
     pub(super) fn call(&mut self, span: Span, function: Function) -> Parsed {
         self.position += 1;
-        self.expect(Symbol::Open, "`(` and an argument after a function's name")?;
+        let expected = "`(` and an argument after a function's name";
+        let opened = self.expect(Symbol::Open, expected);
+        opened.map_err(|error| {
+            let power = self.power_of_call(span);
+            Box::new(error.suggesting(power))
+        })?;
         let argument = self.deeper(span, Self::sum)?;
         let function = match function {
             Function::Special(special, _) if self.accept(Symbol::Comma) => {
@@ -22,6 +27,29 @@ impl Parser<'_> {
         };
         let close = self.expect(Symbol::Close, CLOSE)?;
         node(span.to(close), Kind::Call(function, argument))
+    }
+
+    /// Of `sin^2(q)`, where the power stands before the argument: `sin(q)^2`.
+    fn power_of_call(&self, name: Span) -> Option<String> {
+        let [power, number, open] = self.tokens.get(self.position..self.position + 3)? else {
+            return None;
+        };
+        let is_power = power.kind == TokenKind::Symbol(Symbol::Power)
+            && number.kind == TokenKind::Number
+            && open.kind == TokenKind::Symbol(Symbol::Open);
+        let behind = &self.text[open.span.start..];
+        let mut depth = 0;
+        let close = behind.char_indices().find(|(_, character)| {
+            depth += match character {
+                '(' => 1,
+                ')' => -1,
+                _ => 0,
+            };
+            depth == 0
+        });
+        let argument = &behind[..=close.filter(|_| is_power)?.0];
+        let (name, number) = (name.of(self.text), number.span.of(self.text));
+        Some(format!("{name}{argument}^{number}"))
     }
 
     /// How often a special function is differentiated.

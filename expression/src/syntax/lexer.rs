@@ -66,8 +66,8 @@ pub(super) fn tokens(text: &str) -> Result<Vec<Token>, SyntaxError> {
             };
             let kind = SyntaxErrorKind::UnexpectedCharacter { character };
             let is_in_choice = text[..start].contains("if(");
-            let suggestion =
-                plain(character).or((character == '=' && is_in_choice).then_some("=="));
+            let plain = plain(character).or((character == '=' && is_in_choice).then_some("=="));
+            let suggestion = magnitude(rest).or(plain.map(str::to_owned));
             return Err(SyntaxError::new(span, kind).suggesting(suggestion));
         };
         if tokens.len() == TOKEN_LIMIT {
@@ -144,6 +144,12 @@ fn symbol(text: &str, character: char) -> Option<(Symbol, usize)> {
         _ => return None,
     };
     Some((single, 1))
+}
+
+/// A magnitude between bars, `|q - 1|`, as it is written here.
+fn magnitude(text: &str) -> Option<String> {
+    let (inner, _) = text.strip_prefix('|')?.split_once('|')?;
+    (!inner.trim().is_empty()).then(|| format!("abs({})", inner.trim()))
 }
 
 /// The spelling of a typographic character in formulas.

@@ -88,7 +88,11 @@ pub(super) fn unknown_function<'a>(
 ) -> SyntaxError {
     let functions = function_names().map(|known| -> &'a str { known });
     let misspelt = || nearest(name, tables.chain(functions)).filter(|_| !is_elsewhere(name));
-    let suggestion: Option<&str> = alias(&name.to_lowercase()).or_else(|| written(name));
+    // Of a library of another language, `np.sqrt`.
+    let own = name.rsplit('.').next().unwrap_or(name);
+    let same = || function_names().find(|known| *known == own && own != name);
+    let suggestion: Option<&str> = alias(&own.to_lowercase()).or_else(|| written(own));
+    let suggestion = suggestion.or_else(same);
     let suggestion = suggestion.or_else(misspelt);
     let kind = SyntaxErrorKind::UnknownFunction {
         name: name.to_owned(),

@@ -77,6 +77,31 @@ fn errors_point_at_their_text_and_suggest_near_names() {
             "x1",
             "expected `(` and an argument after a function's name, found `x1`",
         ),
+        (
+            "2*sin^2(x1 + (x2))",
+            "^",
+            "expected `(` and an argument after a function's name, found `^`; did you mean `sin(x1 + (x2))^2`?",
+        ),
+        (
+            "x1 + |x1 - x2|/2",
+            "|",
+            "unexpected character `|`; did you mean `abs(x1 - x2)`?",
+        ),
+        (
+            "x1 || x2",
+            "|",
+            "unexpected character `|`; did you mean `or`?",
+        ),
+        (
+            "np.sqrt(x1)",
+            "np.sqrt",
+            "unknown function `np.sqrt` (a product is written with `*`); did you mean `sqrt`?",
+        ),
+        (
+            "math.log(x1)",
+            "math.log",
+            "unknown function `math.log` (a product is written with `*`); did you mean `ln`?",
+        ),
         ("sin(x1, x2)", ",", "expected an operator or `)`, found `,`"),
         ("x1 − 2", "−", "unexpected character `−`; did you mean `-`?"),
         ("x1²", "²", "unexpected character `²`; did you mean `^2`?"),

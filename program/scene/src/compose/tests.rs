@@ -3,6 +3,7 @@
 mod advice;
 mod definitions;
 mod forms;
+mod initial;
 mod matrices;
 mod pairs;
 mod planes;

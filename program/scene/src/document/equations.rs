@@ -83,7 +83,7 @@ fn equations_in(text: &str, problems: &mut Problems) -> Option<Equations> {
     let document = match DeTable::parse(text) {
         Ok(document) => document,
         Err(error) => {
-            problems.syntax(error.message(), error.span(), Source::Scene);
+            problems.syntax(error.message(), error.span(), (text, Source::Scene));
             return None;
         }
     };

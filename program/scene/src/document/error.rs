@@ -47,6 +47,8 @@ pub enum SceneProblemCause {
     Syntax {
         /// The TOML parser's message.
         message: String,
+        /// The line as it should be, where that is known.
+        slip: Option<String>,
     },
     /// A key the table does not have.
     #[error("unknown key `{key}` in {table}")]
@@ -319,7 +321,10 @@ impl SceneProblemCause {
                     None => Some(format!("valid here: {}", valid.join(", "))),
                 }
             }
-            Self::Syntax { message } if message.contains("unquoted key") => Some(
+            Self::Syntax {
+                slip: Some(slip), ..
+            } => Some(slip.clone()),
+            Self::Syntax { message, .. } if message.contains("unquoted key") => Some(
                 "a key with other letters than a to z, A to Z, 0 to 9, `-` and `_` needs quotes: \"Iα\" = 1.0"
                     .to_owned(),
             ),
@@ -328,6 +333,13 @@ impl SceneProblemCause {
                  vanish: bracket = { \"x,y\" = \"x*y\" }"
                     .to_owned(),
             ),
+            Self::NotOne {
+                key,
+                found: "a table",
+            } => Some(format!(
+                "a name with a point stands in quotes, that of a family with its index: \"{key}.x[i]\" = 1, or a formula for each \
+                 component: \"{key}[i]\" = [1, 0, 0]"
+            )),
             Self::NotOne { key, .. } => Some(format!(
                 "write a value for each site of a family under its name with an index: \"{key}[i]\" = [1, 2, 3]"
             )),

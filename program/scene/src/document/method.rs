@@ -296,7 +296,7 @@ fn read_step(table: &Table<'_>, problems: &mut Problems) -> Option<StepSpec> {
 }
 
 fn nonzero(item: &Item<'_>, problems: &mut Problems) -> Option<Located<Number>> {
-    let number = item.number(problems)?;
+    let number = item.constant(problems)?;
     if number.value.value == 0.0 {
         problems.push(
             SceneProblemCause::OutOfRange {

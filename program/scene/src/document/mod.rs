@@ -49,6 +49,7 @@ mod run;
 mod scene;
 mod schema;
 mod shape;
+mod slips;
 mod suggest;
 mod sweep;
 mod system;

@@ -27,7 +27,7 @@ pub(super) fn apply_overrides(
     let mut document = match text.parse::<DocumentMut>() {
         Ok(document) => document,
         Err(error) => {
-            problems.syntax(error.message(), error.span(), Source::Scene);
+            problems.syntax(error.message(), error.span(), (text, Source::Scene));
             return None;
         }
     };

@@ -9,6 +9,7 @@ use toml::de::{DeTable, DeValue};
 use super::error::{ConstantNames, SceneProblem, SceneProblemCause};
 use super::located::{Located, Number, Place, Source};
 use super::shape::{Key, choices, has, names};
+use super::slips::slip;
 use super::suggest::nearest;
 
 /// The problems found so far.
@@ -40,11 +41,17 @@ impl Problems {
     }
 
     /// Records that a text is no TOML.
-    pub fn syntax(&mut self, message: &str, span: Option<Range<usize>>, source: Source) {
+    pub fn syntax(
+        &mut self,
+        message: &str,
+        span: Option<Range<usize>>,
+        (text, source): (&str, Source),
+    ) {
         let message = message.to_owned();
         let span = span.unwrap_or(0..0);
+        let slip = slip(text, &span);
         self.push(
-            SceneProblemCause::Syntax { message },
+            SceneProblemCause::Syntax { message, slip },
             Place { source, span },
         );
     }

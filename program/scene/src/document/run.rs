@@ -35,6 +35,8 @@ pub struct RecordSpec {
     pub observables: Vec<ObservableSpec>,
     /// The coordinates that are recorded, by names and slices; where not said, all of a small system.
     pub states: Option<Vec<Located<String>>>,
+    /// Every how many steps energy and Casimirs are looked at; at least 1.
+    pub drift_every: u64,
 }
 
 /// In `states`, every coordinate.
@@ -156,7 +158,7 @@ fn read_end(
         let steps = table.require("steps", "steps = 1000", problems);
         return (steps.and_then(|item| item.whole(0, problems)), Some(None));
     };
-    let until = item.number(problems);
+    let until = item.constant(problems);
     let steps = until
         .as_ref()
         .map(|until| Located::new(u64::MAX, until.place()));
@@ -271,7 +273,14 @@ pub(super) fn read_initial(
     if item.is_table() {
         let table = item.table(&item.title, expected, problems)?;
         let mut fields = Some(Vec::new());
-        for entry in &table.items {
+        let own = table.items.iter();
+        let entries: Vec<_> = own.flat_map(|own| components_of(own, system)).collect();
+        for (at, entry) in entries.iter().enumerate() {
+            let name = &entry.key.value;
+            if entries[..at].iter().any(|own| own.key.value == *name) {
+                let name = name.clone();
+                problems.push(SceneProblemCause::Duplicate { name }, entry.key.place());
+            }
             let read = match read_vector(entry, system, problems) {
                 Some(components) => Some(components),
                 None => read_field(entry, problems).map(|field| vec![(entry.key.clone(), field)]),
@@ -282,14 +291,17 @@ pub(super) fn read_initial(
             });
         }
         if let Some(system) = system {
-            let keys = table.items.iter().map(|entry| &entry.key);
+            let keys = entries.iter().map(|entry| &entry.key);
             check_components_once(system, keys, problems);
         }
         let fields = fields?;
         check_sites_once(fields.iter().map(|(key, _)| key), problems);
         return Some(Located::new(InitialSpec::Fields(fields), item.place()));
     }
-    let numbers = item.list_of(expected, problems, Item::number)?;
+    if let Some(fields) = formulas_by_variables(item, system, problems) {
+        return Some(Located::new(InitialSpec::Fields(fields?), item.place()));
+    }
+    let numbers = item.list_of(expected, problems, Item::constant)?;
     if let Some(dimension) = system.map(SystemSection::coordinates)
         && dimension != numbers.len()
     {
@@ -306,6 +318,55 @@ pub(super) fn read_initial(
     Some(Located::new(InitialSpec::Vector(numbers), item.place()))
 }
 
+/// The components of a vector that are written with points and without quotes, `r.x = 1`, which is a table in TOML; any other
+/// entry itself.
+fn components_of<'a>(entry: &Item<'a>, system: Option<&SystemSection>) -> Vec<Item<'a>> {
+    let variables = system.map_or(&[][..], |system| &system.variables);
+    let parts = match entry.is_table() {
+        true => entry.table(&entry.title, "a table", &mut Problems::default()),
+        false => None,
+    };
+    let parts = parts.map_or_else(Vec::new, |table| table.items);
+    let named = parts.into_iter().map(|mut part| {
+        let name = format!("{}.{}", entry.key.value, part.key.value);
+        let is_known = variables.iter().any(|variable| variable.value == name);
+        part.key.value.clone_from(&name);
+        part.title = name;
+        is_known.then_some(part)
+    });
+    let named: Option<Vec<_>> = named.collect();
+    match named {
+        Some(named) if !named.is_empty() => named,
+        _ => vec![entry.clone()],
+    }
+}
+
+/// Formulas and numbers in a list, by the variables in their order. `None` for a list of numbers alone, and for entries that are
+/// not one for each variable.
+fn formulas_by_variables(
+    item: &Item<'_>,
+    system: Option<&SystemSection>,
+    problems: &mut Problems,
+) -> Option<Option<Vec<(Located<String>, FieldSpec)>>> {
+    let system = system?;
+    let entries = item
+        .list("a list", &mut Problems::default())
+        .unwrap_or_default();
+    let are_variables = entries.len() == system.variables.len()
+        && entries.len() == system.coordinates()
+        && entries.iter().any(Item::names_others);
+    if !are_variables {
+        return None;
+    }
+    let fields = system.variables.iter().zip(&entries).map(|(name, entry)| {
+        let formula = entry.formula(problems)?;
+        let name = Located::new(name.value.clone(), entry.place());
+        Some((name, FieldSpec::Formula(formula)))
+    });
+    let fields: Vec<_> = fields.collect();
+    Some(fields.into_iter().collect())
+}
+
 fn read_record(
     table: &Table<'_>,
     system: Option<&SystemSection>,
@@ -318,6 +379,7 @@ fn read_record(
             times: None,
             observables: read_observables(None, &table.place, system, problems)?,
             states: None,
+            drift_every: 1,
         });
     };
     let record = item.table("record", "a table", problems)?;
@@ -326,6 +388,7 @@ fn read_record(
         Some(every) => every.whole(1, problems).map(|every| every.value),
         None => Some(1),
     };
+    let drift_every = read_drift_every(&record, problems);
     let times = read_sample_times(&record, problems);
     let observables = read_observables(Some(&record), &table.place, system, problems);
     let states = match record.get("states") {
@@ -343,7 +406,16 @@ fn read_record(
         times,
         observables: observables?,
         states: states?,
+        drift_every: drift_every?,
     })
+}
+
+/// `drift-every`, of a `record` table.
+pub(super) fn read_drift_every(record: &Table<'_>, problems: &mut Problems) -> Option<u64> {
+    match record.get("drift-every") {
+        Some(every) => every.whole(1, problems).map(|every| every.value),
+        None => Some(1),
+    }
 }
 
 type Times = (

@@ -212,7 +212,7 @@ fn read(
     let document = match DeTable::parse(text) {
         Ok(document) => document,
         Err(error) => {
-            problems.syntax(error.message(), error.span(), Source::Scene);
+            problems.syntax(error.message(), error.span(), (text, Source::Scene));
             return None;
         }
     };

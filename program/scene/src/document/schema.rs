@@ -178,12 +178,12 @@ pub(super) static METHOD: [Key; 11] = [
     )
     .otherwise("none")
     .not_beside(&STEPPER_BESIDE),
-    key("epsilon", Shape::Number, "One factor of the time step"),
-    key("h", Shape::Number, "The other factor of the time step"),
+    key("epsilon", Shape::Formula, "One factor of the time step"),
+    key("h", Shape::Formula, "The other factor of the time step"),
     key(
         "time-step",
-        Shape::Number,
-        "The time that one step advances t by, in place of epsilon and h; a negative one runs backwards in time",
+        Shape::Formula,
+        "The time that one step advances t by, in place of epsilon and h: a number, or a formula of numbers such as \"2*pi/100\"; a negative one runs backwards in time",
     )
     .not_beside(&TIME_STEP_BESIDE),
     key(
@@ -222,14 +222,14 @@ const OBSERVABLES: Shape = Shape::List(&Shape::Either(&[Shape::Text, FORMULAS]))
 pub(super) static RUN: [Key; 11] = [
     key(
         "initial",
-        Shape::Either(&[NUMBERS, FIELDS]),
-        "A number for each variable, or a formula for each variable or family; of a family \
+        Shape::Either(&[Shape::List(&Shape::Formula), FIELDS]),
+        "A number or formula for each variable in their order, or a formula for each variable or family; of a family \
          also a list or { file = \"q.csv\" }",
     ),
     key("steps", Shape::Whole(0), "The number of steps"),
     key(
         "until",
-        Shape::Number,
+        Shape::Formula,
         "The time at the end, in place of steps; equal steps are shortened to come to it",
     )
     .not_beside(&UNTIL_BESIDE),
@@ -301,7 +301,15 @@ pub(super) static SECTION: [Key; 4] = [
     .not_beside(&SET_BESIDE),
 ];
 
-pub(super) static RECORD: [Key; 5] = [
+/// Of the records of runs and ensembles alike.
+const DRIFT_EVERY: Key = key(
+    "drift-every",
+    Shape::Whole(1),
+    "Steps from one look at the drifts of energy and Casimirs to the next",
+)
+.default("1");
+
+pub(super) static RECORD: [Key; 6] = [
     key(
         "every",
         Shape::Whole(1),
@@ -335,6 +343,7 @@ pub(super) static RECORD: [Key; 5] = [
         "\"all\", or the coordinates to keep: [\"q[0]\", \"q[::100]\", \"p\"]",
     )
     .otherwise("all of at most 64 coordinates, none of more"),
+    DRIFT_EVERY,
 ];
 
 pub(super) static ENSEMBLE: [Key; 7] = [
@@ -471,12 +480,7 @@ pub(super) static ENSEMBLE_RECORD: [Key; 6] = [
     .otherwise("`energy` and every Casimir")
     .not_beside(&OBSERVABLES_BESIDE),
     key("quantiles", NUMBERS, "Numbers between 0 and 1").default("[]"),
-    key(
-        "drift-every",
-        Shape::Whole(1),
-        "Steps from one look at drifts to the next",
-    )
-    .default("1"),
+    DRIFT_EVERY,
 ];
 
 pub(super) static SWEEP: [Key; 5] = [

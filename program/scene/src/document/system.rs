@@ -129,7 +129,7 @@ fn read_fragment(
     let document = match DeTable::parse(text) {
         Ok(document) => document,
         Err(error) => {
-            problems.syntax(error.message(), error.span(), source);
+            problems.syntax(error.message(), error.span(), (text, source));
             return None;
         }
     };

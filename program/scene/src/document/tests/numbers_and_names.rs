@@ -10,8 +10,8 @@ fn wrong_types_say_what_was_expected_and_what_was_found() {
             15,
             11,
             "\"fast\"",
-            "`epsilon` must be a number, found the string \"fast\"",
-            ""
+            "`epsilon` is neither a number nor a formula of numbers: unknown name `fast`",
+            "numbers and functions of them are allowed here, as \"sqrt(3)/2\""
         )
     );
     assert_eq!(
