@@ -54,7 +54,7 @@ pub(super) fn blocks_of<'a>(
     let begins_row = move |sites: &[usize]| {
         let row = sites.get(..BLOCK);
         let place = sites.first().map_or(0, |site| site % length);
-        place % BLOCK == 0
+        place.is_multiple_of(BLOCK)
             && place + BLOCK <= length
             && row.is_some_and(|row| row[BLOCK - 1] - row[0] == BLOCK - 1)
     };

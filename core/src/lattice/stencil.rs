@@ -147,9 +147,10 @@ impl Stencil {
     /// Cuts what is swept in place into parts, with the other sites of the class among them.
     fn part(&mut self, geometry: &LatticeGeometry, range: Range<usize>) {
         let starts = range.clone().step_by(PART);
-        let mut ranges = vec![0..range.start];
-        ranges.extend(starts.map(|start| start..range.end.min(start + PART)));
-        ranges.push(range.end..geometry.length());
+        let swept = starts.map(|start| start..range.end.min(start + PART));
+        let before = std::iter::once(0..range.start);
+        let behind = std::iter::once(range.end..geometry.length());
+        let ranges: Vec<Range<usize>> = before.chain(swept).chain(behind).collect();
         let mut outside = self.inside.outside.iter().cloned().flatten().peekable();
         let groups = ranges.iter().map(|range| {
             let mut own = Vec::new();

@@ -19,8 +19,11 @@ pub enum InitialSpec {
     /// One number for each coordinate of the state.
     Vector(Vec<Located<Number>>),
     /// Values that each variable or family begins with, as `"x[i]" = "1 + 0.1*sin(2*pi*i/N)"`.
-    Fields(Vec<(Located<String>, FieldSpec)>),
+    Fields(Fields),
 }
+
+/// Values that variables and families begin with, each under its name.
+type Fields = Vec<(Located<String>, FieldSpec)>;
 
 /// Records to keep of the run: sample times, observables and coordinates.
 #[derive(Clone, Debug, PartialEq)]
@@ -347,7 +350,7 @@ fn formulas_by_variables(
     item: &Item<'_>,
     system: Option<&SystemSection>,
     problems: &mut Problems,
-) -> Option<Option<Vec<(Located<String>, FieldSpec)>>> {
+) -> Option<Option<Fields>> {
     let system = system?;
     let entries = item
         .list("a list", &mut Problems::default())
