@@ -142,7 +142,7 @@ fn the_heavy_top_has_roots_until_none_is_there() {
     assert!(whole >= 3);
 }
 
-/// Over 10⁷ steps neither: the energy's bound is the same, and the Casimir walks by 4ε√n at most. The heavy top is that of Lagrange,
+/// Over 10⁷ steps neither: the body's energy is within 4 roundings, that of the top, a sum of six terms, within 9, and the Casimir walks by 4ε√n at most. The heavy top is that of Lagrange,
 /// whose fast regular motion stays away from states without a root.
 #[test]
 #[ignore = "minutes"]
@@ -157,14 +157,14 @@ fn ten_million_steps_have_no_trend() {
             "[0.5, 1.0, 1.5, 0.6, 0.0, 0.8]",
             "[0.3, 0.2, 3.0, 0.6, 0.0, 0.8]",
         );
-    for (text, order) in [(BODY, 4), (fast.as_str(), 2)] {
+    for (text, order, energy) in [(BODY, 4, 4.0 * f64::EPSILON), (fast.as_str(), 2, 2e-15)] {
         let run = scene(text, order, true, (0.1, steps));
         let (made, why) = until_lost(&scene(text, order, true, (0.1, 100_000)), 100_000);
         println!("{made} {why:?}");
         assert!(why.is_none());
         let (drift, _) = followed(&run);
         println!("energy {:.1e}, Casimirs {:?}", drift[0], &drift[1..]);
-        assert!(drift[0] <= 4.0 * f64::EPSILON, "{}", drift[0]);
+        assert!(drift[0] <= energy, "{}", drift[0]);
         let walk = 4.0 * f64::EPSILON * libm::sqrt(steps as f64);
         assert!(drift[1..].iter().all(|drift| *drift <= walk), "{drift:?}");
     }
