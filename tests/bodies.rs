@@ -1,6 +1,8 @@
 //! Many bodies: sums over pairs in loops have the motion of the system written out, and of closed forms.
 
+mod beside;
 mod derivatives;
+mod shadow;
 mod taylor;
 mod verified;
 
@@ -490,21 +492,4 @@ fn couplings_of_every_two_sites_move_as_written_out() {
             );
         }
     }
-}
-
-/// A shadow energy of few bodies is formed of all of them written out; of many it is refused with the term that forbids it.
-#[test]
-fn shadow_energies_of_many_bodies_are_refused_with_their_first_term() {
-    let recorded = "steps = 10\nrecord = { observables = [\"energy\", \"shadow-energy\"] }";
-    let text = gravity(40, METHODS[3]).replace("steps = 10", recorded);
-    let refusal = compose(&document(&text, &[]), &Registry::with_builtin());
-    let refusal = refusal.map(|_| ()).expect_err("too many");
-    for part in ["{V, {V, T}}", "all triples", "fewer than 24 bodies"] {
-        assert!(refusal.message.contains(part), "{}", refusal.message);
-    }
-    let springs = "[system]\nfamilies = { q = 16, p = 16 }\nbracket = \"canonical\"\n\
-                   hamiltonian = \"sum(i, p[i]^2/2) + sum(i<j, (q[i] - q[j])^2)/N\"\n[method]\nstepper = \"splitting\"\n\
-                   time-step = 0.05\n[run]\nsteps = 10\nrecord = { observables = [\"shadow-energy\"] }\n\
-                   initial = { \"q[i]\" = \"sin(1.3*i)\", \"p[i]\" = 0 }\n";
-    assert!(composed(springs).system.expressions().is_some());
 }

@@ -142,7 +142,8 @@ fn the_heavy_top_has_roots_until_none_is_there() {
     assert!(whole >= 3);
 }
 
-/// Over 10⁷ steps neither: the body's energy is within 4 roundings, that of the top, a sum of six terms, within 9, and the Casimir walks by 4ε√n at most. The heavy top is that of Lagrange,
+/// Over 10⁷ steps neither: the body's energy is within 4 roundings, that of the top, a sum of six terms, within 9, and the Casimir
+/// walks by 4ε√n at most. The heavy top is that of Lagrange,
 /// whose fast regular motion stays away from states without a root.
 #[test]
 #[ignore = "minutes"]

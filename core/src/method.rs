@@ -452,7 +452,7 @@ impl StepMap for Method {
         MapAbilities {
             kernels,
             shadow,
-            factored: None,
+            ..MapAbilities::default()
         }
     }
 

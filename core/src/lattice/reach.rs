@@ -32,9 +32,10 @@ impl TemplateReach {
         sums(self.bracket, self.hamiltonian).map(|each| each.max(1))
     }
 
-    /// Whether the entries of the bracket couple coordinates of one site alone, at its index.
+    /// Whether bracket, H and forces are sums and templates of single sites, each of coordinates at its index.
     pub fn has_sites_apart(&self) -> bool {
-        (self.bracket, self.beside) == ([0; AXES], [0; AXES])
+        let looks = [self.bracket, self.hamiltonian, self.forces, self.beside];
+        looks == [[0; AXES]; 4]
     }
 
     /// Number of sites that code looks to either side which goes through tensor and dH `times` times. It is at least

@@ -65,7 +65,8 @@ impl BodyPoles {
     fn of(system: &BodySystem) -> Result<Option<Self>, BuildError> {
         let sums = &system.hamiltonian.sums;
         let formulas = |part: fn(&BodySum) -> &Expression| sums.iter().map(part).collect();
-        let entries = system.bracket.iter().map(|(_, entry)| entry).collect();
+        let entries = system.bracket.iter().map(|(_, entry)| entry);
+        let entries = entries.chain(system.forces.formulas()).collect();
         let of = |formulas: Vec<&Expression>, entries: Vec<&Expression>| {
             Denominators::of(&system.shape, &formulas, &entries, system.parameters.len())
         };

@@ -4,7 +4,6 @@ use leafwise_expression::bounded::{Bounded, BoundedNumbers};
 use leafwise_expression::{AlgebraError, Arithmetic, Expression, Graph, Term};
 
 use super::BodyShape;
-use super::bracket::applied;
 use super::function::{BodySum, Weighted};
 use super::matrix::PairEntry;
 use super::pair_code::slopes_of_a_pair;
@@ -42,9 +41,8 @@ pub(super) fn bounds(system: &BodySystem) -> Result<FieldRounding, BuildError> {
     let mut site = Graph::compilable();
     let count = 2 * shape.families + weights.len() + shape.matrices.len();
     let of_site = inputs(&mut site, count);
-    let write = |graph: &mut Graph, x: &[Term], gradient: &[Term]| {
-        applied(&system.bracket, graph, x, gradient, true)
-    };
+    let write =
+        |graph: &mut Graph, x: &[Term], gradient: &[Term]| system.velocities(graph, x, gradient);
     let results = at_a_site(&weighted, shape, &moving, &mut site, &of_site, write)?;
     let (families, terms) = results.into_iter().unzip();
     let field = BoundedField {

@@ -9,7 +9,6 @@ use std::sync::Arc;
 
 use leafwise_expression::Expression;
 
-use super::bracket::applied;
 use super::curve::CurveOfSites;
 use super::rounding::bounds;
 use super::system::BodySystem;
@@ -26,7 +25,8 @@ impl BodySystem {
     /// [`BuildError::Algebra`] where a formula has no series, or one that is too long.
     pub(super) fn jet(&self, order: usize) -> Result<Jet, BuildError> {
         let moving = self.moving();
-        let is_constant = self.rests(&moving);
+        // A metric that moves multiplies every coefficient of the gradient.
+        let is_constant = self.rests(&moving) && self.forces.damping.is_none();
         let orders = (0..order).map(|k| {
             let curve = CurveOfSites::new(&self.shape, k, &moving);
             // A tensor at rest takes the last coefficient of the gradient alone.
@@ -36,7 +36,7 @@ impl BodySystem {
                 (&curve, from),
                 &moving,
                 self.parameters.len(),
-                |graph, x, gradient| applied(&self.bracket, graph, x, gradient, true),
+                |graph, x, gradient| self.velocities(graph, x, gradient),
             )?;
             Ok(Arc::new(code))
         });
@@ -46,6 +46,7 @@ impl BodySystem {
         let mut formulas = sums
             .flat_map(|sum| [&sum.site, &sum.pair])
             .chain(self.bracket.iter().map(|(_, entry)| entry))
+            .chain(self.forces.formulas())
             .chain([&self.hamiltonian.outer]);
         Ok(Jet {
             has_seams: formulas.any(Expression::has_seams),

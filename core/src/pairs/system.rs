@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use leafwise_expression::{Expression, Workspace};
+use leafwise_expression::{Arithmetic, Expression, Graph, Term, Workspace};
 
 use super::BodyShape;
 use super::bracket::{BodyMotion, applied};
@@ -14,7 +14,7 @@ use super::values::{Slopes, SlopesCode, Sums, SumsCode};
 use crate::error::{BuildError, StepError};
 use crate::evaluator::Evaluator;
 use crate::system::numbers::{Derivatives, Shear, SystemEvaluator, SystemFunction, vector};
-use crate::system::{OpaqueSystem, Parameter, SystemNumbers};
+use crate::system::{Convention, Forces, OpaqueSystem, Parameter, SystemFormulas, SystemNumbers};
 
 /// A Poisson system with H and Casimirs of sums, and a tensor whose entries couple coordinates of one site.
 #[derive(Clone, Debug)]
@@ -27,6 +27,8 @@ pub struct BodySystem {
     pub parameters: Vec<Parameter>,
     /// Π_ab = {x_a, x_b}, a < b, of families at one site, in the paper's convention and in the coordinates of that site.
     pub bracket: Vec<((usize, usize), Expression)>,
+    /// Forces at one site, a component for each family, in the coordinates of that site.
+    pub forces: Forces,
     /// H.
     pub hamiltonian: BodyFunction,
     /// The Casimirs by name.
@@ -60,14 +62,18 @@ impl BodySystem {
             Ok(terms)
         })?;
         let gradient = Arc::new(gradient);
-        // A field may have no derivative.
+        // A field may have no derivative. That of forces is not offered.
+        let has_forces = !self.forces.is_empty();
         let motion = BodyMotion {
             shape,
             parameters,
             bracket: &self.bracket,
             hamiltonian: &self.hamiltonian,
         };
-        let tangent = TangentCode::new(&motion, &gradient).ok().map(Arc::new);
+        let tangent = match has_forces {
+            true => None,
+            false => TangentCode::new(&motion, &gradient).ok().map(Arc::new),
+        };
         let casimirs: Vec<BodyFunction> = (self.casimirs.iter())
             .map(|(_, casimir)| casimir.clone())
             .collect();
@@ -94,7 +100,8 @@ impl BodySystem {
                 work: of_field.field.work() * points as u64,
                 operations: 0,
             })
-        });
+        })
+        .with_motion(self.forces.motion());
         if let Some(poles) = self.poles()? {
             numbers = numbers.with_poles(poles);
         }
@@ -108,7 +115,9 @@ impl BodySystem {
         }
         if self.rests(&moving) {
             numbers = numbers.with_resting_tensor();
-            numbers = numbers.with_shears(self.shears()?);
+            if !has_forces {
+                numbers = numbers.with_shears(self.shears()?);
+            }
         }
         Ok(OpaqueSystem {
             name: "sums over pairs".to_owned(),
@@ -119,17 +128,58 @@ impl BodySystem {
         })
     }
 
-    /// The families that the tensor moves.
+    /// The families that the tensor or friction moves.
     pub(super) fn moving(&self) -> Vec<usize> {
+        let friction = self.forces.friction.iter().enumerate();
+        let friction = friction.filter(|(_, own)| **own != 0.into());
         let mut moving: Vec<usize> = (self.bracket.iter())
             .flat_map(|((a, b), _)| [*a, *b])
+            .chain(friction.map(|(family, _)| family))
             .collect();
         moving.sort_unstable();
         moving.dedup();
         moving
     }
 
-    /// The families of −Π∇H that `moves` lists, with the gradient by families `by`.
+    /// Tensor and forces of one site, with H = 0.
+    ///
+    /// # Errors
+    /// [`BuildError::Dimension`] where a formula looks at other sites.
+    pub fn of_a_site(&self) -> Result<SystemFormulas, BuildError> {
+        let names = (0..self.shape.families).map(|family| format!("x{family}"));
+        let site = SystemFormulas::new(
+            names.collect(),
+            self.parameters.clone(),
+            self.bracket.iter().cloned(),
+            0.into(),
+            Vec::new(),
+            Convention::HamiltonianFirst,
+        )?;
+        site.with_forces(self.forces.clone())
+    }
+
+    /// −Π(∇H + η) + f at one site for each family that moves, given ∇H there.
+    ///
+    /// # Errors
+    /// [`BuildError`] where a formula has no code.
+    pub(super) fn velocities(
+        &self,
+        graph: &mut Graph,
+        x: &[Term],
+        gradient: &[Term],
+    ) -> Result<Vec<(usize, Term)>, BuildError> {
+        if self.forces.is_empty() {
+            return applied(&self.bracket, graph, x, gradient, true);
+        }
+        let site = self.of_a_site()?;
+        let reversed = site.motion_reversed(graph, x, gradient.to_vec())?;
+        let moving = self.moving().into_iter();
+        Ok(moving
+            .map(|family| (family, graph.negate(&reversed[family])))
+            .collect())
+    }
+
+    /// The families of −Π∇H, or of the field with forces, that `moves` lists, with the gradient by families `by`.
     fn field_of(&self, moves: &[usize], by: &[usize]) -> Result<SlopesCode, BuildError> {
         let parameters = self.parameters.len();
         SlopesCode::new(
@@ -138,7 +188,7 @@ impl BodySystem {
             by,
             parameters,
             |graph, x, gradient| {
-                let mut results = applied(&self.bracket, graph, x, gradient, true)?;
+                let mut results = self.velocities(graph, x, gradient)?;
                 results.retain(|(family, _)| moves.contains(family));
                 Ok(results)
             },

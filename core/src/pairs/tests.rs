@@ -2,11 +2,13 @@
 
 use leafwise_expression::series::jet as jet_of;
 use leafwise_expression::syntax::{Formula, Scope};
-use leafwise_expression::{Arithmetic, Expression, Graph, Kernel};
+use leafwise_expression::{Arithmetic, Expression, Graph, Kernel, Term};
 
 use super::{BodyFunction, BodyShape, BodySystem, PairMatrix};
 use crate::evaluator::Evaluator;
-use crate::system::{OpaqueSystem, Parameter, SystemFunction};
+use crate::system::{
+    Damping, Forces, Metric, MotionClass, OpaqueSystem, Parameter, SystemFunction,
+};
 
 const FAMILIES: [&str; 3] = ["x", "y", "g"];
 
@@ -63,6 +65,10 @@ fn function(text: &str, sites: usize) -> BodyFunction {
 }
 
 fn system(text: &str, sites: usize) -> OpaqueSystem {
+    system_with(text, sites, Forces::default())
+}
+
+fn system_with(text: &str, sites: usize, forces: Forces) -> OpaqueSystem {
     let one = Expression::from(1);
     let entry = Expression::Quotient(Box::new(one), Box::new(Expression::Variable(2)));
     let all = FAMILIES
@@ -76,6 +82,7 @@ fn system(text: &str, sites: usize) -> OpaqueSystem {
             value: 0.3,
         }],
         bracket: vec![((0, 1), entry)],
+        forces,
         hamiltonian: function(text, sites),
         casimirs: Vec::new(),
     };
@@ -236,44 +243,141 @@ fn what_is_no_sum_of_pairs_is_refused() {
 fn series_of_motions_are_those_of_the_field_written_out() {
     for text in POTENTIALS {
         for (sites, order) in [(2, 9), (8, 7), (33, 2)] {
-            let system = system(text, sites);
-            let x = state(sites);
-            let (d, unit) = (x.len(), 0.125);
-            let make = system.numbers.jets().expect("offered");
-            let jet = make(order).expect("code");
-            let mut found = vec![0.0; order * d];
-            let mut evaluator = jet.map.evaluator(&[0.3], 1.0, unit);
-            evaluator.values(&x, &mut found).expect("a series");
-            let written = Formula::parse(text).expect("a formula");
-            let written = written.resolve(&scope(sites), None).expect("names");
-            let mut graph = Graph::compilable();
-            let variable = &mut |graph: &mut Graph, at: usize| Ok(graph.input(at));
-            let energy = written.expect("all").evaluate_in(&mut graph, variable);
-            let gradient = graph.gradient(&energy.expect("code"), d).expect("code");
-            let mut field = vec![graph.zero(); d];
-            for i in 0..sites {
-                let [x, y, g] = [0, 1, 2].map(|family| family * sites + i);
-                let g = graph.input(g);
-                let slope = graph.divide(&gradient[y], &g).expect("code");
-                field[x] = graph.negate(&slope);
-                field[y] = graph.divide(&gradient[x], &g).expect("code");
+            compare_series(text, &[], (sites, order));
+        }
+    }
+}
+
+/// The same with forces of each kind and all together: η = a xy dx + sin(x)g dy, λ g with λ = a² and g = diag(1 + y², 2),
+/// f = (−ax, x − y, −g/10).
+#[test]
+fn series_of_motions_with_forces_are_those_of_the_field_written_out() {
+    for text in [POTENTIALS[0], POTENTIALS[3], POTENTIALS[6]] {
+        for kinds in [&["forces"][..], &["damping"], &["friction"], &KINDS] {
+            for (sites, order) in [(2, 6), (8, 5), (33, 2)] {
+                compare_series(text, kinds, (sites, order));
             }
-            let expected = jet_of(&mut graph, &field, order).expect("code").concat();
-            let kernel = Kernel::compile(&graph, &expected, 1, d);
-            let mut workspace = kernel.workspace(1);
-            kernel.prepare(&mut workspace, &[0.3], &[1.0], &[unit]);
-            let mut expected = vec![0.0; order * d];
-            kernel.evaluate(&mut workspace, &x, &mut expected);
-            for (k, (found, expected)) in (found.chunks(d).zip(expected.chunks(d))).enumerate() {
-                let largest = expected.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-                for (i, (found, expected)) in found.iter().zip(expected).enumerate() {
-                    assert!(
-                        (found - expected).abs() <= 1e-13 * (k + 1) as f64 * largest,
-                        "{text} {sites} x_{}[{i}]: {found} {expected}",
-                        k + 1
-                    );
-                }
-            }
+        }
+    }
+}
+
+const KINDS: [&str; 3] = ["forces", "damping", "friction"];
+
+/// Formulas of one site for each family: η, the diagonal of g, and f.
+const OF_A_SITE: [[&str; 3]; 3] = [
+    ["a*x[0]*y[0]", "sin(x[0])*g[0]", "0"],
+    ["1 + y[0]^2", "2", "0"],
+    ["-a*x[0]", "x[0] - y[0]", "-g[0]/10"],
+];
+
+fn of_a_site(text: &str) -> Expression {
+    let formula = Formula::parse(text).expect("a formula");
+    let formula = formula.resolve(&scope(1), None).expect("names");
+    formula.expect("a site")
+}
+
+fn forces(kinds: &[&str]) -> Forces {
+    let formulas = |kind: &str| -> Vec<Expression> {
+        let at = KINDS.iter().position(|own| *own == kind).expect("known");
+        match kinds.contains(&kind) {
+            true => OF_A_SITE[at].map(of_a_site).into(),
+            false => Vec::new(),
+        }
+    };
+    let metric = formulas("damping");
+    Forces {
+        one_form: formulas("forces"),
+        damping: (!metric.is_empty()).then(|| Damping {
+            rate: of_a_site("a^2"),
+            metric: Metric::Diagonal(metric),
+        }),
+        friction: formulas("friction"),
+    }
+}
+
+/// −Π(∇H + η + λ g ẋ_H) + f at a site, given ∇H there; Π has the entry 1/g.
+fn field_of_a_site(graph: &mut Graph, kinds: &[&str], x: &[Term], slope: &[Term]) -> Vec<Term> {
+    let mut value = |graph: &mut Graph, kind: usize, family: usize| {
+        let formula = of_a_site(OF_A_SITE[kind][family]);
+        let value = formula.evaluate_in(graph, &mut |_, at| Ok(x[at].clone()));
+        value.expect("code")
+    };
+    let turned = |graph: &mut Graph, v: &[Term]| {
+        let [along, across] = [1, 0].map(|at| graph.divide(&v[at], &x[2]).expect("code"));
+        [graph.negate(&along), across, graph.zero()]
+    };
+    let velocity = turned(graph, slope);
+    let mut covector = slope.to_vec();
+    for family in 0..2 {
+        if kinds.contains(&"forces") {
+            let force = value(graph, 0, family);
+            covector[family] = graph.add(&covector[family], &force);
+        }
+        if kinds.contains(&"damping") {
+            let rate = of_a_site("a^2").evaluate_in(graph, &mut |_, at| Ok(x[at].clone()));
+            let metric = value(graph, 1, family);
+            let factor = graph.multiply(&rate.expect("code"), &metric);
+            let force = graph.multiply(&factor, &velocity[family]);
+            covector[family] = graph.add(&covector[family], &force);
+        }
+    }
+    let mut field = turned(graph, &covector).to_vec();
+    if kinds.contains(&"friction") {
+        for (family, own) in field.iter_mut().enumerate() {
+            let friction = value(graph, 2, family);
+            *own = graph.add(own, &friction);
+        }
+    }
+    field
+}
+
+fn compare_series(text: &str, kinds: &[&str], (sites, order): (usize, usize)) {
+    let system = system_with(text, sites, forces(kinds));
+    let is_moved = system.numbers.motion() != MotionClass::Hamiltonian;
+    assert_eq!(is_moved, !kinds.is_empty());
+    let x = state(sites);
+    let (d, unit) = (x.len(), 0.125);
+    let make = system.numbers.jets().expect("offered");
+    let jet = make(order).expect("code");
+    let mut found = vec![0.0; order * d];
+    let mut evaluator = jet.map.evaluator(&[0.3], 1.0, unit);
+    evaluator.values(&x, &mut found).expect("a series");
+    let written = Formula::parse(text).expect("a formula");
+    let written = written.resolve(&scope(sites), None).expect("names");
+    let mut graph = Graph::compilable();
+    let variable = &mut |graph: &mut Graph, at: usize| Ok(graph.input(at));
+    let energy = written.expect("all").evaluate_in(&mut graph, variable);
+    let gradient = graph.gradient(&energy.expect("code"), d).expect("code");
+    let mut field = vec![graph.zero(); d];
+    for i in 0..sites {
+        let places = [0, 1, 2].map(|family| family * sites + i);
+        let x = places.map(|at| graph.input(at));
+        let slope = places.map(|at| gradient[at].clone());
+        let own = field_of_a_site(&mut graph, kinds, &x, &slope);
+        places
+            .into_iter()
+            .zip(own)
+            .for_each(|(at, own)| field[at] = own);
+    }
+    let expected = jet_of(&mut graph, &field, order).expect("code").concat();
+    let kernel = Kernel::compile(&graph, &expected, 1, d);
+    let mut workspace = kernel.workspace(1);
+    kernel.prepare(&mut workspace, &[0.3], &[1.0], &[unit]);
+    let mut expected = vec![0.0; order * d];
+    kernel.evaluate(&mut workspace, &x, &mut expected);
+    let mut field = vec![0.0; d];
+    let make = system.numbers.field().expect("offered");
+    make(&[0.3], 1).values(&x, &mut field).expect("a value");
+    field.iter_mut().for_each(|v| *v *= unit);
+    let found = std::iter::once(&field[..]).chain(found.chunks(d));
+    let expected = std::iter::once(&expected[..d]).chain(expected.chunks(d));
+    for (k, (found, expected)) in found.zip(expected).enumerate() {
+        let largest = expected.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        for (i, (found, expected)) in found.iter().zip(expected).enumerate() {
+            assert!(
+                (found - expected).abs() <= 1e-13 * k.max(1) as f64 * largest,
+                "{text} {kinds:?} {sites} x_{k}[{i}]: {found} {expected}"
+            );
         }
     }
 }

@@ -5,8 +5,11 @@
 //! *Geometric Numerical Integration*, section IX.3, for canonical tensors). Even F_k vanish where Φ is self-adjoint; of
 //! a map of order m, F_2 … F_m do.
 
+mod numbers;
 mod product;
 mod words;
+
+pub use numbers::{MakeShadowEnergy, shadow_of_shears};
 
 use leafwise_expression::graph::lift;
 use leafwise_expression::{

@@ -20,7 +20,7 @@ use leafwise_expression::Kernel;
 use leafwise_solver::{ByTangents, Differential, MapProperties, Pieces, StepCheck, Stepper};
 
 use crate::error::BuildError;
-use crate::shadow::Shadow;
+use crate::shadow::{MakeShadowEnergy, Shadow};
 use crate::system::SystemFormulas;
 
 /// Maker of step checks for so many lanes with these parameters, a structure of arrays.
@@ -58,6 +58,8 @@ pub struct MapAbilities<'a> {
     pub kernels: Vec<(&'static str, &'a Kernel)>,
     /// Its [`Shadow`] Hamiltonian, where there is a formula of it.
     pub shadow: Option<ShadowTerms<'a>>,
+    /// H̃ up to its first term behind H as numbers, where the steps are.
+    pub shadow_energy: Option<Arc<MakeShadowEnergy>>,
     /// The map as a product of two factors, where it is one.
     pub factored: Option<Factored<'a>>,
 }

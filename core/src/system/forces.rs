@@ -90,6 +90,25 @@ impl Forces {
         self.motion() == MotionClass::Hamiltonian
     }
 
+    /// The same of `d` coordinates, of which those behind feel none.
+    #[must_use]
+    pub fn with_resting(mut self, d: usize) -> Self {
+        for components in [&mut self.one_form, &mut self.friction] {
+            if !components.is_empty() {
+                components.resize(d, 0.into());
+            }
+        }
+        match self.damping.as_mut().map(|damping| &mut damping.metric) {
+            Some(Metric::Diagonal(entries)) => entries.resize(d, 0.into()),
+            Some(Metric::Full(rows)) => {
+                rows.iter_mut().for_each(|row| row.resize(d, 0.into()));
+                rows.resize(d, vec![0.into(); d]);
+            }
+            None => {}
+        }
+        self
+    }
+
     /// The motion under them.
     pub fn motion(&self) -> MotionClass {
         match (self.friction.is_empty(), &self.damping) {

@@ -236,8 +236,10 @@ impl PoissonSystem {
 
     /// Whether there are forces or a friction.
     pub fn motion(&self) -> MotionClass {
-        let formulas = self.expressions();
-        formulas.map_or_else(MotionClass::default, |formulas| formulas.forces().motion())
+        match &self.definition {
+            Definition::Formulas(system) => system.forces().motion(),
+            Definition::Numbers(system) => system.numbers.motion(),
+        }
     }
 
     /// Whether the motion is not ẋ = {H, x}.

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use leafwise_solver::StepCheck;
 
-use super::Parameter;
 use super::rounding::FieldRounding;
+use super::{MotionClass, Parameter};
 use crate::error::{BuildError, StepError};
 use crate::evaluator::Evaluator;
 use crate::runge_kutta::SmoothMap;
@@ -44,6 +44,7 @@ pub struct SystemNumbers {
     make: Arc<MakeEvaluator>,
     make_on_trial: Arc<MakeEvaluator>,
     field: Option<Arc<MakeField>>,
+    motion: MotionClass,
     has_resting_tensor: bool,
     shears: Vec<Shear>,
     tangent: Option<Arc<MakeFieldTangent>>,
@@ -113,7 +114,8 @@ impl Shear {
 }
 
 type MakeEvaluator = dyn Fn(&[f64]) -> Box<dyn SystemEvaluator> + Send + Sync;
-/// Maker of evaluators of X_H = −Π∇H at points side by side, of parameters and of the number of points.
+/// Maker of evaluators of X_H = −Π∇H, or of the field with forces, at points side by side, of parameters and of the number of
+/// points.
 ///
 /// Such an evaluator is a map of all points at once: coordinate c of point w stands at `[c*points + w]`, and so does its
 /// velocity. Where there is none, it is no number. A point's result has the same bits whatever stands beside it.
@@ -131,6 +133,7 @@ impl SystemNumbers {
             make_on_trial: Arc::clone(&make),
             make,
             field: None,
+            motion: MotionClass::default(),
             has_resting_tensor: false,
             shears: Vec::new(),
             tangent: None,
@@ -192,6 +195,18 @@ impl SystemNumbers {
     ) -> Self {
         self.field = Some(Arc::new(make));
         self
+    }
+
+    /// The same with forces in the [field](Self::with_field), which is then not −Π∇H.
+    #[must_use]
+    pub fn with_motion(mut self, motion: MotionClass) -> Self {
+        self.motion = motion;
+        self
+    }
+
+    /// Whether the field has forces or a friction.
+    pub fn motion(&self) -> MotionClass {
+        self.motion
     }
 
     /// The same with a tensor that is constant, or depends on coordinates alone that rest in every motion.

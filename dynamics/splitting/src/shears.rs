@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use leafwise_core::part::{PartInfo, PartParameters};
+use leafwise_core::shadow::{MakeShadowEnergy, shadow_of_shears};
 use leafwise_core::solver::{
     Factored, Lanes, MapAbilities, MapProperties, Pieces, StepMap, StepReport, Stepper, Structure,
     Trajectories,
@@ -21,6 +22,7 @@ pub(crate) struct Shears {
     dimension: usize,
     shears: Vec<Shear>,
     tangent: Option<Arc<MakeFieldTangent>>,
+    shadow: Option<Arc<MakeShadowEnergy>>,
 }
 
 impl Shears {
@@ -48,6 +50,10 @@ impl Shears {
         Ok(Self {
             dimension: system.variables.len(),
             tangent: system.numbers.field_tangent(),
+            shadow: match order[..] {
+                [outer, inner] => shadow_of_shears(system, [outer, inner]),
+                _ => None,
+            },
             shears: order.into_iter().map(|at| shears[at].clone()).collect(),
         })
     }
@@ -70,6 +76,8 @@ impl Shears {
                 let drift = drift.ok_or_else(|| refused("no part is a square of momenta"))?;
                 if (drift == 0) == kick_first {
                     arranged.shears.reverse();
+                    // Of the other order.
+                    arranged.shadow = None;
                 }
             }
             Pieces::Perturbed => {
@@ -109,6 +117,7 @@ impl StepMap for Shears {
 
     fn abilities(&self) -> MapAbilities<'_> {
         MapAbilities {
+            shadow_energy: self.shadow.clone(),
             factored: Some(Factored {
                 factors: Product::factors(self),
                 pieces: self.shears.len(),

@@ -361,6 +361,7 @@ impl StepMap for Splitting {
                 self.passes_shadow(&STRANG, system, last, products)
             })),
             factored: Some(factored),
+            ..MapAbilities::default()
         }
     }
 }

@@ -228,12 +228,9 @@ fn summary(
         ]);
     }
     lines.extend(numbers(&rows));
-    match composed.plan.drift_every {
-        1 => {}
-        every => lines.push(format!(
-            "  drifts   at one step in {}, and at the end",
-            grouped(every)
-        )),
+    if composed.plan.drift_every > 1 {
+        let every = grouped(composed.plan.drift_every);
+        lines.push(format!("  drifts   of one step in {every}"));
     }
     lines.push(String::new());
     let rate = report.steps as f64 / report.wall_seconds.max(1e-9);

@@ -32,7 +32,7 @@ impl<'a> Drawer<'a> {
     pub fn new(ensemble: &'a ComposedEnsemble) -> Self {
         Self {
             ensemble,
-            domain: ParameterDomain::of(&ensemble.run.system, ensemble.run.method.noise()),
+            domain: ParameterDomain::of(&ensemble.run),
             drawing: Drawing::default(),
         }
     }

@@ -4,7 +4,7 @@ use leafwise_core::lattice::{LatticeGeometry, TemplateReach};
 use leafwise_core::pairs::{BodyFunction, BodyShape, BodySystem, PairMatrix};
 use leafwise_core::part::{Family, ParameterDefault, PartInfo, PartKind};
 use leafwise_core::system::Parameter;
-use leafwise_core::{PartParameters, PoissonSystem, Registry};
+use leafwise_core::{BuildError, PartParameters, PoissonSystem, Registry, SystemFormulas};
 use leafwise_expression::Expression;
 use leafwise_expression::syntax::Scope;
 
@@ -15,13 +15,24 @@ use super::events::events;
 use super::geometry::{check_lengths, geometry};
 use super::initial::initial_state;
 use super::lattice::{bracket_reach, has_forms, one_site, reach};
+use super::lattice_noise::site_channels;
 use super::matrices::matrices;
 use super::names::{check_code, check_names, coordinate_names, parse};
 use super::observables::{RecordedFormula, expression, observables_in, shadow_order};
+use super::site_forces::{Apart, SiteForces};
 use super::system::{ComposedSystem, check_contradictions, check_sites};
 use super::tensor::{Entries, entries};
 use super::time::wants_time;
 use crate::document::{Convention, Located, ParameterValue, PartSpec, SceneDocument};
+
+/// Many bodies beside their sums over pairs.
+#[derive(Clone, Debug)]
+pub struct Bodies {
+    /// Tensor and forces of one site.
+    pub site: SystemFormulas,
+    /// With noise, the system whose steps are made: increments are families at rest behind the scene's own.
+    pub stepped: Option<PoissonSystem>,
+}
 
 /// The fewest sites whose pairs are evaluated in a loop: those of fewer are written out.
 const FEWEST_SITES: usize = 16;
@@ -71,14 +82,15 @@ pub(super) fn many_bodies(
         };
         casimirs.push((name.value.clone(), casimir));
     }
-    if let Some(beside) = beside_sums(document) {
-        return unless_beside(document, beside);
-    }
+    let at_sites = match SiteForces::of(document)? {
+        Ok(at_sites) => at_sites,
+        Err(apart) => return unless_beside(document, apart),
+    };
     let sites = document.system.families[0].1.value;
     if sites < MOST_SITES_OF_HIGH_ORDER && asks_for_shadow(document) {
         return Ok(None);
     }
-    let system = BodySystem {
+    let watched = BodySystem {
         shape: sums.shape.clone(),
         variables: coordinate_names(document, &lattice),
         parameters: (document.system.parameters.iter())
@@ -88,6 +100,7 @@ pub(super) fn many_bodies(
             })
             .collect(),
         bracket: bracket_of_a_site(document)?.into_iter().collect(),
+        forces: at_sites.forces.clone(),
         hamiltonian,
         casimirs,
     };
@@ -96,26 +109,40 @@ pub(super) fn many_bodies(
     let Some(stepper) = stepper else {
         return unless_too_long(document, registry);
     };
-    let compiled = system.compile().map_err(|error| {
+    let refused = |error: BuildError| {
         let place = document.system.hamiltonian.place();
         document.diagnostic(&place, error.to_string(), "here", None)
-    })?;
-    let system = PoissonSystem::from(compiled);
-    let serves = stepper.info.serves_numbers.is_some()
-        || stepper.build(&system, &words(named, stepper.info)).is_ok();
+    };
+    let system = PoissonSystem::from(watched.compile().map_err(refused)?);
+    let site = watched.of_a_site().map_err(refused)?;
+    let stepped = at_sites.stepped(document, &sums, &watched)?;
+    let stepped = match stepped {
+        Some(stepped) => Some(PoissonSystem::from(stepped.compile().map_err(refused)?)),
+        None => None,
+    };
+    let moved = stepped.as_ref().unwrap_or(&system);
+    let built = stepper.build(moved, &words(named, stepper.info));
+    // A motion that it does not take is refused as that of any system.
+    let is_beyond = matches!(
+        built,
+        Err(BuildError::Forces { .. } | BuildError::Friction { .. })
+    );
+    let serves = stepper.info.serves_numbers.is_some() || built.is_ok() || is_beyond;
     if !serves {
         return unless_too_long(document, registry);
     }
     let initial = initial_state(document)?;
     let events = events(document, &whole)?;
     events.check(document, &initial, &system.parameter_values())?;
+    at_sites.check(document, &site, (&initial, &lattice))?;
     Ok(Some(ComposedSystem {
         system,
         near: initial.clone(),
         initial,
         extension: None,
         contact: None,
-        noise: Vec::new(),
+        noise: site_channels(document, &one_site(document))?,
+        bodies: Some(Bodies { site, stepped }),
         observables: observables_in(document, None, |formula, known| {
             let parsed = parse(document, formula).ok();
             let of_sums = match parsed.is_some_and(|parsed| parsed.has_sum()) {
@@ -171,27 +198,13 @@ fn asks_for_shadow(document: &SceneDocument) -> bool {
     observables.any(|asked| shadow_order(&asked.formula.value).is_some())
 }
 
-/// Noise, damping, friction or forces, which no loop takes: a formula of them, and its kind in words.
-fn beside_sums(document: &SceneDocument) -> Option<(&Located<String>, &'static str)> {
-    let system = &document.system;
-    let forces = || system.forces.formulas().into_iter().next();
-    let damping = system.forces.damping.as_ref();
-    let friction = system.forces.friction.as_ref();
-    let friction = friction.and_then(|friction| friction.value.formulas().into_iter().next());
-    let channel = system.noise.first().map(|channel| &channel.hamiltonian);
-    (channel.map(|formula| (formula, "`noise`")))
-        .or_else(|| damping.map(|damping| (&damping.rate, "`damping`")))
-        .or_else(|| friction.map(|formula| (formula, "`friction`")))
-        .or_else(|| forces().map(|formula| (formula, "a force of `forces`")))
-}
-
 /// `None`, for a system whose pairs are written out beside what no loop takes.
 ///
 /// # Errors
 /// Too many pairs for that, the formula of what no loop takes underlined.
 fn unless_beside(
     document: &SceneDocument,
-    (formula, what): (&Located<String>, &str),
+    (formula, what): Apart<'_>,
 ) -> Result<Option<ComposedSystem>, Refusal> {
     let coordinates = document.system.coordinates();
     if coordinates <= WRITTEN_LIMIT {
@@ -200,12 +213,13 @@ fn unless_beside(
     Err(Box::new(document.diagnostic(
         &document.place_in_formula(formula, 0..formula.value.len()),
         format!(
-            "{what} together with a sum over pairs needs every pair of sites written out, at most {WRITTEN_LIMIT} coordinates, and this \
-             system has {coordinates}"
+            "{what} beside a sum over pairs repeats from site to site and acts on coordinates of its own site: any other needs every pair of \
+             sites written out, at most {WRITTEN_LIMIT} coordinates, and this system has {coordinates}"
         ),
-        "together with a sum over pairs",
+        "no template of one site",
         Some(format!(
-            "leave it out, or shorten the chain, {}, or couple sites at fixed distances, as q[i+1]: {what} is supported at any length there",
+            "write it with an index, as forces = {{ \"q[i]\" = \"0.1*p[i]\" }}, a channel of noise \"q[i]\", or a damping whose rate is a formula of the \
+             parameters; or shorten the chain, {}",
             document.system.shortening(WRITTEN_LIMIT)
         )),
     )))
@@ -294,7 +308,7 @@ fn bracket_of_a_site(document: &SceneDocument) -> Result<Entries, Refusal> {
 }
 
 /// Formulas of a scene as functions of sums over sites and pairs.
-struct BodyFormulas<'a> {
+pub(super) struct BodyFormulas<'a> {
     document: &'a SceneDocument,
     scope: &'a Scope,
     shape: BodyShape,
@@ -318,6 +332,20 @@ fn shape(
 }
 
 impl BodyFormulas<'_> {
+    /// H where so many families of sites stand behind the scene's own.
+    ///
+    /// # Errors
+    /// As [`of`](Self::of).
+    pub(super) fn hamiltonian_beside(
+        &self,
+        families: usize,
+    ) -> Result<Option<BodyFunction>, Refusal> {
+        let mut shape = self.shape.clone();
+        shape.families += families;
+        let beside = BodyFormulas { shape, ..*self };
+        beside.of(&self.document.system.hamiltonian)
+    }
+
     /// A formula as such a function; `None` where it is none.
     ///
     /// # Errors

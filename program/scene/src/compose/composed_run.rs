@@ -2,8 +2,8 @@
 
 use std::borrow::Cow;
 
-use leafwise_core::system::SystemObservables;
-use leafwise_core::{BuildError, MotionClass, PoissonSystem, Structure, Walk};
+use leafwise_core::system::{Forces, SystemObservables};
+use leafwise_core::{BuildError, MotionClass, PoissonSystem, Structure, SystemFormulas, Walk};
 use leafwise_expression::Expression;
 use leafwise_walk::{Direction, Section};
 
@@ -95,6 +95,12 @@ impl ComposedRun {
         })
     }
 
+    /// Forces of the system, or of one site of many bodies; `None` for another system of numbers.
+    pub fn forces(&self) -> Option<&Forces> {
+        let formulas = self.system.expressions().or(self.site.as_ref());
+        formulas.map(SystemFormulas::forces)
+    }
+
     /// Forces and friction by their keys, in the words of an advice: `take system.forces and system.friction out`.
     pub fn without_forces(&self) -> String {
         format!("take {} out", self.force_keys.join(" and "))
@@ -112,7 +118,7 @@ impl ComposedRun {
         if self.contact.is_some() {
             return Some("changes as in every contact motion: dH/dt = -H dH/ds".to_owned());
         }
-        let forces = self.system.expressions()?.forces();
+        let forces = self.forces()?;
         if forces.motion() == MotionClass::OffLeaves {
             let has_forces = !forces.one_form.is_empty() || forces.damping.is_some();
             let energy = match (self.method.noise().is_some(), has_forces) {

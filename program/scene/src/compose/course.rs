@@ -75,7 +75,7 @@ impl ComposedRun {
     fn functions_of(&self, formulas: Vec<RecordedFormula>) -> Result<StateFunctions, BuildError> {
         let written = formulas.iter().filter_map(|formula| match formula {
             RecordedFormula::Written(expression) => Some(expression),
-            RecordedFormula::Sums(..) => None,
+            RecordedFormula::Sums(..) | RecordedFormula::Shadow(_) => None,
         });
         let written = self.observables(&written.collect::<Vec<_>>())?;
         match BodyColumns::of(&self.system, &formulas, written.clone())? {

@@ -1,10 +1,9 @@
 //! Values of parameters under which noise and damping are none.
 
-use leafwise_core::PoissonSystem;
 use leafwise_expression::Expression;
 use thiserror::Error;
 
-use super::channels::RunNoise;
+use super::run::ComposedRun;
 
 /// Strengths of noise and the rate of damping, as functions of the parameters.
 #[derive(Clone, Debug, Default)]
@@ -26,12 +25,11 @@ pub enum OutOfDomain {
 }
 
 impl ParameterDomain {
-    /// That of a system and its noise. A rate that depends on the state may have either sign: it is feedback.
-    pub fn of(system: &PoissonSystem, noise: Option<&RunNoise>) -> Self {
+    /// That of a run's system and its noise. A rate that depends on the state may have either sign: it is feedback.
+    pub fn of(run: &ComposedRun) -> Self {
+        let noise = run.method.noise();
         let channels = noise.into_iter().flat_map(|noise| &noise.channels);
-        let damping = system
-            .expressions()
-            .and_then(|formulas| formulas.forces().damping.as_ref());
+        let damping = run.forces().and_then(|forces| forces.damping.as_ref());
         let rate = damping.map(|damping| &damping.rate);
         Self {
             strengths: channels.map(|channel| channel.strength.clone()).collect(),

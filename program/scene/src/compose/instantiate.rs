@@ -2,7 +2,7 @@
 
 use leafwise_core::Convention;
 use leafwise_core::lattice::LatticeGeometry;
-use leafwise_core::system::{Casimir, Forces, Metric, Parameter};
+use leafwise_core::system::{Casimir, Forces, Parameter};
 use leafwise_core::{BuildError, PoissonSystem, SystemFormulas};
 use leafwise_expression::Expression;
 use leafwise_walk::Clock;
@@ -122,17 +122,7 @@ impl Instantiated {
     /// Adds coordinates that stay as they are, and feel no force.
     pub(super) fn rest(&mut self, names: impl IntoIterator<Item = String>) {
         self.names.extend(names);
-        let count = self.names.len();
-        for components in [&mut self.forces.one_form, &mut self.forces.friction] {
-            if !components.is_empty() {
-                components.resize(count, 0.into());
-            }
-        }
-        if let Some(damping) = &mut self.forces.damping
-            && let Metric::Diagonal(entries) = &mut damping.metric
-        {
-            entries.resize(count, 0.into());
-        }
+        self.forces = std::mem::take(&mut self.forces).with_resting(self.names.len());
     }
 
     /// The Poisson system of the scene's parameters and convention, [forms](Forms::apply) not yet applied.

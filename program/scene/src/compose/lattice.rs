@@ -385,6 +385,18 @@ fn force_reach(
         // λ g ẋ_H looks as far as tensor and dH together.
         reach.forces = reach.each();
     }
+    entries_reach(document, reach, entries)
+}
+
+/// The same with components of forces, or entries of a metric, by coordinates.
+///
+/// # Errors
+/// What cannot be read, or names sites one by one.
+pub(super) fn entries_reach<'a>(
+    document: &SceneDocument,
+    mut reach: TemplateReach,
+    entries: impl IntoIterator<Item = &'a (Located<String>, Located<String>)>,
+) -> Result<TemplateReach, Refusal> {
     for (key, formula) in entries {
         let pattern = VariablePattern::parse_one(&key.value)
             .map_err(|error| refusal(document, key, &error))?;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use leafwise_core::lattice::Swept;
+use leafwise_core::lattice::{LatticeGeometry, Swept};
 use leafwise_core::noise::{Noise, NoisyMap, Seed, SplitNoise, SweptNoise};
 use leafwise_core::part::Family;
 use leafwise_core::registry::StepperPart;
@@ -10,12 +10,14 @@ use leafwise_core::system::Forces;
 use leafwise_core::{BuildError, PartParameters, PoissonSystem, Registry, StepMap};
 
 use super::Refusal;
+use super::bodies::Bodies;
 use super::channels::{Channel, RunNoise, refusal};
 use super::domain::OutOfDomain;
+use super::geometry::geometry;
 use super::lattice::SceneLattice;
 use super::lattice_noise::{SiteTerms, groups, site_channels};
 use super::stepping::{LatticeStepping, MapStepping, Stepping};
-use crate::document::{SceneDocument, StepSpec};
+use crate::document::{ForcesSpec, SceneDocument, StepSpec};
 
 /// Steps of a scene with noise: the system that its parts are made for, and the noise that makes their map the map of
 /// the scene.
@@ -26,6 +28,8 @@ pub(super) struct NoisySteps<'a> {
     pub stepped: PoissonSystem,
     /// The long lattice that the system stands for.
     pub lattice: Option<SceneLattice<'a>>,
+    /// The sites of many bodies, whose channels are templates.
+    bodies: Option<LatticeGeometry>,
 }
 
 impl<'a> NoisySteps<'a> {
@@ -37,12 +41,12 @@ impl<'a> NoisySteps<'a> {
         document: &'a SceneDocument,
         system: &PoissonSystem,
         channels: Vec<Channel>,
-        lattice: Option<&SceneLattice<'a>>,
+        (lattice, bodies): (Option<&SceneLattice<'a>>, Option<&Bodies>),
     ) -> Result<Option<Self>, Refusal> {
         check_forward(document)?;
-        let Some(formulas) = system.expressions().filter(|_| !channels.is_empty()) else {
+        if channels.is_empty() {
             return Ok(None);
-        };
+        }
         check_strengths(document, system, &channels)?;
         let noise = RunNoise {
             way: document
@@ -60,9 +64,13 @@ impl<'a> NoisySteps<'a> {
             let terms = SiteTerms::of_steps(noise.way, noise.channels.len());
             lattice.with_noise(terms)
         });
-        let stepped = match &lattice {
-            Some(lattice) => lattice.trial()?.0,
-            None => {
+        let of_bodies = bodies.and_then(|bodies| bodies.stepped.clone());
+        let bodies = of_bodies.as_ref().map(|_| geometry(document));
+        let stepped = match (of_bodies, &lattice, system.expressions()) {
+            (Some(stepped), ..) => stepped,
+            (None, Some(lattice), _) => lattice.trial()?.0,
+            (None, None, None) => return Ok(None),
+            (None, None, Some(formulas)) => {
                 let stepped = noise.stepped(formulas).map_err(|error| {
                     let first = &document.system.noise[0].hamiltonian;
                     refusal(document, first, error.to_string(), "write another channel")
@@ -74,6 +82,7 @@ impl<'a> NoisySteps<'a> {
             noise,
             stepped,
             lattice,
+            bodies,
         }))
     }
 
@@ -104,16 +113,25 @@ impl<'a> NoisySteps<'a> {
                 return Ok(Stepping::Lattice(stepping));
             }
         };
-        let map = match self.noise.way {
-            Noise::Joint => map,
-            Noise::Split => Arc::new(SplitNoise::new(map, self.flows(document, registry)?)),
+        let map: Arc<dyn StepMap> = match (self.noise.way, &self.bodies) {
+            (Noise::Joint, _) => map,
+            (Noise::Split, None) => Arc::new(SplitNoise::new(map, self.flows(document, registry)?)),
+            (Noise::Split, Some(_)) => {
+                let flows = self.flows_of_bodies(document, registry)?;
+                Arc::new(SplitNoise::new(map, flows))
+            }
         };
         let RunNoise {
             way,
             seed,
             channels,
         } = &self.noise;
-        let map = NoisyMap::new(map, *way, channels.len(), (*seed).into());
+        let map = match &self.bodies {
+            None => NoisyMap::new(map, *way, channels.len(), (*seed).into()),
+            Some(geometry) => {
+                NoisyMap::of_sites(map, *way, groups(document, geometry)?, (*seed).into())
+            }
+        };
         Ok(Stepping::Map(MapStepping {
             map: Arc::new(map.clone()),
             method,
@@ -132,28 +150,11 @@ impl<'a> NoisySteps<'a> {
         registry: &Registry,
         stepping: &LatticeStepping,
     ) -> Result<NoisyMap, Refusal> {
-        let RunNoise {
-            way,
-            seed,
-            channels,
-        } = &self.noise;
+        let RunNoise { way, seed, .. } = &self.noise;
         let mut map = Arc::clone(&stepping.stepped);
         let mut swept = None;
         if let (Noise::Split, Some(lattice)) = (way, &self.lattice) {
-            let flows = SiteTerms::of_flows(channels.len()).into_iter();
-            let flow = |terms: SiteTerms| {
-                let channel = terms.channel();
-                let lattice = lattice.with_flow(terms);
-                let mut swept = None;
-                let flow = exact_flow(registry, |part| {
-                    let flow = part.build_on_lattice(&lattice, &PartParameters::new())?;
-                    swept = flow.swept;
-                    Ok(flow.map)
-                });
-                Ok((self.single(document, channel, flow)?, swept))
-            };
-            let flows: Vec<(Arc<dyn StepMap>, Option<Swept>)> =
-                flows.map(flow).collect::<Result<_, Refusal>>()?;
+            let flows = self.flows_of_sites(document, registry, lattice)?;
             let (flows, sweeps): (Vec<_>, Vec<_>) = flows.into_iter().unzip();
             let sweeps: Option<Vec<Swept>> = sweeps.into_iter().collect();
             let own = stepping.swept().zip(sweeps);
@@ -162,6 +163,50 @@ impl<'a> NoisySteps<'a> {
         }
         let groups = groups(document, &stepping.geometry)?;
         Ok(NoisyMap::of_sites(map, *way, groups, (*seed).into()).by_sweeps(swept))
+    }
+
+    /// The flow of each family of increments of a lattice, and its sweeps.
+    ///
+    /// # Errors
+    /// As [`single`](Self::single).
+    fn flows_of_sites(
+        &self,
+        document: &SceneDocument,
+        registry: &Registry,
+        lattice: &SceneLattice<'_>,
+    ) -> Result<Vec<(Arc<dyn StepMap>, Option<Swept>)>, Refusal> {
+        let flows = SiteTerms::of_flows(self.noise.channels.len()).into_iter();
+        let flow = |terms: SiteTerms| {
+            let channel = terms.channel();
+            let lattice = lattice.with_flow(terms);
+            let mut swept = None;
+            let flow = exact_flow(registry, |part| {
+                let flow = part.build_on_lattice(&lattice, &PartParameters::new())?;
+                swept = flow.swept;
+                Ok(flow.map)
+            });
+            Ok((self.single(document, channel, flow)?, swept))
+        };
+        flows.map(flow).collect()
+    }
+
+    /// The same of many bodies: flows of the lattice of their sites without H.
+    ///
+    /// # Errors
+    /// As [`single`](Self::single).
+    fn flows_of_bodies(
+        &self,
+        document: &SceneDocument,
+        registry: &Registry,
+    ) -> Result<Vec<Arc<dyn StepMap>>, Refusal> {
+        let alone = at_rest(document);
+        let Some(lattice) = SceneLattice::of(&alone)? else {
+            return Ok(Vec::new());
+        };
+        let terms = SiteTerms::of_steps(self.noise.way, self.noise.channels.len());
+        let lattice = lattice.with_noise(terms);
+        let flows = self.flows_of_sites(document, registry, &lattice)?;
+        Ok(flows.into_iter().map(|(flow, _)| flow).collect())
     }
 
     /// The flow of a channel, where it is one.
@@ -179,11 +224,12 @@ impl<'a> NoisySteps<'a> {
                 "noise = \"split\" needs the exact flow of every channel, and `{}` has none: {reason}",
                 self.noise.channels[channel].text
             );
-            let help = match self.lattice {
-                None => {
+            let is_of_sites = self.lattice.is_some() || self.bodies.is_some();
+            let help = match is_of_sites {
+                false => {
                     "write noise = \"joint\" into [method], or channels that are single pieces, such as coordinates"
                 }
-                Some(_) => {
+                true => {
                     "write noise = \"joint\" into [method], or channels that commute with those of other sites"
                 }
             };
@@ -231,6 +277,18 @@ impl<'a> NoisySteps<'a> {
         };
         (0..count).map(flow).collect()
     }
+}
+
+/// A scene whose system nothing moves but noise.
+fn at_rest(document: &SceneDocument) -> SceneDocument {
+    let mut rests = document.clone();
+    let system = &mut rests.system;
+    system.hamiltonian.value = "0".to_owned();
+    system.casimirs.clear();
+    system.matrices.clear();
+    system.forces = ForcesSpec::default();
+    rests.run.record.observables.clear();
+    rests
 }
 
 /// How many flows a map is a product of.

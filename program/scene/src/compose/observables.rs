@@ -1,7 +1,10 @@
 //! Observables that a run records: the energy, Casimirs, or any formula of the state.
 
+use std::sync::Arc;
+
 use leafwise_core::lattice::LatticeGeometry;
 use leafwise_core::pairs::{BodyFunction, BodyShape};
+use leafwise_core::shadow::MakeShadowEnergy;
 use leafwise_expression::Expression;
 use leafwise_expression::syntax::Scope;
 use leafwise_walk::Indicator;
@@ -57,6 +60,22 @@ pub enum RecordedFormula {
     Written(Expression),
     /// A function of sums over sites and pairs, evaluated in a loop.
     Sums(BodyShape, Box<BodyFunction>),
+    /// A shadow energy as numbers.
+    Shadow(ShadowNumbers),
+}
+
+/// H̃ as numbers, of the step t.
+#[derive(Clone)]
+pub struct ShadowNumbers {
+    pub(super) make: Arc<MakeShadowEnergy>,
+    pub(super) t: f64,
+}
+
+impl std::fmt::Debug for ShadowNumbers {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let mut text = f.debug_struct("ShadowNumbers");
+        text.field("t", &self.t).finish_non_exhaustive()
+    }
 }
 
 impl Observable {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use leafwise_core::lattice::LatticeSource;
-use leafwise_core::{BuildError, PoissonSystem, Registry, StepMap};
+use leafwise_core::{BuildError, PoissonSystem, Registry, StepMap, SystemFormulas};
 use leafwise_expression::TableFunction;
 use leafwise_walk::{Indicator, SampleTimes, StateLayout};
 
@@ -98,6 +98,8 @@ pub struct ComposedRun {
     pub plan: RunPlan,
     /// The keys of the scene that give forces and friction.
     pub force_keys: Vec<&'static str>,
+    /// Tensor and forces of one site of many bodies, whose sums over pairs are taken in loops.
+    pub site: Option<SystemFormulas>,
     pub(super) functions: CompiledFunctions,
 }
 
@@ -160,7 +162,8 @@ fn compose_at_its_values(
         None => (compose_system(document)?, SceneLattice::of(document)?),
     };
     let channels = std::mem::take(&mut composed.noise);
-    let noise = NoisySteps::of(document, &composed.system, channels, lattice.as_ref())?;
+    let beside = (lattice.as_ref(), composed.bodies.as_ref());
+    let noise = NoisySteps::of(document, &composed.system, channels, beside)?;
     let exact = ExactEnergySteps::of(document, &composed, lattice.is_some())?;
     let moved = stepped(noise.as_ref(), exact.as_ref(), &composed);
     let own = lattice.as_ref();
@@ -296,6 +299,7 @@ fn compose_at_its_values(
     };
     Ok(ComposedRun {
         force_keys: document.system.forces.keys(),
+        site: composed.bodies.map(|bodies| bodies.site),
         system: composed.system,
         near: composed.near,
         extension: composed.extension,

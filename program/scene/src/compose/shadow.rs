@@ -6,7 +6,7 @@ use leafwise_expression::Expression;
 use super::Refusal;
 use super::bodies::MOST_SITES_OF_HIGH_ORDER;
 use super::dense::DENSE_LIMIT;
-use super::observables::{Observable, RecordedFormula, SHADOW_ENERGY, shadow_order};
+use super::observables::{Observable, RecordedFormula, SHADOW_ENERGY, ShadowNumbers, shadow_order};
 use super::stepping::Stepping;
 use crate::document::{Located, SceneDocument};
 
@@ -18,6 +18,9 @@ const PRODUCTS: u64 = 1 << 18;
 
 /// The same where one is: a minute.
 const MOST_PRODUCTS: u64 = 1 << 26;
+
+/// The order of shadow energies in loops.
+const ORDER_IN_LOOPS: usize = 4;
 
 /// How far behind H the search for the first term goes.
 const LAST: usize = 24;
@@ -229,13 +232,6 @@ pub(super) fn with_shadows(
             );
             return Err(refuse(of_a(&what)));
         }
-        if system.opaque().is_some() && document.system.numbers.is_none() {
-            let what = format!(
-                "of sums over pairs in loops: already its first term holds {{V, {{V, T}}}} = sum(i, |dV/dq_i|^2/m_i), a sum over all \
-                 triples, which is formed of every body written out: of fewer than {MOST_SITES_OF_HIGH_ORDER} bodies"
-            );
-            return Err(refuse(of_a(&what)));
-        }
         if method.noise().is_some() {
             return Err(refuse(of_a(
                 "with noise: every step follows another Hamiltonian",
@@ -245,6 +241,13 @@ pub(super) fn with_shadows(
             return Err(refuse(of_a("with a pace: its steps are not of the time")));
         }
         let t = document.method.step.time_step();
+        if system.opaque().is_some() && document.system.numbers.is_none() {
+            let (shadow, formula) = in_loops(method, t, order).map_err(refuse)?;
+            recorded.get_or_insert(RecordedShadow { at, ..shadow });
+            let name = asked.heading().to_owned();
+            *observable = Observable::Formula { name, formula };
+            continue;
+        }
         let shadow = ShadowEnergy::of(system, method.map(), t, order).map_err(refuse)?;
         recorded.get_or_insert(RecordedShadow {
             at,
@@ -258,6 +261,36 @@ pub(super) fn with_shadows(
         };
     }
     Ok(recorded)
+}
+
+/// H̃ of sums over pairs in loops, to the order 4 of Strang's product.
+///
+/// # Errors
+/// [`NoShadow`] for another map, and for another order.
+fn in_loops(
+    method: &Stepping,
+    t: f64,
+    asked: Option<usize>,
+) -> Result<(RecordedShadow, RecordedFormula), NoShadow> {
+    let energy = method.map().abilities().shadow_energy;
+    let Some(make) = energy.filter(|_| asked.is_none_or(|order| order == ORDER_IN_LOOPS)) else {
+        return Err(NoShadow {
+            message: format!(
+                "`{SHADOW_ENERGY}` of sums over pairs in loops is that of `splitting` of order {ORDER_IN_LOOPS}: later terms, as those of a \
+                 composition, are brackets within brackets of more than two levels, formed of every body written out: of fewer than \
+                 {MOST_SITES_OF_HIGH_ORDER} bodies"
+            ),
+            help: "record `energy`, or take stepper = \"splitting\" alone".to_owned(),
+        });
+    };
+    let recorded = RecordedShadow {
+        at: 0,
+        order_of_map: 2,
+        order: ORDER_IN_LOOPS,
+        limit: None,
+    };
+    let numbers = ShadowNumbers { make, t };
+    Ok((recorded, RecordedFormula::Shadow(numbers)))
 }
 
 fn refusal(document: &SceneDocument, text: &Located<String>, no: NoShadow) -> Refusal {

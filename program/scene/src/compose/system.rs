@@ -7,6 +7,7 @@ use leafwise_core::lattice::LatticeSource;
 use leafwise_walk::StateLayout;
 
 use super::Refusal;
+use super::bodies::Bodies;
 use super::channels::Channel;
 use super::contact::{Contact, check_short};
 use super::definitions::scope;
@@ -36,6 +37,8 @@ pub struct ComposedSystem {
     pub contact: Option<Contact>,
     /// Channels of noise, which move the system at random.
     pub noise: Vec<Channel>,
+    /// What stands beside sums over pairs that are taken in loops.
+    pub bodies: Option<Bodies>,
     /// Observables that the run records.
     pub observables: Vec<Observable>,
     /// Events that the run watches between its steps.
@@ -74,6 +77,7 @@ pub fn compose_system(document: &SceneDocument) -> Result<ComposedSystem, Refusa
             extension: None,
             contact: None,
             noise: Vec::new(),
+            bodies: None,
             observables: observables(document, &scope, None)?,
             events,
         });
@@ -96,6 +100,7 @@ pub fn compose_system(document: &SceneDocument) -> Result<ComposedSystem, Refusa
             initial,
             extension: None,
             contact: None,
+            bodies: None,
             observables,
             events,
             near,
@@ -245,6 +250,7 @@ pub(super) fn written_out(document: &SceneDocument) -> Result<ComposedSystem, Re
         extension,
         contact,
         noise,
+        bodies: None,
         observables,
         events,
     })

@@ -1,5 +1,7 @@
 //! The `[run]` table: where to start, how far to go, what to keep.
 
+use std::collections::BTreeSet;
+
 use leafwise_walk::Direction;
 
 use super::error::SceneProblemCause;
@@ -278,10 +280,10 @@ pub(super) fn read_initial(
         let mut fields = Some(Vec::new());
         let own = table.items.iter();
         let entries: Vec<_> = own.flat_map(|own| components_of(own, system)).collect();
-        for (at, entry) in entries.iter().enumerate() {
-            let name = &entry.key.value;
-            if entries[..at].iter().any(|own| own.key.value == *name) {
-                let name = name.clone();
+        let mut names = BTreeSet::new();
+        for entry in &entries {
+            if !names.insert(&entry.key.value) {
+                let name = entry.key.value.clone();
                 problems.push(SceneProblemCause::Duplicate { name }, entry.key.place());
             }
             let read = match read_vector(entry, system, problems) {

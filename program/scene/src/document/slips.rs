@@ -10,27 +10,28 @@ pub(super) fn slip(text: &str, span: &Range<usize>) -> Option<String> {
     let before = text.get(..at)?;
     let start = before.rfind('\n').map_or(0, |end| end + 1);
     let line = text.get(start..)?.lines().next()?;
-    let value = line.split_once('=').map_or("", |(_, value)| value.trim());
-    let of_line = |line: String| Some(line.trim().to_owned());
-    if line.contains(['“', '”', '„', '‘', '’', '«', '»']) {
-        let straight = line.replace(['“', '”', '„', '‘', '’', '«', '»'], "\"");
-        return of_line(format!("quotes are straight: {}", straight.trim()));
+    let bare = outside_quotes(line);
+    let (key, value) = match line.split_once('=') {
+        Some((key, value)) => (key.trim(), value.trim()),
+        None => ("", ""),
+    };
+    if bare.contains(CURLY) {
+        let straight = line.replace(CURLY, "\"");
+        return Some(format!("quotes are straight: {}", straight.trim()));
     }
-    if let Some((rest, comment)) = line.split_once("//").filter(|(rest, _)| !is_in_text(rest)) {
-        let comment = comment.trim();
-        return of_line(format!(
-            "a comment begins with #: {} # {comment}",
-            rest.trim_end()
-        ));
+    if bare.contains("//") {
+        let (rest, comment) = line.rsplit_once("//")?;
+        let (rest, comment) = (rest.trim(), comment.trim());
+        return Some(format!("a comment begins with #: {rest} # {comment}"));
     }
-    if let Some(rest) = line.trim_end().strip_suffix(';') {
-        return of_line(format!("a line ends without `;`: {}", rest.trim()));
+    if bare.trim_end().ends_with(';') {
+        let (rest, _) = line.rsplit_once(';')?;
+        return Some(format!("a line ends without `;`: {}", rest.trim()));
     }
     if let Some((whole, part)) = value.split_once(',')
         && [whole, part].iter().all(|own| is_digits(own))
     {
-        let key = line.split_once('=').map_or("", |(key, _)| key.trim());
-        return of_line(format!(
+        return Some(format!(
             "decimals stand behind a point: {key} = {whole}.{part}"
         ));
     }
@@ -39,14 +40,27 @@ pub(super) fn slip(text: &str, span: &Range<usize>) -> Option<String> {
         && !value.contains(['"', '\'', '{', '[', '#', '='])
         && value.contains(|c: char| c.is_alphabetic() || "+-*/^(".contains(c))
         && DeTable::parse(&format!("value = {value}")).is_err();
-    let key = line.split_once('=').map(|(key, _)| key.trim())?;
-    (is_bare && !key.is_empty())
-        .then(|| format!("words and formulas stand in quotes: {key} = \"{value}\""))
+    let told = || format!("words and formulas stand in quotes: {key} = \"{value}\"");
+    (is_bare && !key.is_empty()).then(told)
 }
 
-/// Whether a text ends within quotes.
-fn is_in_text(text: &str) -> bool {
-    text.matches('"').count() % 2 == 1
+/// Quotes of print.
+const CURLY: [char; 7] = ['“', '”', '„', '‘', '’', '«', '»'];
+
+/// The text of a line without what stands in quotes, and without a comment.
+fn outside_quotes(line: &str) -> String {
+    let mut open = None;
+    let mut outside = String::new();
+    for letter in line.chars() {
+        match (open, letter) {
+            (None, '#') => break,
+            (None, '"' | '\'') => open = Some(letter),
+            (None, letter) => outside.push(letter),
+            (Some(quote), letter) if quote == letter => open = None,
+            (Some(_), _) => {}
+        }
+    }
+    outside
 }
 
 fn is_digits(text: &str) -> bool {
@@ -71,6 +85,7 @@ mod tests {
             ("steps = 10 // ten", "10 //", "steps = 10 # ten"),
             ("steps = 10;", "10;", "steps = 10"),
             ("time-step = 0,1", ",1", "time-step = 0.1"),
+            ("file = \"a//b\" // here", "//", "file = \"a//b\" # here"),
             ("H = p^2/2 - cos(q)", "p^2", "H = \"p^2/2 - cos(q)\""),
             (
                 "stepper = splitting",
@@ -89,6 +104,9 @@ mod tests {
     fn where_the_line_tells_nothing_nothing_is_told() {
         for (line, broken) in [
             ("file = \"a//b\" x", "x"),
+            ("file = 'a//b;' x", "x"),
+            ("title = \"don’t; stop\" x", "x"),
+            ("x = = 1 # “so” // said;", "= 1"),
             ("epsilon = = 0.1", "= 0.1"),
             ("x = [1, 2", "2"),
             ("", "[method]"),
