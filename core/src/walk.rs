@@ -352,9 +352,7 @@ impl Walk {
         if places.all(|at| (self.state[at] + self.increment[at]).is_finite()) {
             return Ok(());
         }
-        Err(StepError::NonFinite {
-            what: "the new state",
-        })
+        Err(StepError::OF_STATE)
     }
 
     /// Ends a lane that lives, and remembers why.

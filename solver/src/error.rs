@@ -240,6 +240,10 @@ impl StepError {
     pub const OF_INCREMENT: Self = Self::NonFinite {
         what: "the increment",
     };
+    /// A state with one.
+    pub const OF_STATE: Self = Self::NonFinite {
+        what: "the new state",
+    };
 
     /// Advice, where the failure itself tells any.
     pub fn hint(&self) -> Option<Hint> {

@@ -65,8 +65,9 @@ pub use numeric::{NumericSolver, Progress, Solve};
 pub use properties::{MapProperties, Pieces, Structure};
 pub use record::StepRecord;
 pub use statistics::SolverStatistics;
-use stepper::one_by_one;
-pub use stepper::{Setting, StepCheck, Stepper, add, restore_each};
+pub use stepper::{
+    Setting, StepCheck, Stepper, add, add_finite, are_finite, one_by_one, restore_each,
+};
 
 /// DΦ = 1 + D((α̂ − β̂)∘L)·D(β̂∘L)⁻¹ from the two tangents at the solution, all row-major d × d.
 ///

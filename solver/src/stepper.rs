@@ -79,7 +79,7 @@ pub trait Stepper: Send {
 }
 
 /// [`Stepper::advance`] by [`Stepper::increment`].
-pub(super) fn one_by_one<S: Stepper + ?Sized>(
+pub fn one_by_one<S: Stepper + ?Sized>(
     stepper: &mut S,
     steps: u64,
     [state, low, increment]: [&mut [f64]; 3],
@@ -110,13 +110,59 @@ const FEW: usize = 16;
 #[inline(always)]
 pub fn add(x: &mut [f64], low: &mut [f64], increment: &[f64]) -> Result<(), StepError> {
     if x.len() <= FEW {
-        add_between(x, low, increment, apart::<1>)
-    } else {
-        add_between(x, low, increment, || ())
+        return add_between(x, low, increment, apart::<1>);
     }
+    if !are_finite(x, increment) {
+        return Err(StepError::OF_STATE);
+    }
+    add_finite(x, low, increment);
+    Ok(())
+}
+
+/// Whether every x + Δ is finite.
+#[inline]
+pub fn are_finite(x: &[f64], increment: &[f64]) -> bool {
+    are_finite_between(x, increment, || ())
 }
 
 /// The same with something between two coordinates.
+#[inline(always)]
+fn are_finite_between(x: &[f64], increment: &[f64], between: impl Fn()) -> bool {
+    // 0·v is 0 where v is finite, and no number elsewhere. Several sums do not wait for each other.
+    let mut zeros = [0.0; 8];
+    let ((rows, rest), (changes, others)) = (x.as_chunks::<8>(), increment.as_chunks::<8>());
+    for (x, change) in rows.iter().zip(changes) {
+        for at in 0..8 {
+            zeros[at] += 0.0 * (x[at] + change[at]);
+            between();
+        }
+    }
+    for (x, change) in rest.iter().zip(others) {
+        zeros[0] += 0.0 * (x + change);
+        between();
+    }
+    !zeros.iter().sum::<f64>().is_nan()
+}
+
+/// [`add`] of x + Δ that [are finite](are_finite).
+#[inline]
+pub fn add_finite(x: &mut [f64], low: &mut [f64], increment: &[f64]) {
+    let ((rows, rest), (lows, own), (changes, others)) = (
+        x.as_chunks_mut::<8>(),
+        low.as_chunks_mut::<8>(),
+        increment.as_chunks::<8>(),
+    );
+    for ((x, low), change) in rows.iter_mut().zip(lows).zip(changes) {
+        for at in 0..8 {
+            (x[at], low[at]) = two_sum(x[at], change[at] + low[at]);
+        }
+    }
+    for ((x, low), change) in rest.iter_mut().zip(own).zip(others) {
+        (*x, *low) = two_sum(*x, change + *low);
+    }
+}
+
+/// The same as [`add`] with something between two coordinates.
 #[inline(always)]
 fn add_between(
     x: &mut [f64],
@@ -124,16 +170,8 @@ fn add_between(
     increment: &[f64],
     between: impl Fn(),
 ) -> Result<(), StepError> {
-    let mut zero = 0.0;
-    for (x, change) in x.iter().zip(increment) {
-        // 0·v is 0 where v is finite, and no number elsewhere.
-        zero += 0.0 * (x + change);
-        between();
-    }
-    if zero.is_nan() {
-        return Err(StepError::NonFinite {
-            what: "the new state",
-        });
+    if !are_finite_between(x, increment, &between) {
+        return Err(StepError::OF_STATE);
     }
     for ((x, low), change) in x.iter_mut().zip(low).zip(increment) {
         (*x, *low) = two_sum(*x, change + *low);

@@ -17,7 +17,10 @@ fn rotors(sites: usize, method: &str, is_written: bool) -> String {
         let mass = format!("({})", 1.0 + 0.125 * (i % 4) as f64);
         let _ = write!(energy, " + p{i}^2/(2*{mass}) + sin(q{i})");
         for j in i + 1..sites {
-            let _ = write!(energy, " - cos(q{i} - q{j})/{sites} + sin(q{i} + 2*q{j})/100");
+            let _ = write!(
+                energy,
+                " - cos(q{i} - q{j})/{sites} + sin(q{i} + 2*q{j})/100"
+            );
         }
         let _ = write!(names[0], "\"q{i}\", ");
         let _ = write!(names[1], "\"p{i}\", ");

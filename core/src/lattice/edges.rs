@@ -117,6 +117,19 @@ impl EdgeSites {
         })
     }
 
+    /// Calls `take` with each site of some blocks, which is written, and with each that is read for it.
+    pub(super) fn for_each_site(&self, blocks: Range<usize>, mut take: impl FnMut(usize, bool)) {
+        for block in &self.blocks[blocks] {
+            for (places, is_written) in
+                (self.places.iter().map(|places| (places, false))).chain([(&self.sites, true)])
+            {
+                for site in &places.sites[block.clone()] {
+                    take(*site as usize, is_written);
+                }
+            }
+        }
+    }
+
     /// The number of a distance.
     pub(super) fn shift(&self, shift: PerAxis<isize>) -> Option<usize> {
         self.shifts.iter().position(|own| *own == shift)

@@ -48,6 +48,7 @@ mod stepper;
 pub mod swept;
 #[cfg(test)]
 mod tests;
+pub mod wavefront;
 
 pub use cells::Cells;
 pub use fields::Fields;
@@ -62,3 +63,4 @@ pub use slopes::{LatticeSlopes, SlopesAlong};
 pub use source::LatticeSource;
 pub use stages::{Field, StageBuilder, StageCode, StageEnds};
 pub use swept::{Swept, SweptKernels};
+pub use wavefront::{Finite, Front, PartSites, SweptPart, wavefront};

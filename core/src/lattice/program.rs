@@ -7,6 +7,7 @@ use super::fields::Fields;
 use super::geometry::{LatticeGeometry, Proxy, site_classes};
 use super::stages::{Field, StageBuilder};
 use super::stencil::{Stencil, SweepRoom};
+use super::wavefront::PartSites;
 use crate::error::BuildError;
 
 /// A program over the fields of a lattice.
@@ -148,6 +149,29 @@ impl LatticeProgram {
         let stencils = self.stages[stage].stencils.iter();
         let prepare = |stencil: &Stencil| stencil.prepare(execution, parameters, sizes);
         Prepared(stencils.map(prepare).collect())
+    }
+
+    /// Sites that the parts of a stage read and write, to take them in turn with those of others; `None` where the stage is no
+    /// sweep in parts.
+    pub fn parts(&self, stage: usize) -> Option<Vec<PartSites>> {
+        let Stage { stencils, aside } = &self.stages[stage];
+        match (&stencils[..], &aside[..]) {
+            ([stencil], []) => stencil.parts(&self.geometry),
+            _ => None,
+        }
+    }
+
+    /// Runs one part of a stage that has [parts](Self::parts).
+    pub fn run_part(
+        &self,
+        (stage, part): (usize, usize),
+        prepared: &mut Prepared,
+        fields: &mut Fields,
+    ) {
+        let stencils = self.stages[stage].stencils.iter();
+        for (stencil, room) in stencils.zip(&mut prepared.0) {
+            stencil.sweep_part(part, &self.geometry, &self.offsets, room, fields);
+        }
     }
 
     /// Runs one stage.

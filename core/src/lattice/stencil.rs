@@ -1,5 +1,6 @@
 //! The code of one class of sites in one stage, and its sweep over them.
 
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 use leafwise_expression::syntax::AXES;
@@ -10,6 +11,7 @@ use super::edges::{EdgeSites, blocks_of};
 use super::fields::{Fields, stride};
 use super::geometry::{LatticeGeometry, PerAxis, Proxy, SiteBox, SiteClass};
 use super::stages::{Field, Written};
+use super::wavefront::PartSites;
 use crate::error::BuildError;
 
 /// Classes of fewer sites go one by one: boundary sites.
@@ -55,13 +57,17 @@ struct Inside {
 /// Sites that are swept together, so that what stands beside a row is found while the row is near.
 #[derive(Clone, Debug)]
 struct Part {
-    range: Range<usize>,
+    sites: Range<usize>,
+    /// Whether machine code runs over them.
+    is_swept: bool,
+    /// The rows among them, by their numbers, the first and the last cut off where the part ends.
+    rows: Range<usize>,
     /// The blocks of other sites among them.
     beside: Range<usize>,
 }
 
 /// The most sites of a part: a few fields of them stay in a cache.
-const PART: usize = 4096;
+pub(super) const PART: usize = 4096;
 
 /// Room for a sweep of one stencil.
 #[derive(Clone, Debug)]
@@ -71,8 +77,7 @@ pub(super) struct SweepRoom {
     between: Vec<f64>,
     /// Numbers of the other sites of a part.
     beside: Vec<f64>,
-    /// The ranges that were swept in place, and what is left of the rows.
-    swept: Vec<Range<usize>>,
+    /// Sites of the rows that machine code left.
     left: Vec<Range<usize>>,
     block: Vec<RowPart>,
 }
@@ -171,9 +176,13 @@ impl Stencil {
             } else {
                 0
             };
-            let is_swept = at > 0 && at < last;
+            let rows = &self.inside.rows;
+            let rows = rows.partition_point(|row| row.end <= range.start)
+                ..rows.partition_point(|row| row.start < range.end);
             Part {
-                range: if is_swept { range } else { 0..0 },
+                sites: range,
+                is_swept: at > 0 && at < last,
+                rows: rows.start.min(rows.end)..rows.end,
                 beside: before..block,
             }
         });
@@ -237,7 +246,6 @@ impl Stencil {
             workspace,
             between: Vec::new(),
             beside: Vec::new(),
-            swept: Vec::new(),
             left: Vec::new(),
             block: Vec::new(),
         }
@@ -251,37 +259,96 @@ impl Stencil {
         room: &mut SweepRoom,
         fields: &mut Fields,
     ) -> usize {
+        let mut between = std::mem::take(&mut room.between);
+        self.keep(offsets, fields, &mut between);
+        let parts = 0..self.inside.parts.len();
+        let in_place = parts.map(|part| self.sweep_part(part, geometry, offsets, room, fields));
+        let in_place = in_place.sum();
+        self.put_back(offsets, fields, &between);
+        room.between = between;
+        if self.inside.beside.is_none() {
+            let outside = &self.inside.outside;
+            let room = (&mut room.workspace, &mut room.block);
+            self.sweep_by_copies(geometry, offsets, room, fields, outside);
+        }
+        in_place
+    }
+
+    /// The same at the sites of one part, where [parts](Self::parts) go in any order.
+    pub(super) fn sweep_part(
+        &self,
+        part: usize,
+        geometry: &LatticeGeometry,
+        offsets: &[usize],
+        room: &mut SweepRoom,
+        fields: &mut Fields,
+    ) -> usize {
         let SweepRoom {
             workspace,
-            between,
             beside,
-            swept,
             left,
             block,
+            ..
         } = room;
-        self.keep(offsets, fields, between);
-        swept.clear();
-        for Part { range, beside: own } in &self.inside.parts {
-            beside.clear();
-            self.find_beside(own.clone(), offsets, (workspace, beside), fields);
-            let numbers = fields.all_mut();
-            let reached = self
-                .kernel
-                .evaluate_along(workspace, numbers, range.clone());
-            self.write_beside(own.clone(), offsets, beside, fields);
-            take_in(swept, range.start..range.start + reached);
-        }
-        self.put_back(offsets, fields, between);
-        without(&self.inside.rows, swept, left);
-        let outside = match self.inside.beside {
-            Some(_) => &[][..],
-            None => &self.inside.outside[..],
+        let part = &self.inside.parts[part];
+        beside.clear();
+        self.find_beside(part.beside.clone(), offsets, (workspace, beside), fields);
+        let reached = match part.is_swept {
+            true => {
+                let numbers = fields.all_mut();
+                self.kernel
+                    .evaluate_along(workspace, numbers, part.sites.clone())
+            }
+            false => 0,
         };
-        for sites in [outside, &left[..]] {
+        self.write_beside(part.beside.clone(), offsets, beside, fields);
+        let behind = part.sites.start + reached..part.sites.end;
+        let within = |row: &Range<usize>, sites: &Range<usize>| {
+            row.start.max(sites.start)..row.end.min(sites.end)
+        };
+        left.clear();
+        if !behind.is_empty() {
+            let rows = self.inside.rows[part.rows.clone()].iter();
+            let rows = rows.map(|row| within(row, &behind));
+            left.extend(rows.filter(|row| !row.is_empty()));
             let room = (&mut *workspace, &mut *block);
-            self.sweep_by_copies(geometry, offsets, room, fields, sites);
+            self.sweep_by_copies(geometry, offsets, room, fields, left);
         }
-        total(&self.inside.rows) - total(left)
+        let rows = self.inside.rows[part.rows.clone()].iter();
+        let all: usize = rows.map(|row| within(row, &part.sites).len()).sum();
+        all - total(left)
+    }
+
+    /// Sites that each part reads and writes; `None` where parts are not all there is.
+    pub(super) fn parts(&self, geometry: &LatticeGeometry) -> Option<Vec<PartSites>> {
+        let beside = self.inside.beside.as_ref();
+        let is_apart = beside.is_none() && !self.inside.outside.is_empty();
+        if is_apart || self.inside.parts.is_empty() || !self.inside.kept.is_empty() {
+            return None;
+        }
+        let length = geometry.length();
+        let distances = self.taps.iter().map(|tap| geometry.distance(tap.shift));
+        let distances: BTreeSet<isize> = distances.collect();
+        let parts = self.inside.parts.iter().map(|part| {
+            let mut sites = PartSites::default();
+            let is_empty = part.sites.is_empty() || !part.is_swept && part.rows.is_empty();
+            if !is_empty {
+                sites.write(part.sites.clone());
+                for distance in &distances {
+                    let [start, end] = [part.sites.start, part.sites.end]
+                        .map(|at| at.saturating_add_signed(*distance).min(length));
+                    sites.read(start..end);
+                }
+            }
+            if let Some((beside, _)) = beside {
+                beside.for_each_site(part.beside.clone(), |site, is_written| match is_written {
+                    true => sites.write(site..site + 1),
+                    false => sites.read(site..site + 1),
+                });
+            }
+            sites
+        });
+        Some(parts.collect())
     }
 
     /// Evaluates the code on copies of the inputs of sites that are not swept in place.
@@ -399,15 +466,6 @@ impl Stencil {
 fn gaps(rows: &[Range<usize>]) -> impl Iterator<Item = Range<usize>> {
     let pairs = rows.windows(2);
     pairs.map(|rows| rows[0].end..rows[1].start)
-}
-
-/// Adds a range behind others, as one with the last where they touch.
-fn take_in(ranges: &mut Vec<Range<usize>>, range: Range<usize>) {
-    match ranges.last_mut() {
-        _ if range.is_empty() => {}
-        Some(last) if last.end == range.start => last.end = range.end,
-        _ => ranges.push(range),
-    }
 }
 
 /// How many sites there are in ranges.

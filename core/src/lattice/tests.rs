@@ -1,11 +1,16 @@
 //! Sweeps in place have the bits of sweeps by the interpreter, which takes copies.
 
 use std::cell::Cell;
+use std::collections::BTreeSet;
 
 use leafwise_expression::{Arithmetic, Execution, Function, Term};
 use proptest::prelude::*;
 
-use super::{Axis, Cells, Field, LatticeGeometry, LatticeProgram, Proxy, StageBuilder};
+use super::stencil::PART;
+use super::{
+    Axis, Cells, Field, LatticeGeometry, LatticeProgram, PartSites, Proxy, StageBuilder, SweptPart,
+    wavefront,
+};
 
 /// How far code looks at most.
 const REACH: usize = 3;
@@ -171,4 +176,108 @@ fn keep_their_bits(lattices: impl Strategy<Value = Option<LatticeGeometry>>) {
     if cfg!(all(feature = "jit", target_arch = "x86_64", not(windows))) {
         assert!(in_place.get() > 100, "{} cases in place", in_place.get());
     }
+}
+
+/// All fields' bits after two rounds of all stages, part by part in the order of a wave; `None` where a stage has no parts.
+fn evolve_in_a_wave(program: &LatticeProgram, state: Field) -> Option<Vec<u64>> {
+    let stages: Vec<usize> = (0..program.stages()).chain(0..program.stages()).collect();
+    let parts: Option<Vec<_>> = stages.iter().map(|stage| program.parts(*stage)).collect();
+    let order = wavefront(&parts?);
+    let all = 0..program.stages();
+    let execution = Execution::Compiled;
+    let prepare = |stage| program.prepare_for(execution, stage, &[0.75], [1.0; 2]);
+    let mut prepared: Vec<_> = all.map(prepare).collect();
+    let mut fields = program.empty_fields();
+    for (at, value) in fields.get_mut(state).iter_mut().enumerate() {
+        *value = ((at * 7919 + 31) % 1009) as f64 / 1009.0 - 0.5;
+    }
+    for SweptPart { sweep, part } in order {
+        let stage = stages[sweep];
+        program.run_part((stage, part), &mut prepared[stage], &mut fields);
+    }
+    let bits = |x: &f64| if x.is_nan() { f64::NAN } else { *x }.to_bits();
+    let fields = (0..program.fields()).map(|field| fields.get(Field(field)));
+    Some(fields.flatten().map(bits).collect())
+}
+
+/// Rings, tori and boxes of several parts.
+#[test]
+fn waves_of_sweeps_keep_the_bits_of_sweeps_one_after_the_other() {
+    let lengths = prop_oneof![
+        Just(vec![20_000]),
+        Just(vec![130, 71]),
+        Just(vec![24, 23, 40]),
+        Just(vec![9, 41, 60]),
+    ];
+    let config = ProptestConfig {
+        failure_persistence: None,
+        ..ProptestConfig::with_cases(150)
+    };
+    let in_waves = Cell::new(0);
+    proptest!(config, |(lengths in lengths, stages in stages())| {
+        let axes = lengths.iter().map(|length| Axis { length: *length, periodic: true });
+        let names = ["x", "y"].map(str::to_owned);
+        let geometry = LatticeGeometry::along(names, axes.collect());
+        let (proxy, width) = geometry.proxy([REACH; 3]).expect("shorter");
+        let (builder, state) = write(&proxy, &stages);
+        let proxy = Proxy { geometry: &proxy, width };
+        let program = LatticeProgram::compile(&geometry, proxy, &builder, 1);
+        let program = program.expect("code that looks as far as the proxy has room for");
+        let Some(found) = evolve_in_a_wave(&program, state) else {
+            return Ok(());
+        };
+        let (expected, _) = evolve(&program, state, Execution::Compiled, 2);
+        prop_assert!(found == expected, "{geometry:?}");
+        in_waves.update(|cases| cases + 1);
+    });
+    assert!(in_waves.get() > 25, "{} cases in waves", in_waves.get());
+}
+
+/// Each part comes once, behind all parts of earlier sweeps that it has to do with, and the later sweep begins before the earlier
+/// one has ended.
+#[test]
+fn a_part_comes_when_all_that_it_has_to_do_with_has_come() {
+    let part = (
+        0_usize..12,
+        1_usize..3,
+        prop::collection::vec(0_usize..12, 0..3),
+    );
+    let sweep = prop::collection::vec(part, 1..12);
+    proptest!(|(sweeps in prop::collection::vec(sweep, 1..5))| {
+        let part = |(start, count, read): &(usize, usize, Vec<usize>)| {
+            let mut sites = PartSites::default();
+            sites.write(start * PART..(start + count) * PART);
+            read.iter().for_each(|at| sites.read(at * PART..at * PART + 1));
+            sites
+        };
+        let touched = |(start, count, read): &(usize, usize, Vec<usize>)| -> BTreeSet<usize> {
+            (*start..start + count).chain(read.iter().copied()).collect()
+        };
+        let written = |(start, count, _): &(usize, usize, Vec<usize>)| -> BTreeSet<usize> {
+            (*start..start + count).collect()
+        };
+        let parts: Vec<Vec<PartSites>> = sweeps.iter().map(|own| own.iter().map(part).collect()).collect();
+        let order = wavefront(&parts);
+        prop_assert_eq!(order.len(), sweeps.iter().map(Vec::len).sum::<usize>());
+        for (at, own) in order.iter().enumerate() {
+            prop_assert!(!order[..at].contains(own));
+            let of = &sweeps[own.sweep][own.part];
+            for later in &order[at..] {
+                let other = &sweeps[later.sweep][later.part];
+                let is_apart = written(of).is_disjoint(&touched(other)) && written(other).is_disjoint(&touched(of));
+                prop_assert!(later.sweep >= own.sweep || is_apart);
+            }
+        }
+    });
+    let ring = |at: usize| {
+        let mut sites = PartSites::default();
+        sites.write(at * PART..(at + 1) * PART);
+        for at in [(at + 1) % 16, (at + 15) % 16] {
+            sites.read(at * PART..at * PART + 1);
+        }
+        sites
+    };
+    let order = wavefront(&vec![(0..16).map(ring).collect::<Vec<_>>(); 4]);
+    let first = order.iter().position(|own| own.sweep == 3);
+    assert!(first.is_some_and(|first| first < 20), "{order:?}");
 }

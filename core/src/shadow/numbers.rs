@@ -8,13 +8,18 @@ use crate::system::OpaqueSystem;
 /// Maker of H̃ of a map, of the parameters and of the step t = εh.
 pub type MakeShadowEnergy = dyn Fn(&[f64], f64) -> Observer + Send + Sync;
 
-/// H̃ = H − t²/24 D_A²H + t²/12 D_B²H of φ^A_{t/2} ∘ φ^B_t ∘ φ^A_{t/2}, H = A + B, up to order t⁴.
+/// Shadow energy of Strang's product of two shears, up to order t⁴.
 ///
-/// A and B are the shears of these numbers, whose flows are x + tX_A(x) and x + tX_B(x). D_A²H = X_Aᵀ ∇²H X_A is the second derivative
-/// of H along X_A, {A, {A, B}}. With Störmer and Verlet's method, A = V(q) and B = |p|²/2m, that is
-/// H + t²/12 pᵀ∇²V p/m² − t²/24 |∇V|²/m (B. Leimkuhler, S. Reich, *Simulating Hamiltonian dynamics*, Cambridge 2004, section 5.2).
+/// ```text
+/// H̃ = H − t²/24 D_A²H + t²/12 D_B²H.
+/// H̃ = H + t²/12 pᵀ∇²V p/m² − t²/24 |∇V|²/m   with A = V(q), B = |p|²/2m.
+/// ```
 ///
-/// A gradient and two products with the Jacobian are a few loops over pairs, where the brackets written out are sums over triples.
+/// The product is φ^A_{t/2} ∘ φ^B_t ∘ φ^A_{t/2}, of shears x + tX(x).
+/// D_A²H = X_Aᵀ ∇²H X_A is the second derivative of H along X_A.
+/// Source: B. Leimkuhler, S. Reich, *Simulating Hamiltonian dynamics*, Cambridge 2004, section 5.2.
+///
+/// A gradient and two products with the Jacobian are a few loops over pairs. Brackets written out are sums over triples.
 /// `None` where the system offers no such products, or where it has no two shears.
 pub fn shadow_of_shears(
     system: &OpaqueSystem,

@@ -3,8 +3,12 @@
 use std::sync::Arc;
 
 use leafwise_core::StepError;
-use leafwise_core::lattice::{Cells, Field, Fields, LatticeProgram, LatticeSlopes, Prepared};
-use leafwise_core::solver::{SolverStatistics, Stepper, Structure};
+use leafwise_core::lattice::{
+    Cells, Field, Fields, Finite, Front, LatticeProgram, LatticeSlopes, Prepared, SweptPart,
+};
+use leafwise_core::solver::{
+    SolverStatistics, StepCheck, StepRecord, Stepper, Structure, add_finite, one_by_one,
+};
 
 use crate::product::evaluations;
 use crate::schedule::{Flow, passes};
@@ -52,6 +56,7 @@ impl Shared {
 pub(super) struct Sweeps {
     shared: Arc<Shared>,
     schedule: Vec<Sweep>,
+    front: Option<Front>,
     trajectories: Vec<Trajectory>,
     /// Number of evaluations that a step counts as: half as many as it has factors χ and χ*,
     /// rounded up.
@@ -109,6 +114,14 @@ impl Sweeps {
                 fields: shared.empty_fields(),
             }
         });
+        let geometry = shared.cells.sites();
+        let front = match lanes == 1 && shared.cells.period() == 1 {
+            true => {
+                let stages = schedule.iter().map(|sweep| program.parts(sweep.stage));
+                Front::of(geometry, stages)
+            }
+            false => None,
+        };
         Self {
             trajectories: trajectories.collect(),
             work: flows
@@ -116,10 +129,55 @@ impl Sweeps {
                 .map(|flow| program.stage_work(flow.piece))
                 .sum(),
             evaluations: evaluations(parts),
+            front,
             schedule,
             shared,
             statistics: SolverStatistics::default(),
         }
+    }
+}
+
+impl Sweeps {
+    /// The flows of one lane from x; their increments are then in the field of sums.
+    fn flow(&mut self, lane: usize, x: &[f64]) -> Finite {
+        self.statistics.steps += 1;
+        self.statistics.evaluations += self.evaluations;
+        self.statistics.most_evaluations = self.evaluations;
+        let lanes = self.trajectories.len();
+        let Shared {
+            program,
+            state,
+            sum,
+            ..
+        } = self.shared.as_ref();
+        let Trajectory { prepared, fields } = &mut self.trajectories[lane];
+        // What a flow leaves behind is finite where it began at a finite state and its own
+        // increments are.
+        let Some(front) = &self.front else {
+            (self.shared.cells).gather(x, lane, lanes, fields.get_mut(*state));
+            fields.get_mut(*sum).fill(0.0);
+            for sweep in &self.schedule {
+                program.run_stage(sweep.stage, &mut prepared[sweep.prepared], fields);
+            }
+            let is_finite = |field| {
+                let numbers = fields.get(field).iter();
+                numbers.fold(true, |all, x| all & x.is_finite())
+            };
+            let flows = is_finite(*state) && is_finite(*sum);
+            return Finite { flows, step: flows };
+        };
+        front.run(
+            fields,
+            [*state, *sum],
+            x,
+            |SweptPart { sweep, part }, fields| {
+                let Sweep {
+                    stage,
+                    prepared: at,
+                } = self.schedule[sweep];
+                program.run_part((stage, part), &mut prepared[at], fields);
+            },
+        )
     }
 }
 
@@ -132,30 +190,11 @@ impl Stepper for Sweeps {
         outcome: &mut [Result<(), StepError>],
     ) {
         let lanes = self.trajectories.len();
-        let Shared {
-            cells,
-            program,
-            state,
-            sum,
-            ..
-        } = self.shared.as_ref();
-        for (lane, trajectory) in self.trajectories.iter_mut().enumerate() {
-            let Trajectory { prepared, fields } = trajectory;
-            cells.gather(x, lane, lanes, fields.get_mut(*state));
-            fields.get_mut(*sum).fill(0.0);
-            for sweep in &self.schedule {
-                program.run_stage(sweep.stage, &mut prepared[sweep.prepared], fields);
-            }
-            // What a flow leaves behind is finite where it began at a finite state and its own
-            // increments are.
-            let finite = |field| {
-                fields
-                    .get(field)
-                    .iter()
-                    .fold(true, |all, x| all & x.is_finite())
-            };
-            outcome[lane] = if finite(*state) && finite(*sum) {
-                cells.scatter(fields.get(*sum), increment, lane, lanes);
+        for (lane, outcome) in outcome.iter_mut().enumerate() {
+            *outcome = if self.flow(lane, x).flows {
+                let Shared { cells, sum, .. } = self.shared.as_ref();
+                let sums = self.trajectories[lane].fields.get(*sum);
+                cells.scatter(sums, increment, lane, lanes);
                 Ok(())
             } else {
                 self.statistics.failures += 1;
@@ -163,10 +202,38 @@ impl Stepper for Sweeps {
                 own.for_each(|value| *value = 0.0);
                 Err(StepError::OF_INCREMENT)
             };
-            self.statistics.steps += 1;
-            self.statistics.evaluations += self.evaluations;
-            self.statistics.most_evaluations = self.evaluations;
         }
+    }
+
+    /// Increments are added from the field where they are.
+    fn advance(
+        &mut self,
+        steps: u64,
+        state: &mut [f64],
+        low: &mut [f64],
+        increment: &mut [f64],
+        check: Option<&mut dyn StepCheck>,
+        mut record: Option<&mut StepRecord<'_>>,
+    ) -> (u64, Result<(), StepError>) {
+        if self.front.is_none() || check.is_some() {
+            return one_by_one(self, steps, [state, low, increment], check, record);
+        }
+        for made in 0..steps {
+            let finite = self.flow(0, state);
+            if !finite.flows {
+                self.statistics.failures += 1;
+                return (made, Err(StepError::OF_INCREMENT));
+            }
+            if !finite.step {
+                return (made, Err(StepError::OF_STATE));
+            }
+            let sums = self.trajectories[0].fields.get(self.shared.sum);
+            add_finite(state, low, sums);
+            if let Some(record) = &mut record {
+                record.take(state, self.statistics.evaluations);
+            }
+        }
+        (steps, Ok(()))
     }
 
     fn restart(&mut self) {}

@@ -37,7 +37,7 @@ pub struct ComposedSystem {
     pub contact: Option<Contact>,
     /// Channels of noise, which move the system at random.
     pub noise: Vec<Channel>,
-    /// What stands beside sums over pairs that are taken in loops.
+    /// Forces and noise beside sums over pairs that are taken in loops.
     pub bodies: Option<Bodies>,
     /// Observables that the run records.
     pub observables: Vec<Observable>,
