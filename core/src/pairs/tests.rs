@@ -297,7 +297,7 @@ fn forces(kinds: &[&str]) -> Forces {
 
 /// −Π(∇H + η + λ g ẋ_H) + f at a site, given ∇H there; Π has the entry 1/g.
 fn field_of_a_site(graph: &mut Graph, kinds: &[&str], x: &[Term], slope: &[Term]) -> Vec<Term> {
-    let mut value = |graph: &mut Graph, kind: usize, family: usize| {
+    let value = |graph: &mut Graph, kind: usize, family: usize| {
         let formula = of_a_site(OF_A_SITE[kind][family]);
         let value = formula.evaluate_in(graph, &mut |_, at| Ok(x[at].clone()));
         value.expect("code")

@@ -174,7 +174,7 @@ impl<'a> NoisySteps<'a> {
         document: &SceneDocument,
         registry: &Registry,
         lattice: &SceneLattice<'_>,
-    ) -> Result<Vec<(Arc<dyn StepMap>, Option<Swept>)>, Refusal> {
+    ) -> Result<Vec<SiteFlow>, Refusal> {
         let flows = SiteTerms::of_flows(self.noise.channels.len()).into_iter();
         let flow = |terms: SiteTerms| {
             let channel = terms.channel();
@@ -290,6 +290,9 @@ fn at_rest(document: &SceneDocument) -> SceneDocument {
     rests.run.record.observables.clear();
     rests
 }
+
+/// The flow of a family of increments, and its sweeps where it has any.
+type SiteFlow = (Arc<dyn StepMap>, Option<Swept>);
 
 /// How many flows a map is a product of.
 fn pieces(map: &dyn StepMap) -> usize {
