@@ -284,6 +284,39 @@ fn what_is_no_template_of_a_site_is_refused_with_one_that_is() {
     }
 }
 
+/// Of a realization with its dynamics, which takes no pairs in a loop, the help names steppers that take the scene.
+#[test]
+fn steppers_that_are_named_take_what_stands_beside() {
+    let scene = |beside: &str, method: &str| {
+        format!(
+            "[system]\nfamilies = {{ q = 600, p = 600 }}\nbracket = \"canonical\"\n\
+             hamiltonian = \"sum(i, p[i]^2/2) + sum(i<j, (q[i] - q[j])^2)/N\"\n{beside}\n\
+             [method]\n{method}\ntime-step = 0.05\n[run]\nsteps = 1\n\
+             initial = {{ \"q[i]\" = \"sin(1.3*i)\", \"p[i]\" = 0 }}\n"
+        )
+    };
+    for (beside, takes_splitting) in [
+        ("", true),
+        ("noise = [{ hamiltonian = \"q[i]\", strength = 1 }]", true),
+        ("forces = { \"q[i]\" = \"0.1*p[i]\" }", false),
+        ("friction = { \"p[i]\" = \"-0.1*p[i]\" }", false),
+    ] {
+        let refusal = compose(
+            &document(&scene(beside, ""), &[]),
+            &Registry::with_builtin(),
+        );
+        let refusal = refusal.map(|_| ()).expect_err("all pairs written out");
+        let help = refusal.help.clone().unwrap_or_default();
+        assert_eq!(help.contains("splitting"), takes_splitting, "{help}");
+        let (_, names) = help.split_once(": ").expect("names");
+        assert!(names.split(", ").count() > 3, "{help}");
+        for name in names.split(", ") {
+            let name = name.split(' ').next().unwrap_or_default();
+            in_loops(&scene(beside, &format!("stepper = \"{name}\"")));
+        }
+    }
+}
+
 /// Rotors in the field of all, in a bath of temperature kT = 0.3: the mean of M = |Σ e^{iq}|/N solves M = I_1(M/kT)/I_0(M/kT),
 /// M = 0.77313 (M. Antoni, S. Ruffo, *Clustering and relaxation in Hamiltonian long-range dynamics*, Phys. Rev. E 52 (1995)).
 ///

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use leafwise::core::Registry;
-use leafwise::scene::compose::compose;
+use leafwise::scene::compose::{ShadowEnergy, compose};
 use leafwise_tests::scenes::{composed, document};
 
 use super::in_loops;
@@ -127,6 +127,19 @@ fn shadow_energies_in_loops_are_kept_to_order_four() {
     };
     let ratio = change(0.1) / change(0.05);
     assert!((14.0..18.0).contains(&ratio), "{ratio}");
+}
+
+/// Where formulas are asked for, the advice is a record that is taken.
+#[test]
+fn formulas_of_a_shadow_energy_in_loops_are_refused_with_a_record() {
+    let record = "record = { observables = [\"energy\", \"shadow-energy\"] }";
+    let text = rotors(60, "stepper = \"splitting\"", false);
+    let line = text.lines().find(|line| line.starts_with("record"));
+    let run = in_loops(&text.replace(line.expect("a record"), record));
+    assert_eq!(run.plan.shadow.map(|shadow| shadow.order), Some(4));
+    let refused = ShadowEnergy::of(&run.system, run.method.map(), 0.2, None);
+    let refused = refused.map(|_| ()).expect_err("no formulas");
+    assert!(refused.help.contains(record), "{}", refused.help);
 }
 
 /// Of maps whose shadow energy takes more than two brackets it is refused with the mathematics; of few bodies all is written out.

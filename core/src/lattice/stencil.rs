@@ -11,7 +11,7 @@ use super::edges::{EdgeSites, blocks_of};
 use super::fields::{Fields, stride};
 use super::geometry::{LatticeGeometry, PerAxis, Proxy, SiteBox, SiteClass};
 use super::stages::{Field, Written};
-use super::wavefront::PartSites;
+use super::wavefront::{PART, PartSites};
 use crate::error::BuildError;
 
 /// Classes of fewer sites go one by one: boundary sites.
@@ -65,9 +65,6 @@ struct Part {
     /// The blocks of other sites among them.
     beside: Range<usize>,
 }
-
-/// The most sites of a part: a few fields of them stay in a cache.
-pub(super) const PART: usize = 4096;
 
 /// Room for a sweep of one stencil.
 #[derive(Clone, Debug)]

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use leafwise_expression::{Arithmetic, Execution, Function, Term};
 use proptest::prelude::*;
 
-use super::stencil::PART;
+use super::wavefront::PART;
 use super::{
     Axis, Cells, Field, LatticeGeometry, LatticeProgram, PartSites, Proxy, StageBuilder, SweptPart,
     wavefront,

@@ -1,8 +1,9 @@
 //! Several sweeps over the sites part by part, each part while it is near.
 //!
 //! A sweep of a long lattice reads all of its fields from memory. But a part of the next sweep may follow as soon as the
-//! parts beside it are swept. So a front goes through the lattice for each sweep, some parts behind that of the sweep before. The
-//! numbers are those of one sweep after the other: a part comes after all parts of earlier sweeps that it reads or writes, and
+//! parts beside it are swept. So a front goes through the lattice for each sweep, some parts behind that of the sweep before.
+//!
+//! Numbers are those of one sweep after the other. For a part comes after all parts of earlier sweeps that write what it reads, and
 //! after all that read what it writes.
 
 use std::collections::BTreeSet;
@@ -11,8 +12,10 @@ use std::ops::Range;
 use super::fields::Fields;
 use super::geometry::LatticeGeometry;
 use super::stages::Field;
-use super::stencil::PART;
 use crate::solver::are_finite;
+
+/// The most sites of a part: a few fields of them stay in a cache.
+pub(super) const PART: usize = 4096;
 
 /// How many parts of a sweep are tried, from the first that is left.
 const TRIED: usize = 96;

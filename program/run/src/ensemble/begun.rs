@@ -32,7 +32,7 @@ impl<'a> Drawer<'a> {
     pub fn new(ensemble: &'a ComposedEnsemble) -> Self {
         Self {
             ensemble,
-            domain: ParameterDomain::of(&ensemble.run),
+            domain: ParameterDomain::of(ensemble.run.forces(), ensemble.run.method.noise()),
             drawing: Drawing::default(),
         }
     }

@@ -3,8 +3,8 @@
 use leafwise_core::lattice::{LatticeGeometry, TemplateReach};
 use leafwise_core::pairs::{BodyFunction, BodyShape, BodySystem, PairMatrix};
 use leafwise_core::part::{Family, ParameterDefault, PartInfo, PartKind};
-use leafwise_core::system::Parameter;
-use leafwise_core::{BuildError, PartParameters, PoissonSystem, Registry, SystemFormulas};
+use leafwise_core::system::{MotionClass, Parameter};
+use leafwise_core::{BuildError, PartParameters, PoissonSystem, Registry};
 use leafwise_expression::Expression;
 use leafwise_expression::syntax::Scope;
 
@@ -19,20 +19,11 @@ use super::lattice_noise::site_channels;
 use super::matrices::matrices;
 use super::names::{check_code, check_names, coordinate_names, parse};
 use super::observables::{RecordedFormula, expression, observables_in, shadow_order};
-use super::site_forces::{Apart, SiteForces};
+use super::site_forces::{Apart, Bodies, SiteForces};
 use super::system::{ComposedSystem, check_contradictions, check_sites};
 use super::tensor::{Entries, entries};
 use super::time::wants_time;
 use crate::document::{Convention, Located, ParameterValue, PartSpec, SceneDocument};
-
-/// Many bodies beside their sums over pairs.
-#[derive(Clone, Debug)]
-pub struct Bodies {
-    /// Tensor and forces of one site.
-    pub site: SystemFormulas,
-    /// With noise, the system whose steps are made: increments are families at rest behind the scene's own.
-    pub stepped: Option<PoissonSystem>,
-}
 
 /// The fewest sites whose pairs are evaluated in a loop: those of fewer are written out.
 const FEWEST_SITES: usize = 16;
@@ -115,7 +106,9 @@ pub(super) fn many_bodies(
     };
     let system = PoissonSystem::from(watched.compile().map_err(refused)?);
     let site = watched.of_a_site().map_err(refused)?;
-    let stepped = at_sites.stepped(document, &sums, &watched)?;
+    let stepped = at_sites.stepped(document, &watched, |further| {
+        sums.hamiltonian_beside(further)
+    })?;
     let stepped = match stepped {
         Some(stepped) => Some(PoissonSystem::from(stepped.compile().map_err(refused)?)),
         None => None,
@@ -262,10 +255,18 @@ fn unless_too_long(
     let names = |parts: Vec<&'static PartInfo>| -> Vec<&str> {
         parts.iter().map(|info| info.name).collect()
     };
-    let splitting = names(registry.family(Family::Splitting));
+    let forces = &system.forces;
+    let motion = match (&forces.friction, forces.keys().is_empty()) {
+        (Some(_), _) => MotionClass::OffLeaves,
+        (None, false) => MotionClass::OnLeaves,
+        (None, true) => MotionClass::Hamiltonian,
+    };
+    let splitting = registry.family(Family::Splitting).into_iter();
+    let splitting = names(splitting.filter(|info| info.takes >= motion).collect());
     let parts = registry.parts().into_iter();
-    let serving =
-        parts.filter(|info| info.kind == PartKind::Stepper && info.serves_numbers.is_some());
+    let serving = parts.filter(|info| {
+        info.kind == PartKind::Stepper && info.serves_numbers.is_some() && info.takes >= motion
+    });
     let method = &document.method;
     let named = method.stepper.as_ref().or(method.dynamics.as_ref());
     let of = match named {
@@ -287,8 +288,11 @@ fn unless_too_long(
         },
         "here",
         Some(format!(
-            "steppers that take pairs in a loop: {} where H = T + V, {}",
-            splitting.join(", "),
+            "steppers that take pairs in a loop: {}{}",
+            match splitting.is_empty() {
+                true => String::new(),
+                false => format!("{} where H = T + V, ", splitting.join(", ")),
+            },
             names(serving.collect()).join(", ")
         )),
     )))
@@ -308,7 +312,7 @@ fn bracket_of_a_site(document: &SceneDocument) -> Result<Entries, Refusal> {
 }
 
 /// Formulas of a scene as functions of sums over sites and pairs.
-pub(super) struct BodyFormulas<'a> {
+struct BodyFormulas<'a> {
     document: &'a SceneDocument,
     scope: &'a Scope,
     shape: BodyShape,
@@ -336,10 +340,7 @@ impl BodyFormulas<'_> {
     ///
     /// # Errors
     /// As [`of`](Self::of).
-    pub(super) fn hamiltonian_beside(
-        &self,
-        families: usize,
-    ) -> Result<Option<BodyFunction>, Refusal> {
+    fn hamiltonian_beside(&self, families: usize) -> Result<Option<BodyFunction>, Refusal> {
         let mut shape = self.shape.clone();
         shape.families += families;
         let beside = BodyFormulas { shape, ..*self };

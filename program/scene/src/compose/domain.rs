@@ -1,9 +1,10 @@
 //! Values of parameters under which noise and damping are none.
 
+use leafwise_core::system::Forces;
 use leafwise_expression::Expression;
 use thiserror::Error;
 
-use super::run::ComposedRun;
+use super::channels::RunNoise;
 
 /// Strengths of noise and the rate of damping, as functions of the parameters.
 #[derive(Clone, Debug, Default)]
@@ -25,11 +26,10 @@ pub enum OutOfDomain {
 }
 
 impl ParameterDomain {
-    /// That of a run's system and its noise. A rate that depends on the state may have either sign: it is feedback.
-    pub fn of(run: &ComposedRun) -> Self {
-        let noise = run.method.noise();
+    /// That of forces and noise. A rate that depends on the state may have either sign: it is feedback.
+    pub fn of(forces: Option<&Forces>, noise: Option<&RunNoise>) -> Self {
         let channels = noise.into_iter().flat_map(|noise| &noise.channels);
-        let damping = run.forces().and_then(|forces| forces.damping.as_ref());
+        let damping = forces.and_then(|forces| forces.damping.as_ref());
         let rate = damping.map(|damping| &damping.rate);
         Self {
             strengths: channels.map(|channel| channel.strength.clone()).collect(),

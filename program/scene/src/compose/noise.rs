@@ -10,12 +10,12 @@ use leafwise_core::system::Forces;
 use leafwise_core::{BuildError, PartParameters, PoissonSystem, Registry, StepMap};
 
 use super::Refusal;
-use super::bodies::Bodies;
 use super::channels::{Channel, RunNoise, refusal};
 use super::domain::OutOfDomain;
 use super::geometry::geometry;
 use super::lattice::SceneLattice;
 use super::lattice_noise::{SiteTerms, groups, site_channels};
+use super::site_forces::Bodies;
 use super::stepping::{LatticeStepping, MapStepping, Stepping};
 use crate::document::{ForcesSpec, SceneDocument, StepSpec};
 

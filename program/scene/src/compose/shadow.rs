@@ -78,7 +78,12 @@ impl ShadowEnergy {
         let Some(formulas) = system.expressions() else {
             return Err(NoShadow {
                 message: "a system of numbers has no formula of its shadow Hamiltonian".to_owned(),
-                help: "write its tensor and Hamiltonian as formulas".to_owned(),
+                help: match map.abilities().shadow_energy {
+                    Some(_) => format!(
+                        "its values are known: record = {{ observables = [\"energy\", \"{SHADOW_ENERGY}\"] }}"
+                    ),
+                    None => "write its tensor and Hamiltonian as formulas".to_owned(),
+                },
             });
         };
         if system.has_forces() {

@@ -1,13 +1,12 @@
 //! Forces and noise at one site of many bodies.
 
 use leafwise_core::lattice::{LatticeGeometry, TemplateReach};
-use leafwise_core::pairs::{BodySum, BodySystem};
+use leafwise_core::pairs::{BodyFunction, BodySum, BodySystem};
 use leafwise_core::system::Forces;
 use leafwise_core::{PoissonSystem, SystemFormulas};
 use leafwise_expression::Expression;
 
 use super::Refusal;
-use super::bodies::BodyFormulas;
 use super::definitions::scope;
 use super::forces::{check_forces, check_metric_of_sites, forces};
 use super::geometry::moving;
@@ -15,6 +14,15 @@ use super::lattice::{entries_reach, one_site};
 use super::lattice_noise::SiteTerms;
 use super::names::{coordinate_names, function, parse};
 use crate::document::{ByCoordinate, ComponentsSpec, Located, MetricSpec, SceneDocument};
+
+/// Many bodies beside their sums over pairs.
+#[derive(Clone, Debug)]
+pub struct Bodies {
+    /// Tensor and forces of one site.
+    pub site: SystemFormulas,
+    /// With noise, the system whose steps are made: increments are families at rest behind the scene's own.
+    pub stepped: Option<PoissonSystem>,
+}
 
 /// Forces and noise of a scene, each of the coordinates of one site.
 pub(super) struct SiteForces {
@@ -25,7 +33,7 @@ pub(super) struct SiteForces {
 }
 
 impl SiteForces {
-    /// Those of a scene, or the first that names sites one by one or looks at other sites: its formula, and its kind in words.
+    /// Those of a scene, or the first formula that looks at other sites, with its kind in words.
     ///
     /// # Errors
     /// A formula that cannot be read, underlined in the scene.
@@ -46,15 +54,17 @@ impl SiteForces {
         }))
     }
 
-    /// The system whose steps are made with noise: `own` with the increments as families at rest, and with their terms in H.
+    /// The system whose steps are made with noise: `own` with increments as families at rest, and their terms in H.
+    ///
+    /// H itself is that of `hamiltonian`, with so many families behind the others.
     ///
     /// # Errors
     /// A channel that cannot be read.
     pub fn stepped(
         &self,
         document: &SceneDocument,
-        formulas: &BodyFormulas<'_>,
         own: &BodySystem,
+        hamiltonian: impl FnOnce(usize) -> Result<Option<BodyFunction>, Refusal>,
     ) -> Result<Option<BodySystem>, Refusal> {
         let Some(noise) = &self.noise else {
             return Ok(None);
@@ -68,7 +78,7 @@ impl SiteForces {
             let place = document.place_in_formula(first, 0..first.value.len());
             Box::new(document.diagnostic(&place, error.to_string(), "here", None))
         })?;
-        let Some(mut hamiltonian) = formulas.hamiltonian_beside(further)? else {
+        let Some(mut hamiltonian) = hamiltonian(further)? else {
             return Ok(None);
         };
         if !terms.is_empty() {

@@ -7,7 +7,6 @@ use leafwise_core::lattice::LatticeSource;
 use leafwise_walk::StateLayout;
 
 use super::Refusal;
-use super::bodies::Bodies;
 use super::channels::Channel;
 use super::contact::{Contact, check_short};
 use super::definitions::scope;
@@ -21,6 +20,7 @@ use super::lattice::{SceneLattice, has_forms, shortened};
 use super::lattice_noise::site_channels;
 use super::names::{check_names, parse};
 use super::observables::{Observable, observables};
+use super::site_forces::Bodies;
 use super::time::check_begin;
 use crate::document::{FieldSpec, Located, SceneDocument};
 

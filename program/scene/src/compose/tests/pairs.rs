@@ -4,8 +4,8 @@ use leafwise_core::Registry;
 
 use super::{compose, document};
 
-/// Noise, damping and forces together with a sum over pairs are written out up to 1024 coordinates; beyond, the formula that is in the
-/// way is underlined, with what to do.
+/// Noise, damping and forces that look at other sites are written out beside a sum over pairs, up to 1024 coordinates; beyond, the formula
+/// that is in the way is underlined, with what to do.
 #[test]
 fn what_stands_beside_many_pairs_is_refused_where_it_stands() {
     let system = |sites: usize, more: &str| {
@@ -17,12 +17,16 @@ fn what_stands_beside_many_pairs_is_refused_where_it_stands() {
     let start = "initial = { \"q[i]\" = 0, \"p[i]\" = 1 }";
     for (more, piece, said) in [
         (
-            "noise = [{ hamiltonian = \"q[i]\", strength = \"0.1\" }]",
-            "q[i]",
+            "noise = [{ hamiltonian = \"q[i]*q[i+1]\", strength = \"0.1\" }]",
+            "q[i]*q[i+1]",
             "`noise`",
         ),
-        ("damping = { rate = \"0.25\" }", "0.25", "`damping`"),
-        ("forces = { \"p[i]\" = \"-p[i]/7\" }", "-p[i]/7", "`forces`"),
+        ("damping = { rate = \"q[0]^2\" }", "q[0]^2", "`damping`"),
+        (
+            "forces = { \"p[i]\" = \"-p[i+1]/7\" }",
+            "-p[i+1]/7",
+            "`forces`",
+        ),
     ] {
         let registry = Registry::with_builtin();
         let refusal = compose(&document(&system(600, more), start), &registry);
