@@ -34,6 +34,16 @@ pub(super) fn geometry(document: &SceneDocument) -> LatticeGeometry {
     }
 }
 
+/// A scene's lattice with a single site.
+pub(super) fn one_site(document: &SceneDocument) -> LatticeGeometry {
+    let whole = geometry(document);
+    let axes = whole.axes.iter().map(|axis| Axis { length: 1, ..*axis });
+    LatticeGeometry::along(
+        whole.families.iter().map(|family| family.0.clone()),
+        axes.collect(),
+    )
+}
+
 /// On a ring every family has the same length: a site index counts all of them.
 pub(super) fn check_lengths(document: &SceneDocument) -> Result<(), Refusal> {
     let system = &document.system;

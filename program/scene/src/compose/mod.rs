@@ -16,7 +16,7 @@
 //! - `initial`: the initial state;
 //! - `observables`: the quantities that a run watches and those that it records; `indicators`: those that follow tangents;
 //! - `parts`: realization and dynamic approximation by name;
-//! - `lattice`, `stepping`: families too long to be written out;
+//! - `lattice`, `stepping`: families too long to be written out; `reach`: how far their templates look;
 //! - `exact_energy`: steps that keep the energy by multiples of Casimirs;
 //! - `fit`: whether a part of a library fits the system;
 //! - `sample_times`: when a run keeps samples;
@@ -69,6 +69,7 @@ mod one_length;
 mod part_choice;
 mod parts;
 mod path;
+mod reach;
 mod request;
 mod run;
 mod sample_times;

@@ -9,10 +9,10 @@ use leafwise_expression::Expression;
 use super::Refusal;
 use super::definitions::scope;
 use super::forces::{check_forces, check_metric_of_sites, forces};
-use super::geometry::moving;
-use super::lattice::{entries_reach, one_site};
+use super::geometry::{moving, one_site};
 use super::lattice_noise::SiteTerms;
 use super::names::{coordinate_names, function, parse};
+use super::reach::entries_reach;
 use crate::document::{ByCoordinate, ComponentsSpec, Located, MetricSpec, SceneDocument};
 
 /// Many bodies beside their sums over pairs.
