@@ -46,6 +46,20 @@ impl BodyFunction {
             sums: sums.collect(),
         }
     }
+
+    /// The same of sites that have so many families more, behind those of `shape`.
+    #[must_use]
+    pub fn with_families(&self, shape: &BodyShape, further: usize) -> Self {
+        let places = shape.places_beside(further);
+        let sums = self.sums.iter().map(|sum| BodySum {
+            site: sum.site.with_variables(&places),
+            pair: sum.pair.with_variables(&places),
+        });
+        Self {
+            outer: self.outer.clone(),
+            sums: sums.collect(),
+        }
+    }
 }
 
 /// Σ_k ∂F/∂S_k s_k and the same of p: functions whose gradients add up to that of f.

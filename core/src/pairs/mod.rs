@@ -70,6 +70,12 @@ impl BodyShape {
         2 * self.families + PairEntry::COUNT * self.matrices.len()
     }
 
+    /// The variable that each of a pair's formula becomes where so many families stand behind those of a site.
+    fn places_beside(&self, further: usize) -> Vec<usize> {
+        let place = |variable: usize| variable + further * (variable / self.families).min(2);
+        (0..self.variables()).map(place).collect()
+    }
+
     /// The matrix that a variable of a pair's formula is an entry of, and the entry's number; `None` for a coordinate.
     fn entry_of(&self, variable: usize) -> Option<(usize, usize)> {
         let at = variable.checked_sub(2 * self.families)?;

@@ -6,7 +6,7 @@ use leafwise_expression::{Arithmetic, Expression, Graph, Term, Workspace};
 
 use super::BodyShape;
 use super::bracket::{BodyMotion, applied};
-use super::function::BodyFunction;
+use super::function::{BodyFunction, BodySum};
 use super::shears::parts;
 use super::site_code::SiteCode;
 use super::tangent::{TangentCode, Tangents};
@@ -139,6 +139,35 @@ impl BodySystem {
         moving.sort_unstable();
         moving.dedup();
         moving
+    }
+
+    /// The same with families at rest behind its own, moved by Σ_i s(x_i) beside H: ẋ = −Π(dH + η + ds). Damping is of H all the same.
+    ///
+    /// `names` are those of the families, s a formula in the coordinates of a site, those at rest too. Casimirs are left out.
+    ///
+    /// # Errors
+    /// Those of [`SystemFormulas::with_perturbation`], for the formulas of a site.
+    pub fn with_resting(mut self, names: &[String], s: Expression) -> Result<Self, BuildError> {
+        let further = names.len();
+        self.hamiltonian = self.hamiltonian.with_families(&self.shape, further);
+        self.casimirs.clear();
+        for name in names {
+            let sites = 0..self.shape.sites;
+            self.variables.extend(sites.map(|i| format!("{name}[{i}]")));
+        }
+        self.shape.families += further;
+        self.forces = self.forces.with_resting(self.shape.families);
+        if self.forces.is_empty() {
+            let own = &mut self.hamiltonian;
+            let all = vec![own.outer.clone(), Expression::Variable(own.sums.len())];
+            own.outer = Expression::Sum(all);
+            let pair = 0.into();
+            own.sums.push(BodySum { site: s, pair });
+        } else {
+            let site = self.of_a_site()?.with_perturbation(s)?;
+            self.forces = site.forces().clone();
+        }
+        Ok(self)
     }
 
     /// Tensor and forces of one site, with H = 0.

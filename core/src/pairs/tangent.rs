@@ -24,17 +24,12 @@ impl BodyFunction {
     fn along(&self, shape: &BodyShape) -> Result<Self, BuildError> {
         let (families, count) = (shape.families, self.sums.len());
         // Behind the coordinates of a site stand those of c.
-        let place = |variable: usize| match variable / families {
-            0 => variable,
-            1 => variable + families,
-            _ => variable + 2 * families,
-        };
-        let places: Vec<usize> = (0..shape.variables()).map(place).collect();
+        let places = shape.places_beside(families);
         let along = |formula: &Expression| -> Result<Expression, BuildError> {
             let moving = formula.variables().into_iter();
             let terms = moving.filter(|v| *v < 2 * families).map(|variable| {
                 let slope = formula.derivative(Quantity::Variable(variable))?;
-                let velocity = Expression::Variable(place(variable) + families);
+                let velocity = Expression::Variable(places[variable] + families);
                 Ok(Expression::Product(vec![
                     slope.with_variables(&places),
                     velocity,
@@ -43,12 +38,7 @@ impl BodyFunction {
             let terms = terms.collect::<Result<_, BuildError>>()?;
             Ok(Expression::Sum(terms))
         };
-        let mut sums: Vec<BodySum> = (self.sums.iter())
-            .map(|sum| BodySum {
-                site: sum.site.with_variables(&places),
-                pair: sum.pair.with_variables(&places),
-            })
-            .collect();
+        let mut sums = self.with_families(shape, families).sums;
         for sum in &self.sums {
             sums.push(BodySum {
                 site: along(&sum.site)?,

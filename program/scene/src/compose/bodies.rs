@@ -76,8 +76,12 @@ pub(super) fn many_bodies(
     }
     let at_sites = match SiteForces::of(document)? {
         Ok(at_sites) => at_sites,
-        Err(apart) => return unless_beside(document, apart),
+        Err(apart) => return unless_beside(document, &apart),
     };
+    // Written out, steps beside forces have derivatives, and solve their equations by Newton's method.
+    if !at_sites.forces.is_empty() && document.system.coordinates() <= WRITTEN_LIMIT {
+        return Ok(None);
+    }
     let sites = document.system.families[0].1.value;
     if sites < MOST_SITES_OF_HIGH_ORDER && asks_for_shadow(document) {
         return Ok(None);
@@ -107,9 +111,7 @@ pub(super) fn many_bodies(
     };
     let system = PoissonSystem::from(watched.compile().map_err(refused)?);
     let site = watched.of_a_site().map_err(refused)?;
-    let stepped = at_sites.stepped(document, &watched, |further| {
-        sums.hamiltonian_beside(further)
-    })?;
+    let stepped = at_sites.stepped(document, &watched)?;
     let stepped = match stepped {
         Some(stepped) => Some(PoissonSystem::from(stepped.compile().map_err(refused)?)),
         None => None,
@@ -198,22 +200,26 @@ fn asks_for_shadow(document: &SceneDocument) -> bool {
 /// Too many pairs for that, the formula of what no loop takes underlined.
 fn unless_beside(
     document: &SceneDocument,
-    (formula, what): Apart<'_>,
+    apart: &Apart<'_>,
 ) -> Result<Option<ComposedSystem>, Refusal> {
     let coordinates = document.system.coordinates();
     if coordinates <= WRITTEN_LIMIT {
         return Ok(None);
     }
+    let Apart {
+        formula,
+        kind,
+        template,
+    } = apart;
     Err(Box::new(document.diagnostic(
         &document.place_in_formula(formula, 0..formula.value.len()),
         format!(
-            "{what} beside a sum over pairs repeats from site to site and acts on coordinates of its own site: any other needs every pair of \
-             sites written out, at most {WRITTEN_LIMIT} coordinates, and this system has {coordinates}"
+            "{kind} beside a sum over pairs, where it is no template of one site, needs every pair of sites written out, at most \
+             {WRITTEN_LIMIT} coordinates, and this system has {coordinates}"
         ),
         "no template of one site",
         Some(format!(
-            "write it with an index, as forces = {{ \"q[i]\" = \"0.1*p[i]\" }}, a channel of noise \"q[i]\", or a damping whose rate is a formula of the \
-             parameters; or shorten the chain, {}",
+            "write it by the coordinates of one site, as {template}, or shorten the chain, {}",
             document.system.shortening(WRITTEN_LIMIT)
         )),
     )))
@@ -337,17 +343,6 @@ fn shape(
 }
 
 impl BodyFormulas<'_> {
-    /// H where so many families of sites stand behind the scene's own.
-    ///
-    /// # Errors
-    /// As [`of`](Self::of).
-    fn hamiltonian_beside(&self, families: usize) -> Result<Option<BodyFunction>, Refusal> {
-        let mut shape = self.shape.clone();
-        shape.families += families;
-        let beside = BodyFormulas { shape, ..*self };
-        beside.of(&self.document.system.hamiltonian)
-    }
-
     /// A formula as such a function; `None` where it is none.
     ///
     /// # Errors

@@ -201,7 +201,10 @@ impl<'a> NoisySteps<'a> {
     ) -> Result<Vec<Arc<dyn StepMap>>, Refusal> {
         let alone = at_rest(document);
         let Some(lattice) = SceneLattice::of(&alone)? else {
-            return Ok(Vec::new());
+            let first = &document.system.noise[0].hamiltonian;
+            let message = "noise = \"split\" needs a bracket that repeats from site to site";
+            let help = "write noise = \"joint\" into [method]";
+            return Err(refusal(document, first, message.to_owned(), help));
         };
         let terms = SiteTerms::of_steps(self.noise.way, self.noise.channels.len());
         let lattice = lattice.with_noise(terms);

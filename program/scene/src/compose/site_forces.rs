@@ -1,9 +1,9 @@
 //! Forces and noise at one site of many bodies.
 
 use leafwise_core::lattice::{LatticeGeometry, TemplateReach};
-use leafwise_core::pairs::{BodyFunction, BodySum, BodySystem};
+use leafwise_core::pairs::BodySystem;
 use leafwise_core::system::Forces;
-use leafwise_core::{PoissonSystem, SystemFormulas};
+use leafwise_core::{BuildError, PoissonSystem, SystemFormulas};
 use leafwise_expression::Expression;
 
 use super::Refusal;
@@ -54,9 +54,8 @@ impl SiteForces {
         }))
     }
 
-    /// The system whose steps are made with noise: `own` with increments as families at rest, and their terms in H.
-    ///
-    /// H itself is that of `hamiltonian`, with so many families behind the others.
+    /// The system whose steps are made with noise: `own` with increments as families at rest, and with their terms in H.
+    /// `None` without noise.
     ///
     /// # Errors
     /// A channel that cannot be read.
@@ -64,45 +63,23 @@ impl SiteForces {
         &self,
         document: &SceneDocument,
         own: &BodySystem,
-        hamiltonian: impl FnOnce(usize) -> Result<Option<BodyFunction>, Refusal>,
     ) -> Result<Option<BodySystem>, Refusal> {
         let Some(noise) = &self.noise else {
             return Ok(None);
         };
         let site = one_site(document);
         let extended = noise.extended(&site);
-        let further = extended.families.len() - own.shape.families;
         let scope = scope(document, &site, None)?;
-        let terms = noise.at(document, &scope, &extended, 0).map_err(|error| {
+        let refused = |error: BuildError| {
             let first = &document.system.noise[0].hamiltonian;
             let place = document.place_in_formula(first, 0..first.value.len());
-            Box::new(document.diagnostic(&place, error.to_string(), "here", None))
-        })?;
-        let Some(mut hamiltonian) = hamiltonian(further)? else {
-            return Ok(None);
+            document.diagnostic(&place, error.to_string(), "here", None)
         };
-        if !terms.is_empty() {
-            let all = Expression::Variable(hamiltonian.sums.len());
-            hamiltonian.sums.push(BodySum {
-                site: Expression::Sum(terms),
-                pair: 0.into(),
-            });
-            hamiltonian.outer = Expression::Sum(vec![hamiltonian.outer, all]);
-        }
-        let mut stepped = own.clone();
-        stepped.hamiltonian = hamiltonian;
-        stepped.shape.families += further;
-        for family in own.shape.families..stepped.shape.families {
-            let name = &extended.families[family].0;
-            let sites = 0..own.shape.sites;
-            stepped
-                .variables
-                .extend(sites.map(|i| format!("{name}[{i}]")));
-        }
-        // Casimirs are those of the system that is watched.
-        stepped.casimirs.clear();
-        stepped.forces = self.forces.clone().with_resting(stepped.shape.families);
-        Ok(Some(stepped))
+        let terms = noise.at(document, &scope, &extended, 0).map_err(refused)?;
+        let further = extended.families[own.shape.families..].iter();
+        let names: Vec<String> = further.map(|(name, _)| name.clone()).collect();
+        let stepped = own.clone().with_resting(&names, Expression::Sum(terms));
+        Ok(Some(stepped.map_err(refused)?))
     }
 
     /// Refuses damping whose rate or metric is negative in the initial state.
@@ -125,35 +102,51 @@ impl SiteForces {
     }
 }
 
-/// A formula of forces or noise, and its kind in words.
-pub(super) type Apart<'a> = (&'a Located<String>, &'static str);
+/// A formula that is no template of one site.
+pub(super) struct Apart<'a> {
+    pub formula: &'a Located<String>,
+    /// The kind of it in words.
+    pub kind: &'static str,
+    /// A template of that kind.
+    pub template: &'static str,
+}
 
 /// The first of a scene's forces and noise that is no template of single sites.
 ///
 /// # Errors
 /// A formula that cannot be read, underlined in the scene.
 fn apart(document: &SceneDocument) -> Result<Option<Apart<'_>>, Refusal> {
+    let found = |formula, kind, template| {
+        Ok(Some(Apart {
+            formula,
+            kind,
+            template,
+        }))
+    };
     let spec = &document.system.forces;
     let is_of_a_site = |entries: &ByCoordinate| {
         let reach = entries_reach(document, TemplateReach::default(), entries);
         reach.is_ok_and(|reach| reach.has_sites_apart())
     };
-    let (one_form, friction) = (spec.one_form.as_ref(), spec.friction.as_ref());
-    let components = [(one_form, "a force of `forces`"), (friction, "`friction`")];
-    for (own, kind) in components {
+    let of_forces = "forces = { \"q[i]\" = \"0.1*p[i]\" }";
+    let of_friction = "friction = { \"p[i]\" = \"-0.1*p[i]\" }";
+    for (own, kind, template) in [
+        (&spec.one_form, "a force of `forces`", of_forces),
+        (&spec.friction, "`friction`", of_friction),
+    ] {
         let Some(own) = own else { continue };
         let is_template = match &own.value {
             ComponentsSpec::Named(named) => is_of_a_site(named),
             ComponentsSpec::All(_) => false,
         };
         if let Some(first) = own.value.formulas().first().filter(|_| !is_template) {
-            return Ok(Some((first, kind)));
+            return found(first, kind, template);
         }
     }
     if let Some(torque) = &spec.torque {
         let own = [&torque.value.body, &torque.value.space];
         if let Some([first, ..]) = own.into_iter().flatten().next() {
-            return Ok(Some((first, "a torque")));
+            return found(first, "a torque", of_forces);
         }
     }
     if let Some(damping) = &spec.damping {
@@ -168,14 +161,16 @@ fn apart(document: &SceneDocument) -> Result<Option<Apart<'_>>, Refusal> {
                 .variables()
                 .is_empty();
         if !(is_template && is_of_parameters) {
-            return Ok(Some((&damping.rate, "`damping`")));
+            let template = "damping = { rate = \"0.1\", metric = { \"q[i]\" = \"1\" } }";
+            return found(&damping.rate, "`damping`", template);
         }
     }
     for channel in &document.system.noise {
         let parsed = parse(document, &channel.hamiltonian)?;
         let reach = TemplateReach::default().with_channel(&parsed);
         if !reach.is_ok_and(|reach| reach.has_sites_apart()) {
-            return Ok(Some((&channel.hamiltonian, "`noise`")));
+            let template = "noise = [{ hamiltonian = \"q[i]\", strength = \"0.1\" }]";
+            return found(&channel.hamiltonian, "`noise`", template);
         }
     }
     Ok(None)
