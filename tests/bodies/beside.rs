@@ -200,10 +200,11 @@ fn by_hand(case: &Beside, x: &[f64], step: u64, t: f64) -> Vec<f64> {
     let (q, p) = x.split_at(n);
     let mut field = vec![0.0; 2 * n];
     for i in 0..n {
-        let mut slope = q[i].powi(3);
+        let mut slope = q[i] * q[i] * q[i];
         for j in 0..n {
             let apart = q[i] - q[j];
-            slope += 2.0 * a * apart / (size * (1.0 + apart * apart).powi(2));
+            let well = 1.0 + apart * apart;
+            slope += 2.0 * a * apart / (size * well * well);
         }
         let free = [p[i], -slope];
         let mut form = [slope, p[i]];
@@ -228,7 +229,7 @@ fn by_hand(case: &Beside, x: &[f64], step: u64, t: f64) -> Vec<f64> {
         field[n + i] = -form[0];
         if case.friction != ["", ""] {
             field[i] -= 0.05 * q[i];
-            field[n + i] -= a * p[i].powi(3);
+            field[n + i] -= a * p[i] * p[i] * p[i];
         }
     }
     field
