@@ -54,7 +54,9 @@ pub use differential::DifferentialAlgebra;
 pub use evaluate::VariableIn;
 pub use expression::{Binary, Expression, Function, Side};
 pub use graph::{Graph, StepSize, Term};
-pub use kernel::{Aligned, Execution, Kernel, MachineCodeSize, OperationCount, Workspace};
+pub use kernel::{
+    Aligned, Distance, Execution, Kernel, MachineCodeSize, OperationCount, Passes, Workspace,
+};
 pub use operators::Quantity;
 pub use rational::Rational;
 pub use table::{Lookup, Outside, TableFunction};

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 
 use leafwise_expression::syntax::AXES;
-use leafwise_expression::{Aligned, Execution, Graph, Kernel, Term, Workspace};
+use leafwise_expression::{Aligned, Distance, Execution, Graph, Kernel, Term, Workspace};
 
 use super::blocks::{BLOCK, Blocks, RowPart, load};
 use super::edges::{EdgeSites, blocks_of};
@@ -124,7 +124,8 @@ impl Stencil {
         let inputs = taps.map(|tap| start(tap.field, tap.family) + geometry.distance(tap.shift));
         let outputs = self.outputs.iter();
         let outputs = outputs.map(|&(field, family)| start(field, family));
-        let (inputs, outputs): (Vec<isize>, Vec<isize>) = (inputs.collect(), outputs.collect());
+        let inputs: Vec<Distance> = inputs.map(Distance::First).collect();
+        let outputs: Vec<Distance> = outputs.map(Distance::First).collect();
         self.kernel = self.kernel.at_distances(&inputs, &outputs);
         let sites = self.sites_inside(geometry);
         let rows: Vec<Range<usize>> = sites.runs(geometry).collect();

@@ -1,27 +1,23 @@
 //! The loop over pairs.
 //!
-//! Sites are cut into tiles. For two of them the code of a pair runs along the sites i of the first, with j = i + k and
-//! k from 0 on. All points of a site stand side by side. The second tile stands behind itself once more, so that j goes
-//! round. Within one tile half of the k give all pairs where i and j may change places. The code reads and writes at
-//! constant distances, with a machine code for each k. Nothing is copied but tiles. Places beyond the last site repeat
-//! others, and a mask of 0 takes away what they give.
+//! Sites are cut into tiles. For two of them the code of a pair runs along the sites i of the first, with j = i + k. That is
+//! one pass for each k from 0 on. All points of a site stand side by side. The second tile stands behind itself once
+//! more, so that j goes round. Within one tile half of the k give all pairs where i and j may change places. One machine
+//! code serves all passes: i and j are places of their own. Nothing is copied but tiles. Places beyond the last site
+//! repeat others, and a mask of 0 takes away what they give.
 //!
 //! The order of all sums is that of tiles and of k, whatever the number of points and the width of registers.
 
 use std::ops::Range;
 use std::sync::Arc;
 
-use leafwise_expression::{Aligned, Execution, Kernel, Workspace};
+use leafwise_expression::{Aligned, Distance, Execution, Kernel, Passes, Workspace};
 
 use super::BodyShape;
 use super::pair_code::{PairCode, PairRow};
 
 /// The number of sites of a tile.
 const TILE: usize = 32;
-
-/// Operations of a pair above which its code is one for all k: a tile is then turned by k in a copy. Codes of their own take
-/// longer to form than copies take for thousands of tiles.
-const LONG: u64 = 400;
 
 /// The number of places that are evaluated at a time where there is no machine code along an array.
 const BLOCK: usize = Aligned::LINE;
@@ -33,14 +29,14 @@ pub(super) struct Tiles {
     sites: usize,
     /// The number of points.
     points: usize,
-    parameters: Vec<f64>,
     /// Rows that the code reads and writes, each with its start in `room`.
     rows: Vec<(PairRow, usize)>,
     room: Aligned,
-    /// The code with sites j so many sites behind i.
-    shifted: Vec<Option<(Kernel, Workspace)>>,
-    /// Whether one code serves all of them, with copies of sites j.
-    is_turned: bool,
+    /// The code along `room`, with sites i and j beside the two places.
+    kernel: Kernel,
+    workspace: Workspace,
+    /// Whether the code reads entries of matrices, which are others in each pass.
+    has_entries: bool,
     /// The number of places whose mask is 1.
     counted: usize,
 }
@@ -54,25 +50,44 @@ impl Tiles {
     ) -> Self {
         let mut rows = Vec::new();
         let mut end = 0;
-        let is_turned = code.kernel.step_operations().work() > LONG;
         for row in code.rows() {
             rows.push((row, end));
-            let tiles = match is_second(row) {
-                true => 2 + usize::from(is_turned),
-                false => 1,
-            };
+            let tiles = if is_second(row) { 2 } else { 1 };
             // A line between two rows: they do not stand at one place of a page.
             end += tiles * TILE * points + BLOCK;
         }
+        let distances = |own: &[PairRow]| -> Vec<Distance> {
+            let distance = |row: &PairRow| {
+                let start = start_of(&rows, *row) as isize;
+                match is_second(*row) {
+                    true => Distance::Second(start),
+                    false => Distance::First(start),
+                }
+            };
+            own.iter().map(distance).collect()
+        };
+        let kernel = code.kernel.clone();
+        let kernel = kernel.at_distances(&distances(&code.inputs), &distances(&code.outputs));
+        let execution = match Execution::default_of_process() {
+            // The code runs often.
+            Execution::Adaptive => Execution::Compiled,
+            chosen => chosen,
+        };
+        let mut workspace = kernel.workspace_for(BLOCK, execution);
+        let spread = |value: &f64| std::iter::repeat_n(*value, BLOCK);
+        let parameters: Vec<f64> = parameters.iter().flat_map(spread).collect();
+        kernel.prepare(&mut workspace, &parameters, &[1.0; BLOCK], &[1.0; BLOCK]);
         Self {
             code: Arc::clone(code),
             sites: shape.sites,
             points,
-            parameters: parameters.to_vec(),
+            has_entries: rows
+                .iter()
+                .any(|(row, _)| matches!(row, PairRow::Entry(..))),
             rows,
             room: Aligned::filled(end.next_multiple_of(BLOCK), 0.0),
-            shifted: vec![None; TILE],
-            is_turned,
+            kernel,
+            workspace,
             counted: 0,
         }
     }
@@ -149,24 +164,21 @@ impl Tiles {
         match (first == second, self.code.is_symmetric) {
             (false, _) => {
                 self.count(first.len() * points, first.len());
-                for shift in 0..count {
-                    self.run(shift, [&first, &second]);
-                }
+                self.run(0..count, [&first, &second]);
             }
             (true, true) => {
                 self.count(count * points, count);
-                for shift in 1..count.div_ceil(2) {
-                    self.run(shift, [&first, &second]);
-                }
+                let half = count.div_ceil(2);
+                self.run(1..half, [&first, &second]);
                 if count.is_multiple_of(2) {
                     self.count(count / 2 * points, count);
-                    self.run(count / 2, [&first, &second]);
+                    self.run(half..half + 1, [&first, &second]);
                 }
             }
             (true, false) => {
                 for shift in 1..count {
                     self.count((count - shift) * points, count);
-                    self.run(shift, [&first, &second]);
+                    self.run(shift..shift + 1, [&first, &second]);
                 }
             }
         }
@@ -221,82 +233,60 @@ impl Tiles {
         }
     }
 
-    /// Runs the code with j so many sites behind i, along the sites i of two tiles.
-    fn run(&mut self, shift: usize, tiles: [&Range<usize>; 2]) {
-        let places = self.places(tiles[0].len());
-        self.enter(shift, tiles);
-        let own = if self.is_turned { 0 } else { shift };
-        if self.shifted[own].is_none() {
-            self.shifted[own] = Some(self.shifted_by(own));
+    /// Runs the code along the sites i of two tiles, with j behind i by each of these numbers of sites.
+    fn run(&mut self, shifts: Range<usize>, tiles: [&Range<usize>; 2]) {
+        if !self.has_entries {
+            return self.passes(shifts, tiles[0].len());
         }
-        let behind = self.behind(own);
-        let (turned, copied) = (self.is_turned, shift * self.points);
-        let seconds = self.rows.iter().filter(|(row, _)| is_second(*row));
-        for (_, start) in seconds.clone().filter(|_| turned) {
-            let from = start + copied;
-            self.room.copy_within(from..from + places, start + behind);
+        for shift in shifts {
+            self.enter(shift, tiles);
+            self.passes(shift..shift + 1, tiles[0].len());
         }
-        let Some((kernel, workspace)) = &mut self.shifted[own] else {
+    }
+
+    /// The same for so many sites i, with the entries of matrices as they stand.
+    fn passes(&mut self, shifts: Range<usize>, sites: usize) {
+        let places = self.places(sites);
+        let passes = Passes {
+            places: 0..places,
+            ahead: shifts.start * self.points,
+            stride: self.points,
+            count: shifts.len(),
+        };
+        let (kernel, workspace) = (&self.kernel, &mut self.workspace);
+        let reached = kernel.evaluate_along(workspace, &mut self.room, passes);
+        if reached == places {
             return;
-        };
-        let reached = kernel.evaluate_along(workspace, &mut self.room, 0..places);
-        let at = |row: &PairRow, place: usize| {
-            let found = self.rows.iter().find(|(own, _)| own == row);
-            let start = found.map_or(0, |(_, start)| *start);
-            start + place + if is_second(*row) { behind } else { 0 }
-        };
-        for place in (reached..places).step_by(BLOCK) {
-            for (input, row) in self.code.inputs.iter().enumerate() {
-                let from = &self.room[at(row, place)..][..BLOCK];
-                workspace.input_mut(input).copy_from_slice(from);
-            }
-            kernel.evaluate_in_place(workspace);
-            for (output, row) in self.code.outputs.iter().enumerate() {
-                let to = at(row, place);
-                self.room[to..][..BLOCK].copy_from_slice(kernel.output(workspace, output));
-            }
         }
-        let sums = seconds.filter(|(row, _)| matches!(row, PairRow::SecondSum(_)));
-        for (_, start) in sums.filter(|_| turned) {
-            let from = start + behind;
-            self.room.copy_within(from..from + places, start + copied);
-        }
-    }
-
-    /// How far behind the beginning of their rows the code finds sites j, where they stand so many sites behind i.
-    fn behind(&self, shift: usize) -> usize {
-        match self.is_turned {
-            true => 2 * TILE * self.points,
-            false => shift * self.points,
-        }
-    }
-
-    /// The code for j so many sites behind i.
-    fn shifted_by(&self, shift: usize) -> (Kernel, Workspace) {
-        let distance = |row: &PairRow| {
-            let found = self.rows.iter().find(|(own, _)| own == row);
-            let start = found.map_or(0, |(_, start)| *start);
-            let behind = if is_second(*row) {
-                self.behind(shift)
-            } else {
-                0
+        for shift in shifts {
+            let at = |row: &PairRow, place: usize| {
+                let ahead = if is_second(*row) {
+                    shift * self.points
+                } else {
+                    0
+                };
+                start_of(&self.rows, *row) + place + ahead
             };
-            (start + behind) as isize
-        };
-        let inputs: Vec<isize> = self.code.inputs.iter().map(distance).collect();
-        let outputs: Vec<isize> = self.code.outputs.iter().map(distance).collect();
-        let kernel = self.code.kernel.clone().at_distances(&inputs, &outputs);
-        let execution = match Execution::default_of_process() {
-            // Every code runs often.
-            Execution::Adaptive => Execution::Compiled,
-            chosen => chosen,
-        };
-        let mut workspace = kernel.workspace_for(BLOCK, execution);
-        let spread = |value: &f64| std::iter::repeat_n(*value, BLOCK);
-        let parameters: Vec<f64> = self.parameters.iter().flat_map(spread).collect();
-        kernel.prepare(&mut workspace, &parameters, &[1.0; BLOCK], &[1.0; BLOCK]);
-        (kernel, workspace)
+            for place in (reached..places).step_by(BLOCK) {
+                for (input, row) in self.code.inputs.iter().enumerate() {
+                    let from = &self.room[at(row, place)..][..BLOCK];
+                    workspace.input_mut(input).copy_from_slice(from);
+                }
+                kernel.evaluate_in_place(workspace);
+                for (output, row) in self.code.outputs.iter().enumerate() {
+                    let to = at(row, place);
+                    let value = kernel.output(workspace, output);
+                    self.room[to..][..BLOCK].copy_from_slice(value);
+                }
+            }
+        }
     }
+}
+
+/// Where a row starts.
+fn start_of(rows: &[(PairRow, usize)], row: PairRow) -> usize {
+    let found = rows.iter().find(|(own, _)| *own == row);
+    found.map_or(0, |(_, start)| *start)
 }
 
 /// Whether a row is of sites j.

@@ -1,20 +1,19 @@
-//! Kernels along an array: inputs and outputs stand beside a place that moves.
+//! Kernels along an array: inputs and outputs stand beside places that move.
 
-use std::ops::Range;
 use std::sync::Arc;
 
 use super::compile::Kernel;
-use super::distances::Distances;
+use super::distances::{Distance, Distances, Passes};
 use super::execution::Compiled;
 use super::workspace::Workspace;
 
 impl Kernel {
-    /// The same kernel with inputs and outputs in an array. Each has its distance from a place that moves along the
-    /// array.
+    /// The same kernel with inputs and outputs in an array. Each has its distance from one of two places that move along
+    /// the array side by side.
     ///
     /// # Panics
     /// When there is not one distance an input and one an output.
-    pub fn at_distances(mut self, inputs: &[isize], outputs: &[isize]) -> Self {
+    pub fn at_distances(mut self, inputs: &[Distance], outputs: &[Distance]) -> Self {
         assert_eq!(
             (inputs.len(), outputs.len()),
             (self.inputs, self.outputs()),
@@ -25,28 +24,28 @@ impl Kernel {
         self
     }
 
-    /// Runs the step kernel at places of an array one after the other, from the first of them on. At each it reads the
-    /// inputs at their distances from the place, then writes the outputs at theirs. Returns at how many places it did,
-    /// a multiple of the lanes of a register. That is 0 unless the workspace runs machine code, whose coefficients are
-    /// the same in all lanes.
+    /// Runs the step kernel at places of an array one after the other, pass after pass. At each it reads the inputs at
+    /// their distances from the two places, then writes the outputs at theirs. Returns at how many places it did in each
+    /// pass, a multiple of the lanes of a register. That is 0 unless the workspace runs machine code, whose coefficients
+    /// are the same in all lanes.
     ///
     /// # Panics
-    /// When an input or output would not be in the array. Also when one would stand, at one of the places, where an
-    /// output stands at another one.
+    /// When an input or output would not be in the array. Also when one would stand, at one of the places of a pass,
+    /// where an output stands at another one.
     pub fn evaluate_along(
         &self,
         workspace: &mut Workspace,
         array: &mut [f64],
-        places: Range<usize>,
+        passes: impl Into<Passes>,
     ) -> usize {
-        let Some(along) = self.along.as_ref().filter(|_| !places.is_empty()) else {
+        let passes = passes.into();
+        let Some(along) = self.along.as_ref().filter(|_| !passes.is_empty()) else {
             return 0;
         };
         assert!(
-            along.fits(&places, array.len()),
+            along.fits(&passes, array.len()),
             "inputs and outputs in the array, outputs where nothing else is"
         );
-        let reached = workspace.run_along(self, along, array, places.clone());
-        reached.map_or(0, |reached| reached - places.start)
+        workspace.run_along(self, along, array, &passes)
     }
 }

@@ -337,6 +337,8 @@ impl<'a> Emitter<'a> {
                 for (negative, node) in members {
                     parts.push((negative, self.place(node)));
                 }
+            } else if let [(negative, node)] = members[..] {
+                parts.push((negative, self.multiple(node, &size)));
             } else {
                 let members: Vec<_> = members
                     .into_iter()
@@ -356,6 +358,18 @@ impl<'a> Emitter<'a> {
         } else {
             a
         }
+    }
+
+    /// The slot of a node times a number, which other sums may take with the other sign.
+    fn multiple(&mut self, node: Node, size: &Rational) -> u32 {
+        let key = (node, size.to_f64().to_bits());
+        if let Some(&known) = self.scaled.get(&key) {
+            return known;
+        }
+        let (a, b) = (self.place(node), self.constant(size));
+        let slot = self.push(|out| Instruction::Multiply { out, a, b });
+        self.scaled.insert(key, slot);
+        slot
     }
 
     /// ± the signed sum of slots: the returned flag says whether the sum was negated.

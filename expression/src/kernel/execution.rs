@@ -1,13 +1,12 @@
 //! When a kernel is compiled to machine code, and what was.
 
 use std::fmt;
-use std::ops::Range;
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, TryLockError};
 
 use super::MachineCode;
 use super::code::Code;
-use super::distances::Distances;
+use super::distances::{Distances, Passes};
 
 /// How kernels run. The results have the same bits either way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -79,9 +78,9 @@ impl Compiled {
     }
 
     /// Whether there is code along an array, and its inputs and outputs [fit](Distances::fit).
-    pub(super) fn fits(&self, places: &Range<usize>, length: usize) -> bool {
+    pub(super) fn fits(&self, passes: &Passes, length: usize) -> bool {
         let distances = self.distances.as_ref();
-        distances.is_some_and(|distances| distances.fit(places, length))
+        distances.is_some_and(|distances| distances.fit(passes, length))
     }
 
     /// Machine code for `lanes` lanes if there is any, compiling it where `now` asks for it.

@@ -24,6 +24,7 @@ mod workspace;
 pub use aligned::Aligned;
 pub use code::{Code, Instruction, OperationCount};
 pub use compile::Kernel;
+pub use distances::{Distance, Passes};
 pub use execution::{Execution, MachineCodeSize};
 #[cfg(all(feature = "jit", any(target_arch = "x86_64", target_arch = "aarch64")))]
 use jit::{MachineCode, Room};

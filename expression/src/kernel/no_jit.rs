@@ -1,9 +1,7 @@
 //! In place of the just-in-time compiler where there is none.
 
-use std::ops::Range;
-
 use super::code::Code;
-use super::distances::Distances;
+use super::distances::{Distances, Passes};
 
 /// Machine code: none.
 #[derive(Debug)]
@@ -43,7 +41,7 @@ impl MachineCode {
         _slots: &mut [f64],
         _room: &mut Room,
         _array: &mut [f64],
-        _places: Range<usize>,
+        _passes: &Passes,
     ) -> usize {
         match *self {}
     }

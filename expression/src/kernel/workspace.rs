@@ -1,11 +1,11 @@
 //! Slots and coefficients of one caller of a kernel, and what it does with them.
 
-use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{Ordering, compiler_fence};
 
 use super::aligned::Aligned;
 use super::compile::Kernel;
+use super::distances::Passes;
 use super::execution::{Compiled, Execution, MachineCodeSize, REPORT};
 use super::interpreter::run;
 use super::{MachineCode, Room};
@@ -371,15 +371,17 @@ impl Workspace {
         }
     }
 
-    /// Runs the step kernel along an array where it is machine code already; returns where it ended, if it did.
+    /// Runs the step kernel along an array where it is machine code already; returns at how many places it did.
     pub(super) fn run_along(
         &mut self,
         kernel: &Kernel,
         compiled: &Compiled,
         array: &mut [f64],
-        places: Range<usize>,
-    ) -> Option<usize> {
-        self.machine.as_ref()?;
+        passes: &Passes,
+    ) -> usize {
+        if self.machine.is_none() {
+            return 0;
+        }
         let (lanes, slots) = (self.lanes, &mut self.slots);
         let along = self.along.get_or_insert_with(|| {
             let code = compiled.get(&kernel.step_code, lanes, true);
@@ -393,8 +395,10 @@ impl Workspace {
             let mut rows = rows.chunks_exact(lanes);
             rows.all(|row| row.iter().all(|own| own.to_bits() == row[0].to_bits()))
         });
-        let Machine { code, room } = along.machine.as_mut().filter(|_| are_same)?;
-        Some(code.run_along(slots, room, array, places))
+        match along.machine.as_mut().filter(|_| are_same) {
+            Some(Machine { code, room }) => code.run_along(slots, room, array, passes),
+            None => 0,
+        }
     }
 
     /// The number of lanes.

@@ -1,7 +1,6 @@
 //! One compiled kernel.
 
 use std::fmt;
-use std::ops::Range;
 use std::ptr::null_mut;
 use std::time::Instant;
 
@@ -16,7 +15,7 @@ use super::program::Program;
 use crate::analytic::AnalyticFunction;
 use crate::kernel::aligned::Aligned;
 use crate::kernel::code::{Code, Instruction};
-use crate::kernel::distances::Distances;
+use crate::kernel::distances::{Distances, Passes};
 
 /// The largest program in bytes of slots: offsets have 31 bits.
 const MOST_BYTES: usize = 1 << 30;
@@ -121,8 +120,8 @@ fn calls(instruction: &Instruction) -> bool {
     matches!(Action::of(*instruction), Action::Call(_))
 }
 
-/// `fn(slots, scratch, first, end) -> reached`: the last three mean nothing in code that moves along no array.
-type Entry = unsafe extern "C" fn(*mut f64, *mut f64, *mut f64, *mut f64) -> *mut f64;
+/// `fn(slots, scratch, first, end, second) -> reached`: the last four mean nothing in code that moves along no array.
+type Entry = unsafe extern "C" fn(*mut f64, *mut f64, *mut f64, *mut f64, *mut f64) -> *mut f64;
 
 /// One program as machine code.
 struct Compiled {
@@ -161,6 +160,7 @@ impl Compiled {
                 scratch.as_mut_ptr(),
                 null_mut(),
                 null_mut(),
+                null_mut(),
             )
         };
         let mut limits = self.limits.iter();
@@ -176,47 +176,29 @@ impl Compiled {
         self.along.as_ref().map_or(0, |along| along.0)
     }
 
-    /// Runs it at the places of an array one after the other. Returns the place where it is then, and whether its
-    /// results are right. Wrong results end the run, as do fewer places than it takes at once.
+    /// Runs it from the place `first` of an array to before `end`, the second place so far ahead. Returns where it is then:
+    /// before the end where results are not right.
     ///
-    /// # Panics
-    /// When `slots` or `scratch` has another length than the code was compiled for. Also when an input or output at
-    /// one of the places would not be in the array.
-    fn run_along(
+    /// # Safety
+    /// `slots` and `scratch` have the lengths that the code was compiled for. From `first` to before `end` there is at
+    /// least one place, and a multiple of what the code takes at once. All that stands at its distances from these places,
+    /// and from those so far ahead, is in one array that nothing else refers to.
+    unsafe fn run_along(
         &self,
         slots: &mut [f64],
         scratch: &mut [f64],
-        array: &mut [f64],
-        places: Range<usize>,
-    ) -> (usize, bool) {
-        let (at_once, distances) = self.along.as_ref().expect("code along an array");
-        assert!(
-            slots.len() == self.slots && scratch.len() == self.scratch.len(),
-            "the memory of another kernel"
-        );
-        let count = places.len() - places.len() % at_once;
-        if count == 0 {
-            return (places.start, true);
-        }
-        let end = places.start + count;
-        assert!(
-            distances.fit(&(places.start..end), array.len()),
-            "all inputs and outputs are in the array"
-        );
-        let array = array.as_mut_ptr();
-        // SAFETY: the places are in the array, as `fit` says.
-        let [first, last] = [places.start, end].map(|place| unsafe { array.add(place) });
-        // SAFETY: the code reads and writes slots and scratch memory as in `run`, and at each place from the third argument
-        // to before the fourth one what stands at the distances, in the array as `fit` says; there is at least one such
-        // place, and their number is a multiple of that which it takes at a time.
-        let reached =
-            unsafe { (self.entry)(slots.as_mut_ptr(), scratch.as_mut_ptr(), first, last) };
-        let reached = places.start + (reached.addr() - first.addr()) / size_of::<f64>();
-        let is_right = reached == end;
-        if !is_right {
+        [first, end]: [*mut f64; 2],
+        ahead: usize,
+    ) -> *mut f64 {
+        let second = first.wrapping_add(ahead);
+        let [slots, own] = [slots.as_mut_ptr(), scratch.as_mut_ptr()];
+        // SAFETY: the code reads and writes slots and scratch memory as in `run`, and what stands at its distances from the
+        // places, in the array as the caller says.
+        let reached = unsafe { (self.entry)(slots, own, first, end, second) };
+        if reached != end {
             self.forget_sizes(scratch);
         }
-        (reached, is_right)
+        reached
     }
 
     #[cold]
@@ -335,9 +317,11 @@ impl MachineCode {
                 _memory: written.memory,
             })
         };
-        let any = compile(backend, Arguments::Any)?;
-        let near = (backend.fuses() && has_formulas(code))
-            .then(|| compile(backend.for_formulas(), Arguments::NearZero));
+        let formulas = (backend.fuses() && has_formulas(code)).then(|| backend.for_formulas());
+        // Along an array both take as many places at a time.
+        let along = formulas.filter(|_| distances.is_some());
+        let any = compile(along.unwrap_or(backend), Arguments::Any)?;
+        let near = formulas.map(|backend| compile(backend, Arguments::NearZero));
         Some(Self {
             any,
             near: near.flatten(),
@@ -374,8 +358,8 @@ impl MachineCode {
         self.any.run(slots, &mut room.any);
     }
 
-    /// Runs the program at the places of an array one after the other, each with the coefficients of one lane or
-    /// another. Returns the place where it is then: at the end, but for less than it takes at a time.
+    /// Runs the program at the places of an array one after the other, pass after pass, each with the coefficients of one
+    /// lane or another. Returns at how many places it did in each pass: at all but for less than it takes at a time.
     ///
     /// # Panics
     /// When `slots` or `room` is that of another code. Also when an input or output would not be in the array.
@@ -384,30 +368,54 @@ impl MachineCode {
         slots: &mut [f64],
         room: &mut Room,
         array: &mut [f64],
-        places: Range<usize>,
+        passes: &Passes,
     ) -> usize {
-        let lanes = self.any.at_once();
-        let Range { start: mut at, end } = places;
-        loop {
-            let mut until = end;
-            if let Some(near) = &self.near {
-                if room.until_near == 0 {
-                    let is_right;
-                    (at, is_right) = near.run_along(slots, &mut room.near, array, at..end);
-                    if is_right {
-                        return at;
+        let (lanes, distances) = self.any.along.as_ref().expect("code along an array");
+        let near = self.near.as_ref();
+        assert!(
+            slots.len() == self.any.slots
+                && room.any.len() == self.any.scratch.len()
+                && room.near.len() == near.map_or(0, |near| near.scratch.len())
+                && near.is_none_or(|near| near.at_once() == *lanes),
+            "the memory of another kernel"
+        );
+        let count = passes.places.len() - passes.places.len() % lanes;
+        if count == 0 {
+            return 0;
+        }
+        assert!(
+            distances.fit(passes, array.len()),
+            "all inputs and outputs are in the array"
+        );
+        // `fit` says that all places are in the array.
+        let first = array.as_mut_ptr().wrapping_add(passes.places.start);
+        let end = first.wrapping_add(count);
+        for pass in 0..passes.count {
+            let ahead = passes.ahead + pass * passes.stride;
+            let mut at = first;
+            while at != end {
+                if let Some(near) = near.filter(|_| room.until_near == 0) {
+                    // SAFETY: lengths are checked above; `fit` says that everything is in the array, the places to `end` are
+                    // a multiple of `lanes`, and so are those to each place that the code gives back.
+                    at = unsafe { near.run_along(slots, &mut room.near, [at, end], ahead) };
+                    if at == end {
+                        break;
                     }
                     room.until_near = FAR;
                 }
-                until = end.min(at + room.until_near as usize * lanes);
-            }
-            let before = at;
-            (at, _) = self.any.run_along(slots, &mut room.any, array, at..until);
-            room.until_near -= room.until_near.min(((at - before) / lanes) as u32);
-            if until == end || at == before {
-                return at;
+                let left = (end.addr() - at.addr()) / size_of::<f64>();
+                let own = match near {
+                    Some(_) => left.min(room.until_near as usize * lanes),
+                    None => left,
+                };
+                let until = at.wrapping_add(own);
+                // SAFETY: as above; `until` is a multiple of `lanes` behind `at`, which is before `end`.
+                unsafe { self.any.run_along(slots, &mut room.any, [at, until], ahead) };
+                at = until;
+                room.until_near -= room.until_near.min((own / lanes) as u32);
             }
         }
+        count
     }
 
     /// The length of the code.

@@ -2,6 +2,7 @@
 
 use crate::expression::{Function, Side};
 use crate::kernel::code::Instruction;
+use crate::kernel::distances::Distance;
 
 /// Where a number comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -33,8 +34,8 @@ pub(super) enum Location {
     Place(u32),
     /// In a row of the program's own numbers.
     Own(u32),
-    /// In the array that the program moves along, so many numbers from its place.
-    Array(i32),
+    /// In the array that the program moves along.
+    Array(Distance),
 }
 
 /// Action of an operation on its operands a, b, c.

@@ -9,7 +9,7 @@ use super::operation::{Action, Location, Operation, Source};
 use super::schedule::schedule;
 use crate::analytic::Member;
 use crate::kernel::code::Code;
-use crate::kernel::distances::Distances;
+use crate::kernel::distances::{Distance, Distances};
 
 /// Operations that read earlier results and slots.
 #[derive(Clone, Debug, Default)]
@@ -24,8 +24,8 @@ pub(super) struct Program {
     pub(super) limits: Vec<Limit>,
     /// The outputs of the code.
     outputs: Vec<Source>,
-    /// Numbers written into the array once the operations are done, each with its distance from the place.
-    pub(super) copies: Vec<(Source, i32)>,
+    /// Numbers written into the array once the operations are done, each with its distance.
+    pub(super) copies: Vec<(Source, Distance)>,
 }
 
 impl Program {

@@ -1,5 +1,10 @@
 //! Which numbers stand in registers: the one whose next use is farthest leaves first (Belady, A
-//! study of replacement algorithms for a virtual-storage computer, IBM Systems J. 5 (1966)).
+//! study of replacement algorithms for a virtual-storage computer, IBM Systems J. 5 (1966)). Code along an array keeps
+//! numbers that are the same at every place in registers that nothing else needs.
+
+use std::cmp::Reverse;
+
+use rustc_hash::FxHashMap;
 
 use super::operation::{Action, Location, Operation, Source};
 use super::program::Program;
@@ -26,6 +31,8 @@ pub(super) struct Plan {
     pub(super) steps: Vec<Step>,
     /// The places of scratch memory that spilled results take.
     pub(super) places: usize,
+    /// The numbers that stand in registers from before the first place on.
+    pub(super) resident: Vec<Source>,
 }
 
 /// Never read again.
@@ -37,18 +44,51 @@ const STORE: usize = 2;
 impl Plan {
     /// The loads and stores of `program` on a machine with `registers` registers.
     pub(super) fn new(program: &Program, registers: usize) -> Self {
+        Self::with_resident(program, registers, Vec::new()).0
+    }
+
+    /// The same of code that runs at one place after the other, whose slots from `inputs` on are the same at each. Those
+    /// read most often stay in registers that are free throughout. A call would lose them.
+    pub(super) fn along(program: &Program, registers: usize, inputs: usize) -> Self {
+        let (plan, most) = Self::with_resident(program, registers, Vec::new());
+        let calls = |operation: &Operation| matches!(operation.action, Action::Call(_));
+        if most >= registers || program.operations.iter().any(calls) {
+            return plan;
+        }
+        let mut reads: FxHashMap<Source, usize> = FxHashMap::default();
+        let mut order = Vec::new();
+        for source in program.operations.iter().flat_map(Operation::sources) {
+            if matches!(source, Source::Slot(slot) if slot as usize >= inputs) {
+                let count = reads.entry(source).or_insert(0);
+                if *count == 0 {
+                    order.push(source);
+                }
+                *count += 1;
+            }
+        }
+        order.sort_by_key(|source| Reverse(reads[source]));
+        order.truncate(registers - most);
+        Self::with_resident(program, registers - order.len(), order).0
+    }
+
+    /// The plan with these numbers in registers beside the others, and how many of the others are ever in use.
+    fn with_resident(program: &Program, registers: usize, resident: Vec<Source>) -> (Self, usize) {
         let mut planner = Planner {
             next: next_uses(program),
             homes: vec![None; program.operations.len()],
             held: Vec::with_capacity(registers),
             free: Vec::new(),
-            plan: Self::default(),
+            plan: Self {
+                resident,
+                ..Self::default()
+            },
             registers,
+            most: 0,
         };
         for (at, operation) in program.operations.iter().enumerate() {
             planner.operate(at, operation);
         }
-        planner.plan
+        (planner.plan, planner.most)
     }
 }
 
@@ -96,6 +136,8 @@ struct Planner {
     free: Vec<u32>,
     plan: Plan,
     registers: usize,
+    /// The most numbers that were held at once.
+    most: usize,
 }
 
 impl Planner {
@@ -114,10 +156,7 @@ impl Planner {
             if !from_memory.contains(&Some(operand)) && !self.is_held(operand) {
                 self.make_room(at, operation.operands);
                 self.plan.steps.push(Step::Load(operand));
-                self.held.push(Held {
-                    source: operand,
-                    next: at,
-                });
+                self.hold(operand, at);
             }
         }
         let is_call = matches!(operation.action, Action::Call(_)) && !operation.is_second;
@@ -168,7 +207,12 @@ impl Planner {
     }
 
     fn is_held(&self, source: Source) -> bool {
-        self.held.iter().any(|held| held.source == source)
+        self.plan.resident.contains(&source) || self.held.iter().any(|held| held.source == source)
+    }
+
+    fn hold(&mut self, source: Source, next: usize) {
+        self.held.push(Held { source, next });
+        self.most = self.most.max(self.held.len());
     }
 
     /// Whether the number can be read from memory.
@@ -245,10 +289,7 @@ impl Planner {
             self.plan.steps.push(Step::Forget(source));
         } else {
             self.make_room(at, [source; 3]);
-            self.held.push(Held {
-                source,
-                next: self.next.result[at],
-            });
+            self.hold(source, self.next.result[at]);
         }
     }
 }

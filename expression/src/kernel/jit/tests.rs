@@ -13,7 +13,7 @@ use crate::expression::{Binary, Function, Side};
 use crate::graph::{Graph, StepSize};
 use crate::kernel::aligned::Aligned;
 use crate::kernel::code::{Code, Instruction};
-use crate::kernel::distances::Distances;
+use crate::kernel::distances::{Distance, Distances, Passes};
 use crate::kernel::interpreter::run;
 use crate::kernel::{Execution, Kernel};
 use crate::pairs::{EXPONENTIAL_MINUS_1, EXPONENTIAL_MINUS_1_MIRRORED, SINE, VERSINE};
@@ -212,7 +212,8 @@ fn check_along(code: &Code, numbers: &[f64], seats: &[Seat]) -> Result<usize, Te
             false => start(choice % rows) + shift,
         })
         .collect();
-    let Some(distances) = Distances::new(code, &inputs, &outputs) else {
+    let first = |own: &[isize]| own.iter().copied().map(Distance::First).collect::<Vec<_>>();
+    let Some(distances) = Distances::new(code, &first(&inputs), &first(&outputs)) else {
         return Ok(0);
     };
     let length = (rows + outputs.len()) * row;
@@ -249,7 +250,8 @@ fn check_along(code: &Code, numbers: &[f64], seats: &[Seat]) -> Result<usize, Te
             let mut reached = 0;
             // Two runs one after the other: nothing of the first may be left over.
             for end in [places / 2, places] {
-                reached = machine.run_along(&mut slots, &mut room, &mut found, reached..end);
+                let passes = Passes::from(reached..end);
+                reached += machine.run_along(&mut slots, &mut room, &mut found, &passes);
                 prop_assert!((end - 31..=end).contains(&reached), "{:?}", backend);
             }
             let is_reached = |at: usize| {
@@ -509,7 +511,8 @@ fn product_along() -> Kernel {
     let mut graph = Graph::new();
     let (x, parameter) = (graph.input(0), graph.parameter(0));
     let product = graph.multiply(&parameter, &x);
-    Kernel::compile(&graph, &[product], 1, 1).at_distances(&[1], &[70])
+    Kernel::compile(&graph, &[product], 1, 1)
+        .at_distances(&[Distance::First(1)], &[Distance::First(70)])
 }
 
 /// Places have no lanes of their own: along an array goes machine code whose coefficients are the same in all.
@@ -552,6 +555,88 @@ fn no_output_stands_where_another_place_reads() {
     let kernel = product_along();
     let mut workspace = kernel.workspace_for(32, Execution::Compiled);
     kernel.evaluate_along(&mut workspace, &mut [0.0; 1000], 0..70);
+}
+
+/// Sums at sites i and j of a pair, sines of large differences among them: first of both places x and a sum, then an output
+/// for each.
+fn pair_along(distances: [isize; 4]) -> Kernel {
+    let mut graph = Graph::compilable();
+    let [x, y, at_x, at_y] = [0, 1, 2, 3].map(|at| graph.input(at));
+    let apart = graph.subtract(&x, &y);
+    let sine = graph.apply(Function::Sin, &apart).expect("a sine");
+    let outputs = [graph.add(&at_x, &sine), graph.subtract(&at_y, &sine)];
+    let [x, y, at_x, at_y] = distances;
+    let sums = [Distance::First(at_x), Distance::Second(at_y)];
+    let inputs = [[Distance::First(x), Distance::Second(y)], sums].concat();
+    Kernel::compile(&graph, &outputs, 0, 4).at_distances(&inputs, &sums)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(128))]
+
+    /// Passes with a second place are one evaluation after the other: pass by pass, and place by place.
+    #[test]
+    fn passes_are_evaluations_one_after_the_other(
+        places in 1_usize..12,
+        ahead in 0_usize..9,
+        stride in 0_usize..5,
+        count in 0_usize..6,
+        numbers in prop::collection::vec(prop_oneof![4 => -0.5..0.5, 1 => -1e3..1e3], 64),
+    ) {
+        let places = 8 * places;
+        let rows = [0, 100, 300, 400_usize];
+        let kernel = pair_along(rows.map(|row| row as isize));
+        let mut workspace = kernel.workspace_for(8, Execution::Compiled);
+        kernel.prepare(&mut workspace, &[], &[1.0; 8], &[1.0; 8]);
+        let mut array: Vec<f64> = numbers.iter().cycle().take(600).copied().collect();
+        let mut expected = array.clone();
+        let passes = Passes { places: 0..places, ahead, stride, count };
+        let reached = kernel.evaluate_along(&mut workspace, &mut array, passes);
+        let is_machine_code = MachineCode::is_available() && !cfg!(leafwise_portable) && count > 0;
+        #[cfg(all(target_arch = "x86_64", not(windows)))]
+        prop_assert_eq!(reached, if is_machine_code { places } else { 0 });
+        for pass in (0..count).filter(|_| reached > 0) {
+            for place in 0..places {
+                let second = place + ahead + pass * stride;
+                let [x, y, at_x, at_y] = rows;
+                let sine = libm::sin(expected[x + place] - expected[y + second]);
+                expected[at_x + place] += sine;
+                expected[at_y + second] -= sine;
+            }
+        }
+        let near = |(own, other): (&f64, &f64)| (own - other).abs() <= 1e-13 * (1.0 + other.abs());
+        prop_assert!(array.iter().zip(&expected).all(near));
+    }
+}
+
+/// Of every pass it is known whether what one place reads, or writes, is written beside the other.
+#[test]
+fn places_do_not_meet_in_any_pass() {
+    // Sums at i from 300 on, and at j from 340 on less the distance to j.
+    let kernel = pair_along([0, 100, 300, 340]);
+    let mut workspace = kernel.workspace_for(8, Execution::Compiled);
+    let mut run = |ahead: usize, stride: usize, count: usize| {
+        let passes = Passes {
+            places: 0..16,
+            ahead,
+            stride,
+            count,
+        };
+        let mut array = [0.0; 600];
+        let run = || kernel.evaluate_along(&mut workspace, &mut array, passes);
+        std::panic::catch_unwind(std::panic::AssertUnwindSafe(run)).is_ok()
+    };
+    assert!(run(0, 1, 100));
+    // The coordinates of j are 16 behind the sums at i in the last pass, and then within them.
+    assert!(run(0, 46, 5));
+    assert!(!run(0, 47, 5));
+    assert!(!run(200, 0, 1));
+    assert!(run(216, 1, 2));
+    assert!(!run(usize::MAX, 1, 2));
+    assert!(!run(0, usize::MAX, 3));
+    // Beyond the array.
+    assert!(run(244, 0, 1));
+    assert!(!run(245, 0, 1));
 }
 
 /// Bytes of this process that can be executed.

@@ -16,6 +16,7 @@ impl Gpr {
     pub(super) const RBP: Self = Self(5);
     pub(super) const RSI: Self = Self(6);
     pub(super) const RDI: Self = Self(7);
+    pub(super) const R8: Self = Self(8);
     pub(super) const R12: Self = Self(12);
     pub(super) const R13: Self = Self(13);
     pub(super) const R14: Self = Self(14);

@@ -1,7 +1,8 @@
-//! A planned program as bytes: `fn(slots, scratch, first, end) -> reached`, all `*mut f64`, in the System V convention.
+//! A planned program as bytes: `fn(slots, scratch, first, end, second) -> reached`, all `*mut f64`, in the System V
+//! convention.
 //!
-//! The last two arguments are places of the array that it moves along, if any. From the first on it takes so many
-//! places at a time until it is at the end, or where its results are not right.
+//! The last three arguments are places of the array that it moves along, if any. From the first on it takes so many
+//! places at a time until it is at the end, or where its results are not right. The second place moves with it.
 
 use std::ops::Range;
 
@@ -9,7 +10,7 @@ use super::assembler::{Assembler, Gpr, Jump, Memory, Opcode, Operand, Width};
 use crate::analytic::{AnalyticFunction, Member};
 use crate::expression::Side;
 use crate::kernel::code::Instruction;
-use crate::kernel::distances::Distances;
+use crate::kernel::distances::{Distance, Distances};
 use crate::kernel::jit::functions;
 use crate::kernel::jit::operation::{Action, Location, Operation, Source};
 use crate::kernel::jit::program::Program;
@@ -61,10 +62,10 @@ pub(in crate::kernel::jit) fn assemble(
     // A call leaves these as they are; an odd number of them aligns the stack for it.
     let kept = [Gpr::RBX, Gpr::RBP, Gpr::R12, Gpr::R13, Gpr::R14];
     let kept = &kept[..if distances.is_some() { 5 } else { 3 }];
-    let [slots, scratch, end, place] = if calls {
-        [Gpr::RBX, Gpr::RBP, Gpr::R12, Gpr::R13]
+    let [slots, scratch, end, first, second] = if calls {
+        [Gpr::RBX, Gpr::RBP, Gpr::R12, Gpr::R13, Gpr::R14]
     } else {
-        [Gpr::RDI, Gpr::RSI, Gpr::RCX, Gpr::RDX]
+        [Gpr::RDI, Gpr::RSI, Gpr::RCX, Gpr::RDX, Gpr::R8]
     };
     let mut emitter = Emitter {
         assembler: Assembler::default(),
@@ -74,7 +75,7 @@ pub(in crate::kernel::jit) fn assemble(
         width,
         slots,
         scratch,
-        place,
+        places: [first, second],
         inputs: distances.map_or(&[], |distances| &distances.inputs),
         registers: vec![None; width.registers()],
         homes: vec![None; program.operations.len()],
@@ -89,8 +90,9 @@ pub(in crate::kernel::jit) fn assemble(
     assembler.address(slots, inside(Gpr::RDI, INSIDE));
     assembler.address(scratch, inside(Gpr::RSI, REST + INSIDE));
     if distances.is_some() {
-        assembler.address(place, inside(Gpr::RDX, 0));
+        assembler.address(first, inside(Gpr::RDX, 0));
         assembler.address(end, inside(Gpr::RCX, 0));
+        assembler.address(second, inside(Gpr::R8, 0));
         emitter.sweep(plan, end);
     } else if lanes == width.lanes() {
         emitter.steps(plan);
@@ -121,10 +123,10 @@ struct Emitter<'a> {
     slots: Gpr,
     /// [`INSIDE`] the program's own numbers in the scratch memory.
     scratch: Gpr,
-    /// The place of the array for the first lane.
-    place: Gpr,
-    /// How far from it the inputs stand, which the first slots are in the place of.
-    inputs: &'a [i32],
+    /// The two places of the array for the first lane.
+    places: [Gpr; 2],
+    /// How far from them the inputs stand, which the first slots are in the place of.
+    inputs: &'a [Distance],
     registers: Vec<Option<Source>>,
     homes: Vec<Option<Location>>,
 }
@@ -149,6 +151,12 @@ impl Emitter<'_> {
     /// The steps for the first places, the next ones, …, until the end, or where a limit is passed: then nothing was
     /// written for these places. Tells where that is.
     fn sweep(&mut self, plan: &Plan, end: Gpr) {
+        let registers = self.width.registers() - plan.resident.len();
+        for (register, &source) in (registers..).zip(&plan.resident) {
+            let from = self.memory(source);
+            self.assembler.load(self.width, register as u8, from);
+            self.registers[register] = Some(source);
+        }
         let start = self.assembler.bytes.len();
         self.steps(plan);
         let (program, width) = (self.program, self.width);
@@ -160,25 +168,32 @@ impl Emitter<'_> {
             let jumps = self.assembler.jump_unless_all_below(width, (0, 1), bounds);
             exits.extend(jumps);
         }
-        // No register is in use any more: as many copies as there are registers are on their way at once.
-        let registers = 0..width.registers() as u8;
+        // No other register is in use any more: as many copies as there are registers are on their way at once.
+        let registers = 0..registers as u8;
         for (&(source, distance), register) in program.copies.iter().zip(registers.cycle()) {
             let [from, to] = [self.memory(source), self.address(Location::Array(distance))];
             self.assembler.load(width, register, from);
             self.assembler.store(width, register, to);
         }
-        let place = |offset: i32| Memory {
-            base: self.place,
-            offset,
-        };
         let assembler = &mut self.assembler;
-        assembler.address(self.place, place(width.lanes() as i32 * NUMBER));
-        exits.push(assembler.jump_unless_below(self.place, end));
+        for place in self.places {
+            let next = Memory {
+                base: place,
+                offset: width.lanes() as i32 * NUMBER,
+            };
+            assembler.address(place, next);
+        }
+        let [first, _] = self.places;
+        exits.push(assembler.jump_unless_below(first, end));
         assembler.jump_back(start);
         for exit in exits {
             assembler.land(exit);
         }
-        assembler.address(Gpr::RAX, place(0));
+        let reached = Memory {
+            base: first,
+            offset: 0,
+        };
+        assembler.address(Gpr::RAX, reached);
     }
 
     fn steps(&mut self, plan: &Plan) {
@@ -238,9 +253,13 @@ impl Emitter<'_> {
         let row_bytes = self.width.lanes() as i32 * NUMBER;
         let (base, offset) = match home {
             Location::Array(distance) => {
+                let [first, second] = self.places;
                 return Memory {
-                    base: self.place,
-                    offset: distance * NUMBER,
+                    base: match distance {
+                        Distance::First(_) => first,
+                        Distance::Second(_) => second,
+                    },
+                    offset: distance.numbers() as i32 * NUMBER,
                 };
             }
             Location::Slot(slot) => (self.slots, slot as i32 * self.slot_bytes),

@@ -26,7 +26,12 @@ pub(super) fn write(
     if distances.is_some() && width == Width::One {
         return None;
     }
-    let plan = Plan::new(program, width.registers() - 1);
+    // One register is left for what is neither held nor resident.
+    let registers = width.registers() - 1;
+    let plan = match distances {
+        Some(distances) => Plan::along(program, registers, distances.inputs.len()),
+        None => Plan::new(program, registers),
+    };
     let code = emit::assemble(program, &plan, (lanes, width), functions, distances);
     let mut memory = MmapMut::map_anon(code.len()).ok()?;
     memory.copy_from_slice(&code);
