@@ -557,5 +557,5 @@ fn the_flow_takes_so_many_operations() {
     let (_, kernel) = map.abilities().kernels[0];
     let count = kernel.step_operations();
     println!("{count:?}");
-    assert_eq!(count.total(), 1313);
+    assert_eq!(count.total(), 1305);
 }
