@@ -572,7 +572,7 @@ fn pair_along(distances: [isize; 4]) -> Kernel {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(128))]
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(128) })]
 
     /// Passes with a second place are one evaluation after the other: pass by pass, and place by place.
     #[test]
