@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use leafwise::core::noise::normals_of;
-use leafwise::core::{Registry, Walk};
+use leafwise::core::{Registry, StepError, Walk};
 use leafwise::scene::compose::compose;
 use leafwise_tests::scenes::{composed, document, end};
 
@@ -326,6 +326,26 @@ fn methods_beside_forces_agree() {
             assert!((a - b).abs() <= 1e-9, "{at}: {a} {b}");
         }
     }
+}
+
+/// In loops a step is solved by iteration. Rates γ_i t between 0 and 9, another one at each site, keep it from converging. A
+/// shorter step, as the help says, takes place.
+#[test]
+fn strong_damping_in_loops_takes_shorter_steps() {
+    let strong = Beside {
+        method: "stepper = \"implicit-midpoint\"",
+        forces: ["180*sin(2*q{i})^2*p{i}", "0"],
+        ..ALONE
+    };
+    let scene = strong.scene(MANY, false);
+    let failed = in_loops(&scene).walk().step().map(|_| ());
+    assert!(
+        matches!(failed, Err(StepError::NoConvergence { .. })),
+        "{failed:?}"
+    );
+    let shorter = scene.replace("time-step = 0.05", "time-step = \"0.05/6\"");
+    assert!(scene != shorter);
+    end(&in_loops(&shorter));
 }
 
 /// Fewer bodies beside forces are written out: their steps have derivatives, and strong damping is solved by Newton's method.
