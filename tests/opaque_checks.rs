@@ -8,6 +8,7 @@ use leafwise::core::system::{
 };
 use leafwise::core::{PartParameters, PoissonSystem, Registry, StepError, StepMap};
 use leafwise::systems::all;
+use leafwise_tests::scenes::composed;
 use leafwise_tests::systems::from_formulas;
 use leafwise_tests::{library, opaque};
 use proptest::prelude::*;
@@ -193,6 +194,24 @@ fn values_of_no_poisson_system_are_found() {
         found.set(found.get() + 1);
     });
     assert!(found.get() >= 200, "{} cases", found.get());
+}
+
+/// Steps of a part of a coordinate's size lead across the poles between neighbours that stand far from 0: the gradient is that of H all
+/// the same.
+#[test]
+fn poles_and_kinks_beside_a_state_are_no_inconsistency() {
+    for pair in ["1/(q[i] - q[j])^2", "1/abs(q[i] - q[j])", "max(q[i], q[j])"] {
+        let run = composed(&format!(
+            "[system]\nfamilies = {{ q = 12, p = 12 }}\nbracket = \"canonical\"\n\
+             hamiltonian = \"sum(i, p[i]^2/2) + sum(i<j, {pair})\"\n[method]\nstepper = \"splitting\"\n\
+             time-step = 0.01\n[run]\nsteps = 1\ninitial = {{ \"q[i]\" = \"100 + 1.1*i\", \"p[i]\" = 1 }}\n"
+        ));
+        let values = run.system.parameter_values();
+        for system in as_numbers(&run.system) {
+            let found = find_inconsistency(&system, &values, &run.plan.initial);
+            assert_eq!(found, None, "{pair}");
+        }
+    }
 }
 
 #[test]

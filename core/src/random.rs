@@ -4,9 +4,11 @@
 //! whatever else is drawn.
 
 use leafwise_expression::elementary;
+use leafwise_expression::vector::{Work, run_loops};
 
 /// Philox4x32-10: ten rounds that scatter a counter under a key (J. Salmon, M. Moraes, R. Dror,
 /// D. Shaw, *Parallel random numbers: as easy as 1, 2, 3*, SC11).
+#[inline(always)]
 fn philox(counter: [u32; 4], key: [u32; 2]) -> [u32; 4] {
     let [mut a, mut b, mut c, mut d] = counter;
     let [mut first, mut second] = key;
@@ -80,6 +82,7 @@ impl Random {
 }
 
 /// The counter of a step. The channel's low 15 bits stand beside the purpose, the others above the member.
+#[inline(always)]
 fn counter_of_step(member: u64, channel: u32, step: u64) -> [u32; 4] {
     let purpose = 1 << 31 | (channel & 0x7FFF) << 16 | (step >> 32) as u32;
     let above = (channel >> 15) << 15;
@@ -96,17 +99,18 @@ const TOGETHER: usize = 64;
 
 /// [`normal`](Random::normal) of each channel from `channel` on, of [`of_step`](Random::of_step): the same bits.
 pub fn normals_of_step(seed: u64, member: u64, channel: u32, step: u64, into: &mut [f64]) {
-    let key = [seed as u32, (seed >> 32) as u32];
-    let mut channel = channel;
+    let mut first = channel;
     for normals in into.chunks_mut(TOGETHER) {
         let (mut radii, mut turns) = ([1.0; TOGETHER], [0.0; TOGETHER]);
-        let places = radii.iter_mut().zip(&mut turns).take(normals.len());
-        for (radius, turn) in places {
-            let [a, b, c, d] = philox(counter_of_step(member, channel, step), key);
-            *radius = uniform(u64::from(a) | u64::from(b) << 32);
-            *turn = 2.0 * std::f64::consts::PI * uniform(u64::from(c) | u64::from(d) << 32);
-            channel = channel.wrapping_add(1);
-        }
+        run_loops(Uniform {
+            seed,
+            member,
+            first,
+            step,
+            radii: &mut radii,
+            turns: &mut turns,
+        });
+        first = first.wrapping_add(TOGETHER as u32);
         elementary::ln_lanes(&mut radii);
         radii.iter_mut().for_each(|radius| *radius *= -2.0);
         elementary::sqrt_lanes(&mut radii);
@@ -117,9 +121,36 @@ pub fn normals_of_step(seed: u64, member: u64, channel: u32, step: u64, into: &m
     }
 }
 
-/// Uniform in (0, 1), of random bits: an odd multiple of 2⁻⁵³.
+/// The two uniform numbers of each channel from the first on, the second times 2π.
+struct Uniform<'a> {
+    seed: u64,
+    member: u64,
+    first: u32,
+    step: u64,
+    radii: &'a mut [f64; TOGETHER],
+    turns: &'a mut [f64; TOGETHER],
+}
+
+impl Work for Uniform<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let key = [self.seed as u32, (self.seed >> 32) as u32];
+        let (radii, turns) = (self.radii.iter_mut(), self.turns.iter_mut());
+        for (at, (radius, turn)) in radii.zip(turns).enumerate() {
+            let channel = self.first.wrapping_add(at as u32);
+            let [a, b, c, d] = philox(counter_of_step(self.member, channel, self.step), key);
+            *radius = uniform(u64::from(a) | u64::from(b) << 32);
+            *turn = 2.0 * std::f64::consts::PI * uniform(u64::from(c) | u64::from(d) << 32);
+        }
+    }
+}
+
+/// Uniform in (0, 1), of random bits: an odd multiple of 2⁻⁵³. The bits become those of a number in [1, 2), from which 1 is
+/// taken: all of it is exact.
+#[inline(always)]
 fn uniform(bits: u64) -> f64 {
-    ((bits >> 12) as f64 + 0.5) / (1_u64 << 52) as f64
+    let above_1 = f64::from_bits(0x3FF0 << 48 | bits >> 12);
+    above_1 - 1.0 + f64::EPSILON / 2.0
 }
 
 #[cfg(test)]

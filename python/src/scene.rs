@@ -7,7 +7,7 @@ use std::sync::Arc;
 use leafwise::core::Registry;
 use leafwise::run::ensemble::{Members, Workforce};
 use leafwise::run::{Asked, Retraced as States, RunOutcome, StateError, run_in_memory};
-use leafwise::scene::compose::are_values;
+use leafwise::scene::compose::{are_values, check_varied};
 use leafwise::scene::{ComposedRun, SceneDocument};
 use leafwise_cli::failure::Failure;
 use leafwise_cli::scene::SceneText;
@@ -445,6 +445,13 @@ impl Scene {
             let (_, run) = self.composed(&Vec::new(), &Vec::new())?;
             Ok(run.method.map().properties().order)
         })
+    }
+
+    /// Refuses values of sites, and an initial state where motions begin there, that are formed once of a parameter that varies.
+    fn check_varied(&self, names: Vec<String>, begin_there: bool) -> PyResult<()> {
+        let varied: Vec<&str> = names.iter().map(String::as_str).collect();
+        check_varied(&self.document, &varied, begin_there)
+            .map_err(|refusal| exception(&Failure::from(refusal)))
     }
 
     /// The method, to be stepped and differentiated from any state with any parameters.

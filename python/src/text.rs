@@ -13,8 +13,36 @@ const DEEPEST: usize = 32;
 /// A table as TOML; lists may be arrays and tuples.
 #[pyfunction]
 pub(crate) fn text_of(table: &Bound<'_, PyDict>) -> PyResult<String> {
-    let table = table_of(table, "", DEEPEST)?;
-    toml::to_string(&table).map_err(|error| PyValueError::new_err(error.to_string()))
+    let mut table = table_of(table, "", DEEPEST)?;
+    let mut inline = Vec::new();
+    keep_order(&mut table, &mut inline);
+    let mut text =
+        toml::to_string(&table).map_err(|error| PyValueError::new_err(error.to_string()))?;
+    for (at, value) in inline.iter().enumerate().rev() {
+        text = text.replacen(&Value::String(stand_in(at)).to_string(), &value.to_string(), 1);
+    }
+    Ok(text)
+}
+
+/// A string in the place of the table with this number.
+fn stand_in(number: usize) -> String {
+    format!("a table of leafwise.Scene: {number:06}")
+}
+
+/// Takes out tables that stand before other values of the same table, to be written in a line in their place. The order of families
+/// is that of the state, and TOML's sections stand behind all other values.
+fn keep_order(table: &mut Table, inline: &mut Vec<Value>) {
+    let last = table.iter().rposition(|(_, value)| !value.is_table());
+    for (at, (_, value)) in table.iter_mut().enumerate() {
+        match value {
+            Value::Table(_) if last.is_some_and(|last| at < last) => {
+                let number = stand_in(inline.len());
+                inline.push(std::mem::replace(value, Value::String(number)));
+            }
+            Value::Table(inner) => keep_order(inner, inline),
+            _ => {}
+        }
+    }
 }
 
 /// A Python value as TOML on one line, as an override takes it; `key` is what a message calls it.

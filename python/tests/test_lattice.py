@@ -86,7 +86,7 @@ def test_extended_xyz_is_read_back(tmp_path: Path) -> None:
         assert int(count) == 24
         fields = dict(re.findall(r'(\w+)=("[^"]*"|\S+)', comment))
         assert np.diag(np.array(fields["Lattice"].strip('"').split(), float).reshape(3, 3)).tolist() == [3, 2, 4]
-        assert fields["Properties"] == "species:S:1:pos:R:3:spin:R:3" and float(fields["Time"]) == [0.0, 0.5][frame]
+        assert fields["Properties"] == "species:S:1:pos:R:3:spin:R:3" and fields["pbc"] == "T T T" and float(fields["Time"]) == [0.0, 0.5][frame]
         for atom in atoms:
             _, *numbers = atom.split()
             x, y, z = (int(float(number)) for number in numbers[:3])
@@ -134,3 +134,68 @@ def test_other_shapes_are_refused_with_what_to_take() -> None:
         lattice.write_vti("unwritten.vti", np.zeros((10, 3, 4, 4)))
     with pytest.raises(ValueError, match="two samples"):
         lattice.dynamic_structure_factor(np.zeros((1, 3, 4)), 0.1)
+
+
+def test_arrays_of_other_shapes_are_refused() -> None:
+    states = np.zeros((5, 3 * 32 * 32))
+    with pytest.raises(ValueError, match="another lattice"):
+        lattice.vectors(states, (32, 31))
+    s = lattice.vectors(states, (32, 32))
+    for of_one in (s[0], s[-1]):
+        with pytest.raises(ValueError, match="at most 3 components"):
+            lattice.structure_factor(of_one)
+        with pytest.raises(ValueError, match="at most 3 components"):
+            lattice.write_xyz("never.xyz", of_one)
+
+
+def test_families_of_a_table_keep_their_order() -> None:
+    families = {"s": {"components": ["x", "y", "z"], "length": 3}, "q": 3, "p": 3}
+    table = {
+        "system": {
+            "families": families,
+            "bracket": {"q[i],p[i]": 1, "s.x[i],s.y[i]": "s.z[i]", "s.y[i],s.z[i]": "s.x[i]", "s.z[i],s.x[i]": "s.y[i]"},
+            "hamiltonian": "sum(i, p[i]^2/2 + s.z[i])",
+        },
+        "method": {"stepper": "splitting", "time-step": 0.1},
+        "run": {"initial": {"s.x[i]": 1, "s.y[i]": 0, "s.z[i]": 0, "q[i]": 0, "p[i]": 1}, "steps": 1},
+    }
+    names = [name.split("[")[0] for name in lw.Scene(**table).variables]
+    assert names == [name for name in ("s.x", "s.y", "s.z", "q", "p") for _ in range(3)]
+    assert lw.Scene.parse(lw.Scene(**table).text).variables == lw.Scene(**table).variables
+
+
+def test_values_of_sites_do_not_follow_what_varies() -> None:
+    scene = lw.Scene(
+        **{
+            "system": {
+                "families": {"q": 5, "p": 5},
+                "bracket": "canonical",
+                "hamiltonian": "sum(i, p[i]^2/2 + c*b[i]*q[i]^2/2)",
+                "parameters": {"a": 1.0, "c": 1.0, "b[i]": "a*(1 + i)"},
+            },
+            "method": {"stepper": "splitting", "time-step": 0.01},
+            "run": {"initial": {"q[i]": "c", "p[i]": 0}, "steps": 10},
+        }
+    )
+    with pytest.raises(lw.SceneError, match="values of sites are formed once, and `a` varies"):
+        scene.ensemble(parameters={"a": [1.0, 2.0]})
+    with pytest.raises(lw.SceneError, match="the initial state is formed once, and `c` varies"):
+        scene.ensemble(parameters={"c": [1.0, 2.0]})
+    given = scene.ensemble(np.ones((2, 10)), parameters={"c": [1.0, 2.0]})
+    assert given.x[0, 0] != given.x[1, 0]
+    with pytest.raises(lw.SceneError, match="values of sites are formed once"):
+        scene.trajectory(["a"])
+    assert scene.trajectory().parameters == ["c"]
+
+
+def test_arrays_of_the_lattices_shape_are_its_values() -> None:
+    numbers = np.arange(6.0).reshape(2, 3)
+    table = {
+        "system": {"families": {"q": [2, 3], "p": [2, 3]}, "bracket": "canonical", "hamiltonian": "sum(i, j, p[i,j]^2/2)"},
+        "method": {"stepper": "splitting", "time-step": 0.1},
+        "run": {"initial": {"q[i,j]": numbers, "p[i,j]": 0}, "steps": 1},
+    }
+    assert (lw.Scene(**table).run(advice=False).x[0][:6] == numbers.ravel()).all()
+    table["run"]["initial"]["q[i,j]"] = numbers.T
+    with pytest.raises(lw.SceneError, match="the numbers have the shape"):
+        lw.Scene(**table).run(advice=False)

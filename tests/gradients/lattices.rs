@@ -102,12 +102,19 @@ const DAMPED: Lattice = Lattice {
     ..SPINS
 };
 
+/// Spins that turn apart: the field at each depends on no other.
+const APART: Lattice = Lattice {
+    hamiltonian: &["-B*z[i]"],
+    ..SPINS
+};
+
 /// `hamilton-jacobi` of an order.
 const SECOND: &str = "dynamics = { name = \"hamilton-jacobi\", order = 2 }";
 const FOURTH: &str = "dynamics = { name = \"hamilton-jacobi\", order = 4 }";
 const TRUNCATED_SECOND: &str = "realization = { name = \"karasev-truncated\", order = 4 }\ndynamics = { name = \"hamilton-jacobi\", order = 2 }";
 const TRUNCATED_FOURTH: &str = "realization = { name = \"karasev-truncated\", order = 4 }\ndynamics = { name = \"hamilton-jacobi\", order = 4 }";
 const SPLITTING: &str = "stepper = \"splitting\"";
+const SUBLATTICES: &str = "stepper = \"sublattices\"";
 const COMPOSED: &str = "stepper = \"splitting\"\ncomposition = \"kahan-li-6\"";
 const FACTORS: &str = "stepper = \"splitting\"\ncomposition = \"blanes-moan-4\"";
 
@@ -301,13 +308,16 @@ fn a_lattice_has_the_differential_of_the_system_written_out() {
 }
 
 /// Lattices and methods on a thousand sites.
-const LONG: [(&Lattice, &str, &str); 6] = [
+const LONG: [(&Lattice, &str, &str); 9] = [
     (&VOLTERRA, TRUNCATED_FOURTH, "periodic"),
     (&VOLTERRA, COMPOSED, "open"),
     (&SPRINGS, FOURTH, "periodic"),
     (&SPRINGS, SPLITTING, "open"),
     (&SPINS, SECOND, "open"),
     (&DAMPED, "dynamics = \"one-form\"", "periodic"),
+    (&APART, SUBLATTICES, "periodic"),
+    (&SPINS, SUBLATTICES, "periodic"),
+    (&DAMPED, SUBLATTICES, "open"),
 ];
 
 const SITES: usize = 1000;

@@ -15,6 +15,9 @@ const LET_PASS: f64 = 6.1e-6;
 /// The largest dimension in which a false gradient is traced to a coordinate.
 const TRACED: usize = 64;
 
+/// Differences that disagree are taken again in steps so much smaller.
+const CLOSER: f64 = 1.0 / 1024.0;
+
 /// Coordinates that a message shows.
 const SHOWN: usize = 8;
 
@@ -102,7 +105,8 @@ impl Inconsistency {
     }
 }
 
-/// The first inconsistency of a system of numbers near a state; none of a system of formulas. States at which a value is refused or not
+/// The first inconsistency of a system of numbers near a state; none of a system of formulas, and of numbers that are
+/// [derived](crate::system::numbers::SystemNumbers::with_derived_gradient) from them. States at which a value is refused or not
 /// finite are left out.
 pub fn find_inconsistency(
     system: &PoissonSystem,
@@ -110,6 +114,9 @@ pub fn find_inconsistency(
     near: &[f64],
 ) -> Option<Inconsistency> {
     let system: &OpaqueSystem = system.opaque()?;
+    if system.numbers.has_derived_gradient() {
+        return None;
+    }
     let mut evaluator = system.numbers.evaluator_on_trial(parameters);
     let evaluator = evaluator.as_mut();
     sample_states(near)
@@ -171,37 +178,44 @@ fn of_gradient(
     let along: Vec<f64> = (covector.iter().zip(&sizes))
         .map(|(covector, size)| covector * size * size)
         .collect();
-    // H at state + s·direction by s.
-    let mut slope = |direction: &[f64]| {
-        let mut point = vec![0.0; d];
-        let found = jacobian_by_differences(&[0.0], 1, |at, out| {
-            for (i, place) in point.iter_mut().enumerate() {
-                *place = state[i] + at[0] * direction[i];
-            }
-            evaluator.hamiltonian(&point, out)
-        })?;
-        Ok::<_, StepError>((found.jacobian[0], found.error[0]))
-    };
-    let differs = |given: f64, size: f64, (found, error): (f64, f64)| {
+    let is_other = |given: f64, size: f64, (found, error): (f64, f64)| {
         let size = size + found.abs();
         size.is_finite() && (given - found).abs() > f64::max(LET_PASS * size, 4.0 * error)
+    };
+    // By s at 0, H at state + s·direction, where it differs from a given slope.
+    let mut differs = |given: f64, size: f64, direction: &[f64]| {
+        let mut point = vec![0.0; d];
+        let mut last = None;
+        // In wide steps there may be a pole or a kink.
+        for reach in [1.0, CLOSER] {
+            let found = jacobian_by_differences(&[0.0], 1, |at, out| {
+                for (i, place) in point.iter_mut().enumerate() {
+                    *place = state[i] + at[0] * reach * direction[i];
+                }
+                evaluator.hamiltonian(&point, out)
+            })?;
+            let slope = (found.jacobian[0] / reach, found.error[0] / reach);
+            if !is_other(given, size, slope) {
+                return Ok::<_, StepError>(None);
+            }
+            last = Some(slope.0);
+        }
+        Ok(last)
     };
     let at = state.to_vec();
     let terms = gradient.iter().zip(&along).map(|(g, u)| g * u);
     let (given, size) = terms.fold((0.0, 0.0), |(sum, size), term| {
         (sum + term, size + term.abs())
     });
-    let found = slope(&along)?;
-    if !differs(given, size, found) {
+    let Some(found) = differs(given, size, &along)? else {
         return Ok(None);
-    }
+    };
     for (i, given) in gradient.iter().enumerate().take(TRACED) {
         let mut unit = vec![0.0; d];
         unit[i] = sizes[i];
-        let (found, error) = slope(&unit)?;
-        let (found, error) = (found / sizes[i], error / sizes[i]);
-        if differs(*given, given.abs(), (found, error)) {
-            let (coordinate, given) = (Some(i), *given);
+        let slope = *given * sizes[i];
+        if let Some(found) = differs(slope, slope.abs(), &unit)? {
+            let (coordinate, given, found) = (Some(i), *given, found / sizes[i]);
             return Ok(Some(Inconsistency::Gradient {
                 coordinate,
                 given,
@@ -210,7 +224,6 @@ fn of_gradient(
             }));
         }
     }
-    let found = found.0;
     Ok(Some(Inconsistency::Gradient {
         coordinate: None,
         given,

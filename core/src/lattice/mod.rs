@@ -62,5 +62,5 @@ pub use reach::TemplateReach;
 pub use slopes::{LatticeSlopes, SlopesAlong};
 pub use source::LatticeSource;
 pub use stages::{Field, StageBuilder, StageCode, StageEnds};
-pub use swept::{Swept, SweptKernels};
+pub use swept::{Swept, SweptKernels, add_from_field};
 pub use wavefront::{Finite, Front, PartSites, SweptPart, wavefront};

@@ -5,7 +5,7 @@ use leafwise_expression::{Execution, Kernel};
 
 use super::fields::Fields;
 use super::geometry::{LatticeGeometry, Proxy, site_classes};
-use super::stages::{Field, StageBuilder};
+use super::stages::{Field, StageBuilder, StageTerms};
 use super::stencil::{Stencil, SweepRoom};
 use super::wavefront::PartSites;
 use crate::error::BuildError;
@@ -43,15 +43,19 @@ impl LatticeProgram {
         let offsets = geometry.offsets();
         let mut fields = builder.fields;
         let mut stages = Vec::with_capacity(builder.stages.len());
-        for stage in &builder.stages {
+        for StageTerms { written, is_apart } in &builder.stages {
             let mut stencils = Vec::with_capacity(classes.len());
             for class in &classes {
                 let graph = &builder.graph;
-                let stencil = Stencil::compile(geometry, proxy, *class, graph, stage, parameters)?;
+                let stencil =
+                    Stencil::compile(geometry, proxy, *class, graph, written, parameters)?;
                 stencils.extend(stencil);
             }
-            let aside = write_aside(&mut stencils, builder.fields);
-            let in_place = |stencil: Stencil| stencil.in_place(geometry, &offsets);
+            let aside = match is_apart {
+                true => Vec::new(),
+                false => write_aside(&mut stencils, builder.fields),
+            };
+            let in_place = |stencil: Stencil| stencil.in_place(geometry, &offsets, *is_apart);
             let stencils = stencils.into_iter().map(in_place).collect();
             fields = fields.max(builder.fields + aside.len());
             stages.push(Stage { stencils, aside });
@@ -65,7 +69,7 @@ impl LatticeProgram {
     }
 
     /// The lattice.
-    pub(super) fn geometry(&self) -> &LatticeGeometry {
+    pub(crate) fn geometry(&self) -> &LatticeGeometry {
         &self.geometry
     }
 

@@ -110,7 +110,7 @@ impl LatticeSlopes {
         for stage in &self.builder.stages {
             let mut stencils = Vec::with_capacity(classes.len());
             for class in &classes {
-                let (terms, outputs) = terms_of(proxy, *class, stage);
+                let (terms, outputs) = terms_of(proxy, *class, &stage.written);
                 if terms.is_empty() {
                     continue;
                 }

@@ -20,6 +20,14 @@ pub(super) struct MethodFields {
 /// Terms that a stage writes into a field: one term a proxy coordinate, `None` where the number stays.
 pub(super) type Written = (Field, Vec<Option<Term>>);
 
+/// Terms of one sweep.
+#[derive(Debug)]
+pub(super) struct StageTerms {
+    pub(super) written: Vec<Written>,
+    /// Whether every number that changes is read at its own site alone.
+    pub(super) is_apart: bool,
+}
+
 /// Code over the proxy lattice, cut into stages.
 ///
 /// Values that a later stage reads at neighbouring sites are stored as fields; what comes back is
@@ -30,7 +38,7 @@ pub struct StageBuilder {
     pub graph: Graph,
     pub(super) dimension: usize,
     pub(super) fields: usize,
-    pub(super) stages: Vec<Vec<Written>>,
+    pub(super) stages: Vec<StageTerms>,
     pub(super) current: Vec<Written>,
     pub(super) reach: Option<Field>,
 }
@@ -89,15 +97,27 @@ impl StageBuilder {
 
     /// The same where no stage writes this field.
     pub fn without(mut self, field: Field) -> Self {
-        let stages = self.stages.iter_mut().chain([&mut self.current]);
+        let stages = self.stages.iter_mut().map(|stage| &mut stage.written);
+        let stages = stages.chain([&mut self.current]);
         stages.for_each(|stage| stage.retain(|(written, _)| *written != field));
         self
     }
 
     /// Ends the current stage: what it stored can be read from here on.
     pub fn finish_stage(&mut self) {
+        self.finish(false);
+    }
+
+    /// The same where every number that changes is read at its own site alone, as of one of several sublattices. What a site
+    /// reads at others is written with the value that it has. Such a stage needs no place aside.
+    pub fn finish_stage_apart(&mut self) {
+        self.finish(true);
+    }
+
+    fn finish(&mut self, is_apart: bool) {
         if !self.current.is_empty() {
-            self.stages.push(std::mem::take(&mut self.current));
+            let written = std::mem::take(&mut self.current);
+            self.stages.push(StageTerms { written, is_apart });
         }
     }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 
 use leafwise_expression::syntax::AXES;
-use leafwise_expression::{Aligned, Distance, Execution, Graph, Kernel, Term, Workspace};
+use leafwise_expression::{Aligned, Distance, Execution, Graph, Kernel, Passes, Term, Workspace};
 
 use super::blocks::{BLOCK, Blocks, RowPart, load};
 use super::edges::{EdgeSites, blocks_of};
@@ -34,6 +34,8 @@ pub(super) struct Stencil {
     /// (field, family) of each output.
     pub(super) outputs: Vec<(usize, usize)>,
     inside: Inside,
+    /// Whether every number that changes is read at its own site alone.
+    is_apart: bool,
 }
 
 /// Sites whose inputs and outputs all stand as far from them as everywhere in memory: the kernel takes them in place.
@@ -104,13 +106,21 @@ impl Stencil {
             class,
             kernel,
             inside: Inside::default(),
+            is_apart: false,
             taps,
             outputs,
         }))
     }
 
-    /// The same with a kernel that reads and writes the fields where they stand.
-    pub(super) fn in_place(mut self, geometry: &LatticeGeometry, offsets: &[usize]) -> Self {
+    /// The same with a kernel that reads and writes the fields where they stand. `is_apart` tells that numbers that change are read
+    /// at their own sites alone.
+    pub(super) fn in_place(
+        mut self,
+        geometry: &LatticeGeometry,
+        offsets: &[usize],
+        is_apart: bool,
+    ) -> Self {
+        self.is_apart = is_apart;
         self.inside = Inside {
             outside: self.class.sites.runs(geometry).collect(),
             ..Inside::default()
@@ -294,8 +304,11 @@ impl Stencil {
         let reached = match part.is_swept {
             true => {
                 let numbers = fields.all_mut();
-                self.kernel
-                    .evaluate_along(workspace, numbers, part.sites.clone())
+                let pass = Passes {
+                    may_meet: self.is_apart,
+                    ..part.sites.clone().into()
+                };
+                self.kernel.evaluate_along(workspace, numbers, pass)
             }
             false => 0,
         };

@@ -5,6 +5,9 @@ use std::sync::Arc;
 use super::fields::Fields;
 use super::program::{LatticeProgram, Prepared};
 use super::stages::Field;
+use super::wavefront::Finite;
+use crate::error::StepError;
+use crate::solver::{StepRecord, Stepper, add_finite};
 
 /// A product of flows by sweeps: each stage of the program adds the change that its flow makes to the state, and to the sum of
 /// all changes.
@@ -61,17 +64,60 @@ impl Swept {
         SweptKernels(stages.map(prepare).collect())
     }
 
-    /// The flows in their order, or in the opposite one.
-    pub fn run(&self, kernels: &mut SweptKernels, fields: &mut Fields, is_backwards: bool) {
-        let count = self.order.len();
-        for at in 0..count {
-            let stage = self.order[if is_backwards { count - 1 - at } else { at }];
-            self.program.run_stage(stage, &mut kernels.0[stage], fields);
-        }
+    /// The flow of one stage at all sites.
+    pub fn run_stage(&self, stage: usize, kernels: &mut SweptKernels, fields: &mut Fields) {
+        self.program.run_stage(stage, &mut kernels.0[stage], fields);
+    }
+
+    /// The same at the sites of one part, where the stage has [parts](LatticeProgram::parts).
+    pub fn run_part(
+        &self,
+        (stage, part): (usize, usize),
+        kernels: &mut SweptKernels,
+        fields: &mut Fields,
+    ) {
+        let kernels = &mut kernels.0[stage];
+        self.program.run_part((stage, part), kernels, fields);
     }
 
     /// The operations of all flows, weighted.
     pub fn work(&self) -> u64 {
         self.program.work()
     }
+}
+
+impl Finite {
+    /// Whether a step is one.
+    ///
+    /// # Errors
+    /// Increments, or a state, that are not finite.
+    pub fn step(self) -> Result<(), StepError> {
+        match self {
+            Self { flows: false, .. } => Err(StepError::OF_INCREMENT),
+            Self { step: false, .. } => Err(StepError::OF_STATE),
+            Self { .. } => Ok(()),
+        }
+    }
+}
+
+/// [`Stepper::advance`] of a stepper of one lane that nothing checks. `step` makes the flows of a step, `sums` is the field with its
+/// increment: it is added from there.
+pub fn add_from_field<S: Stepper>(
+    stepper: &mut S,
+    steps: u64,
+    [state, low]: [&mut [f64]; 2],
+    mut record: Option<&mut StepRecord<'_>>,
+    step: fn(&mut S, &[f64]) -> Result<(), StepError>,
+    sums: for<'a> fn(&'a S) -> &'a [f64],
+) -> (u64, Result<(), StepError>) {
+    for made in 0..steps {
+        if let Err(error) = step(stepper, state) {
+            return (made, Err(error));
+        }
+        add_finite(state, low, sums(stepper));
+        if let Some(record) = &mut record {
+            record.take(state, stepper.statistics().evaluations);
+        }
+    }
+    (steps, Ok(()))
 }

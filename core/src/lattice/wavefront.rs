@@ -47,7 +47,7 @@ pub struct Front {
     sweeps: usize,
     /// The sites that are read together.
     sites: Vec<Range<usize>>,
-    /// The numbers of families, and of sites of each.
+    /// The numbers of families of the state, and of sites of each.
     families: usize,
     length: usize,
 }
@@ -62,10 +62,11 @@ pub struct Finite {
 }
 
 impl Front {
-    /// That of sweeps with these parts over a lattice. `None` where one has no parts, where families differ in length, and where all
-    /// sites are one part.
+    /// That of sweeps with these parts over a lattice whose state is in the first `families`. There is none where a sweep has no
+    /// parts, where families differ in length, and where all sites are one part.
     pub fn of(
         geometry: &LatticeGeometry,
+        families: usize,
         sweeps: impl Iterator<Item = Option<Vec<PartSites>>>,
     ) -> Option<Self> {
         let length = geometry.length();
@@ -91,18 +92,19 @@ impl Front {
             parts: wavefront(&all),
             sweeps: all.len() - 2,
             sites,
-            families: geometry.families.len(),
+            families,
             length,
         })
     }
 
-    /// Takes x into the field of states, zeros into that of sums, and then every part of every sweep by `sweep`, which is given the
-    /// numbers of both.
+    /// Takes x into the field of states and zeros into that of sums; `read` adds more for the same sites. Then takes every part of
+    /// every sweep by `sweep`, which is given the numbers of both.
     pub fn run(
         &self,
         fields: &mut Fields,
         [state, sum]: [Field; 2],
         x: &[f64],
+        mut read: impl FnMut(Range<usize>, &mut Fields),
         mut sweep: impl FnMut(SweptPart, &mut Fields),
     ) -> Finite {
         let mut finite = Finite {
@@ -117,6 +119,7 @@ impl Front {
                         fields.get_mut(state)[range.clone()].copy_from_slice(&x[range.clone()]);
                         fields.get_mut(sum)[range].fill(0.0);
                     }
+                    read(self.sites[part].clone(), fields);
                 }
                 Some(at) if at < self.sweeps => sweep(SweptPart { sweep: at, part }, fields),
                 Some(_) => {

@@ -1,9 +1,13 @@
 //! Split steps of a lattice by sweeps over one set of fields.
 
+use std::ops::Range;
+
 use super::increments::{Normals, SiteNoise, normal};
 use crate::error::StepError;
-use crate::lattice::{Fields, Swept, SweptKernels};
-use crate::solver::{Setting, SolverStatistics, Stepper};
+use crate::lattice::{Fields, Finite, Front, Swept, SweptKernels, SweptPart, add_from_field};
+use crate::solver::{
+    Setting, SolverStatistics, StepCheck, StepRecord, Stepper, are_finite, one_by_one,
+};
 
 /// χ*_{t/2} ∘ flows of the noise ∘ χ_{t/2} of a lattice, all of them sweeps. The channels' flows are numbered 1 … K … 1, as
 /// the families of increments behind the coordinates are.
@@ -20,10 +24,37 @@ impl SweptNoise {
         own.fields().map(|_| own)
     }
 
-    fn fields(&self) -> Option<Fields> {
-        let maps: Vec<&Swept> = std::iter::once(&self.drift).chain(&self.flows).collect();
-        Swept::fields(&maps)
+    fn maps(&self) -> Vec<&Swept> {
+        std::iter::once(&self.drift).chain(&self.flows).collect()
     }
+
+    fn fields(&self) -> Option<Fields> {
+        Swept::fields(&self.maps())
+    }
+
+    /// The sweeps of a step whose channels' flows take the first or the second pass of `groups`.
+    fn schedule(&self, groups: usize, is_second: bool) -> Vec<Sweep> {
+        let last = groups.saturating_sub(1);
+        let of = |map: usize| {
+            let own = &self.maps()[map].order;
+            let sweeps = own.iter().map(move |stage| Sweep { map, stage: *stage });
+            sweeps.collect::<Vec<_>>()
+        };
+        let flow = |at: usize| 1 + if is_second { last + at } else { at };
+        let mut back = of(0);
+        back.reverse();
+        let mut sweeps = of(0);
+        sweeps.extend((0..groups).flat_map(|at| of(flow(at))));
+        sweeps.extend(back);
+        sweeps
+    }
+}
+
+/// A stage of the drift, the first of the maps, or of a flow.
+#[derive(Clone, Copy, Debug)]
+struct Sweep {
+    map: usize,
+    stage: usize,
 }
 
 /// Numbers that a step draws.
@@ -34,10 +65,15 @@ pub(super) struct Draws {
     pub(super) starts: Vec<usize>,
 }
 
-/// One trajectory's fields and kernels.
+/// Which pass the flows of the channels take in a step, and its order of parts.
+struct Pass {
+    sweeps: Vec<Sweep>,
+    front: Option<Front>,
+}
+
+/// One trajectory's fields, and kernels of the drift and the flows.
 struct Trajectory {
-    drift: SweptKernels,
-    flows: Vec<SweptKernels>,
+    kernels: Vec<SweptKernels>,
     fields: Fields,
 }
 
@@ -45,6 +81,8 @@ struct Trajectory {
 pub(super) struct SweptNoiseSteps {
     map: SweptNoise,
     draws: Draws,
+    /// The first pass and the second.
+    passes: [Pass; 2],
     /// The coordinates of a state, without increments.
     own: usize,
     trajectories: Vec<Trajectory>,
@@ -53,6 +91,45 @@ pub(super) struct SweptNoiseSteps {
     /// The number of the next step.
     step: u64,
     statistics: SolverStatistics,
+}
+
+impl Draws {
+    /// Whether the second pass has the time in a step.
+    fn is_second(&self, member: u64, step: u64) -> bool {
+        let all: usize = self.groups.iter().map(SiteNoise::channels).sum();
+        self.groups.len() > 1 && normal(&self.normals, member, all as u32, step) < 0.0
+    }
+
+    /// Draws the increments of some sites where the flows of their pass read them.
+    fn draw(
+        &self,
+        (member, step, is_second): (u64, u64, bool),
+        root: f64,
+        sites: Range<usize>,
+        increments: &mut [f64],
+    ) {
+        let last = self.groups.len().saturating_sub(1);
+        let mut channel = 0;
+        for (at, group) in self.groups.iter().enumerate() {
+            let pass = if is_second { 2 * last - at } else { at };
+            let end = sites.end.min(group.sites);
+            let sites = sites.start.min(end)..end;
+            let drawn = &mut increments[self.starts[pass]..][sites.clone()];
+            match &group.apart {
+                None => drawn.fill(normal(&self.normals, member, channel as u32, step) / root),
+                Some(apart) => {
+                    drawn.fill(0.0);
+                    let from = apart.start.clamp(sites.start, sites.end);
+                    let to = apart.end.clamp(from, sites.end);
+                    let drawn = &mut drawn[from - sites.start..to - sites.start];
+                    let first = channel + from.saturating_sub(apart.start);
+                    (self.normals)(member, first as u32, step, drawn);
+                    drawn.iter_mut().for_each(|w| *w /= root);
+                }
+            }
+            channel += group.channels();
+        }
+    }
 }
 
 impl SweptNoiseSteps {
@@ -69,9 +146,24 @@ impl SweptNoiseSteps {
     ) -> Self {
         let fields = map.fields().expect("its maps work on the same fields");
         let increments = draws.starts.last().copied().unwrap_or(0);
+        let own = fields.get(map.drift.state).len() - increments;
+        let geometry = map.drift.program.geometry();
+        let families = geometry.offsets().partition_point(|start| *start < own);
+        let pass = |is_second| {
+            let sweeps = map.schedule(draws.groups.len(), is_second);
+            let maps = map.maps();
+            let parts = sweeps.iter();
+            let parts = parts.map(|Sweep { map, stage }| maps[*map].program.parts(*stage));
+            let front = match lanes {
+                1 => Front::of(geometry, families, parts),
+                _ => None,
+            };
+            Pass { sweeps, front }
+        };
         let mut this = Self {
+            passes: [false, true].map(pass),
             map: map.clone(),
-            own: fields.get(map.drift.state).len() - increments,
+            own,
             draws,
             trajectories: Vec::new(),
             members: (0..lanes as u64).collect(),
@@ -79,93 +171,80 @@ impl SweptNoiseSteps {
             step: 0,
             statistics: SolverStatistics::default(),
         };
-        let prepared = this.prepare(lanes, parameters);
-        let trajectory = |(drift, flows)| Trajectory {
-            drift,
-            flows,
+        let prepared = this.prepare(lanes, parameters).into_iter();
+        let trajectories = prepared.map(|kernels| Trajectory {
+            kernels,
             fields: fields.clone(),
-        };
-        this.trajectories = prepared.into_iter().map(trajectory).collect();
+        });
+        this.trajectories = trajectories.collect();
         this
     }
 
     /// The kernels of every lane.
-    fn prepare(&self, lanes: usize, parameters: &[f64]) -> Vec<(SweptKernels, Vec<SweptKernels>)> {
+    fn prepare(&self, lanes: usize, parameters: &[f64]) -> Vec<Vec<SweptKernels>> {
         let of_lane = |lane: usize| {
-            let own: Vec<f64> = parameters
-                .iter()
-                .skip(lane)
-                .step_by(lanes)
-                .copied()
-                .collect();
+            let own = parameters.iter().skip(lane).step_by(lanes).copied();
+            let own: Vec<f64> = own.collect();
             let flows = self.map.flows.iter();
-            (
-                self.map.drift.prepare(0.5, &own, self.sizes),
-                flows
-                    .map(|flow| flow.prepare(1.0, &own, self.sizes))
-                    .collect(),
-            )
+            let flows = flows.map(|flow| flow.prepare(1.0, &own, self.sizes));
+            let drift = self.map.drift.prepare(0.5, &own, self.sizes);
+            std::iter::once(drift).chain(flows).collect()
         };
         (0..lanes).map(of_lane).collect()
     }
 
-    /// Draws the increments of a lane where the flows of their pass read them; whether the second pass has the time.
-    fn draw(&mut self, lane: usize) -> bool {
-        let Draws {
-            groups,
-            normals,
-            starts,
-        } = &self.draws;
-        let (member, last) = (self.members[lane], groups.len().saturating_sub(1));
-        let all: usize = groups.iter().map(SiteNoise::channels).sum();
-        let is_second = last > 0 && normal(normals, member, all as u32, self.step) < 0.0;
-        let root = libm::sqrt(self.sizes.0 * self.sizes.1);
-        let state = self.trajectories[lane].fields.get_mut(self.map.drift.state);
-        let state = &mut state[self.own..];
-        let mut channel = 0;
-        for (at, group) in groups.iter().enumerate() {
-            let pass = if is_second { 2 * last - at } else { at };
-            let drawn = &mut state[starts[pass]..][..group.sites];
-            match &group.apart {
-                None => drawn.fill(normal(normals, member, channel as u32, self.step) / root),
-                Some(apart) => {
-                    drawn.fill(0.0);
-                    let drawn = &mut drawn[apart.clone()];
-                    normals(member, channel as u32, self.step, drawn);
-                    drawn.iter_mut().for_each(|w| *w /= root);
-                }
-            }
-            channel += group.channels();
-        }
-        is_second
-    }
-
-    /// One step of a lane from `x`; whether it is finite.
-    fn advance(&mut self, lane: usize, x: impl Iterator<Item = f64>) -> bool {
-        let own = self.own;
+    /// The sweeps of a lane's step from x. Its increments are then in the field of sums.
+    fn sweep(&mut self, lane: usize, x: &[f64]) -> Finite {
+        self.statistics.steps += 1;
+        self.statistics.evaluations += 1;
+        self.statistics.most_evaluations = 1;
+        let (own, step, member) = (self.own, self.step, self.members[lane]);
         let (state, sum) = (self.map.drift.state, self.map.drift.sum);
-        let fields = &mut self.trajectories[lane].fields;
-        let to = fields.get_mut(state)[..own].iter_mut();
-        to.zip(x).for_each(|(to, x)| *to = x);
-        fields.get_mut(sum)[..own].fill(0.0);
-        let is_second = self.draw(lane);
-        let Trajectory {
-            drift,
-            flows,
-            fields,
-        } = &mut self.trajectories[lane];
-        self.map.drift.run(drift, fields, false);
-        let last = self.draws.groups.len().saturating_sub(1);
-        for at in 0..self.draws.groups.len() {
-            let pass = if is_second { last + at } else { at };
-            self.map.flows[pass].run(&mut flows[pass], fields, false);
-        }
-        self.map.drift.run(drift, fields, true);
-        let is_finite = |field| {
-            let numbers = &fields.get(field)[..own];
-            numbers.iter().fold(true, |all, x| all & x.is_finite())
+        let root = libm::sqrt(self.sizes.0 * self.sizes.1);
+        let is_second = self.draws.is_second(member, step);
+        let (draws, maps) = (&self.draws, self.map.maps());
+        let read = |sites: Range<usize>, fields: &mut Fields| {
+            let increments = &mut fields.get_mut(state)[own..];
+            draws.draw((member, step, is_second), root, sites, increments);
         };
-        is_finite(state) && is_finite(sum)
+        let Pass { sweeps, front } = &self.passes[usize::from(is_second)];
+        let lanes = self.trajectories.len();
+        let Trajectory { kernels, fields } = &mut self.trajectories[lane];
+        if let Some(front) = front {
+            return front.run(
+                fields,
+                [state, sum],
+                x,
+                read,
+                |SweptPart { sweep, part }, fields| {
+                    let Sweep { map, stage } = sweeps[sweep];
+                    maps[map].run_part((stage, part), &mut kernels[map], fields);
+                },
+            );
+        }
+        let to = fields.get_mut(state)[..own].iter_mut();
+        let from = x.iter().skip(lane).step_by(lanes);
+        to.zip(from).for_each(|(to, x)| *to = *x);
+        fields.get_mut(sum)[..own].fill(0.0);
+        read(0..usize::MAX, fields);
+        for Sweep { map, stage } in sweeps {
+            maps[*map].run_stage(*stage, &mut kernels[*map], fields);
+        }
+        let is_finite = |field| {
+            let numbers = fields.get(field)[..own].iter();
+            numbers.fold(true, |all, x| all & x.is_finite())
+        };
+        let flows = is_finite(state) && is_finite(sum);
+        let sums = &fields.get(sum)[..own];
+        let step = flows && (lanes > 1 || are_finite(x, sums));
+        Finite { flows, step }
+    }
+}
+
+impl SweptNoiseSteps {
+    /// The increment of the first lane's last sweeps.
+    fn sums(&self) -> &[f64] {
+        &self.trajectories[0].fields.get(self.map.drift.sum)[..self.own]
     }
 }
 
@@ -178,16 +257,12 @@ impl Stepper for SweptNoiseSteps {
         outcome: &mut [Result<(), StepError>],
     ) {
         let lanes = self.trajectories.len();
-        let own = self.own;
         for (lane, outcome) in outcome.iter_mut().enumerate() {
-            let is_finite = match lanes {
-                1 => self.advance(lane, x.iter().copied()),
-                _ => self.advance(lane, x.iter().skip(lane).step_by(lanes).copied()),
-            };
+            let is_finite = self.sweep(lane, x).flows;
             let to = increment.iter_mut().skip(lane).step_by(lanes);
             *outcome = match is_finite {
                 true => {
-                    let sum = &self.trajectories[lane].fields.get(self.map.drift.sum)[..own];
+                    let sum = &self.trajectories[lane].fields.get(self.map.drift.sum)[..self.own];
                     to.zip(sum).for_each(|(to, change)| *to = *change);
                     Ok(())
                 }
@@ -197,14 +272,34 @@ impl Stepper for SweptNoiseSteps {
                     Err(StepError::OF_INCREMENT)
                 }
             };
-            self.statistics.steps += 1;
-            self.statistics.evaluations += 1;
-            self.statistics.most_evaluations = 1;
         }
         // A step that fails has not been made.
         if outcome.iter().any(Result::is_ok) {
             self.step += 1;
         }
+    }
+
+    fn advance(
+        &mut self,
+        steps: u64,
+        state: &mut [f64],
+        low: &mut [f64],
+        increment: &mut [f64],
+        check: Option<&mut dyn StepCheck>,
+        record: Option<&mut StepRecord<'_>>,
+    ) -> (u64, Result<(), StepError>) {
+        if self.trajectories.len() > 1 || check.is_some() {
+            return one_by_one(self, steps, [state, low, increment], check, record);
+        }
+        // A step that fails has not been made.
+        let step = |own: &mut Self, x: &[f64]| {
+            let finite = own.sweep(0, x);
+            own.statistics.failures += u64::from(!finite.flows);
+            let made = finite.step();
+            own.step += u64::from(made.is_ok());
+            made
+        };
+        add_from_field(self, steps, [state, low], record, step, Self::sums)
     }
 
     fn restart(&mut self) {}
@@ -215,8 +310,8 @@ impl Stepper for SweptNoiseSteps {
             Setting::Members(members) => self.members.copy_from_slice(members),
             Setting::Parameters(parameters) => {
                 let prepared = self.prepare(self.trajectories.len(), parameters);
-                for (trajectory, (drift, flows)) in self.trajectories.iter_mut().zip(prepared) {
-                    (trajectory.drift, trajectory.flows) = (drift, flows);
+                for (trajectory, kernels) in self.trajectories.iter_mut().zip(prepared) {
+                    trajectory.kernels = kernels;
                 }
             }
         }

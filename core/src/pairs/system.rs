@@ -101,7 +101,8 @@ impl BodySystem {
                 operations: 0,
             })
         })
-        .with_motion(self.forces.motion());
+        .with_motion(self.forces.motion())
+        .with_derived_gradient();
         if let Some(poles) = self.poles()? {
             numbers = numbers.with_poles(poles);
         }

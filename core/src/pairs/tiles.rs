@@ -252,6 +252,7 @@ impl Tiles {
             ahead: shifts.start * self.points,
             stride: self.points,
             count: shifts.len(),
+            may_meet: false,
         };
         let (kernel, workspace) = (&self.kernel, &mut self.workspace);
         let reached = kernel.evaluate_along(workspace, &mut self.room, passes);

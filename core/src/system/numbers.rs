@@ -46,6 +46,7 @@ pub struct SystemNumbers {
     field: Option<Arc<MakeField>>,
     motion: MotionClass,
     has_resting_tensor: bool,
+    is_derived: bool,
     shears: Vec<Shear>,
     tangent: Option<Arc<MakeFieldTangent>>,
     jets: Option<Arc<MakeJet>>,
@@ -135,6 +136,7 @@ impl SystemNumbers {
             field: None,
             motion: MotionClass::default(),
             has_resting_tensor: false,
+            is_derived: false,
             shears: Vec::new(),
             tangent: None,
             jets: None,
@@ -214,6 +216,18 @@ impl SystemNumbers {
     pub fn with_resting_tensor(mut self) -> Self {
         self.has_resting_tensor = true;
         self
+    }
+
+    /// The same with ∇H that exact algebra derived from the formula of H: [`find_inconsistency`](crate::diagnostics::find_inconsistency)
+    /// has nothing to look for.
+    pub fn with_derived_gradient(mut self) -> Self {
+        self.is_derived = true;
+        self
+    }
+
+    /// Whether ∇H was derived from the formula of H.
+    pub fn has_derived_gradient(&self) -> bool {
+        self.is_derived
     }
 
     /// The same with H as a sum of parts whose flows are shears.

@@ -104,7 +104,10 @@ impl StepMap for Shears {
     }
 
     fn describe(&self) -> String {
-        format!("{NAME} into {} pieces, pairs in a loop", self.shears.len())
+        format!(
+            "{NAME} into {} shears as T + V, harmonic parts with V, pairs in a loop",
+            self.shears.len()
+        )
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {

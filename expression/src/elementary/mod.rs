@@ -35,7 +35,7 @@ use root::Roots;
 use trigonometric::{Cos, Sin, SinCos, Tan};
 use turn::Turn;
 
-use crate::vector::InstructionSet;
+use crate::vector::run_loops;
 
 /// Replaces each x by eˣ, as `libm::exp` gives it.
 pub fn exp_lanes(values: &mut [f64]) {
@@ -49,7 +49,7 @@ pub fn ln_lanes(values: &mut [f64]) {
 
 /// Replaces each x by √x, as `libm::sqrt` gives it.
 pub fn sqrt_lanes(values: &mut [f64]) {
-    InstructionSet::best().run(Roots(values));
+    run_loops(Roots(values));
 }
 
 /// Replaces each x by sin x, as `libm::sin` gives it.

@@ -9,6 +9,9 @@ use crate::expression::{Binary, Function, Side};
 use crate::rational::Rational;
 use crate::table::Lookup;
 
+/// The largest ratio of two factors of a sum of which one is pulled out: 2²⁵⁵, whose fourth power is a double.
+const LARGEST_RATIO: f64 = f64::from_bits((1023 + 255) << 52);
+
 impl Graph {
     /// f⁽ᵏ⁾(a) for k = `order`.
     pub fn apply_analytic(&mut self, function: AnalyticFunction, order: u32, a: &Term) -> Term {
@@ -152,8 +155,12 @@ impl Graph {
         if !scale.is_one() {
             let inverse = scale.recip();
             let ratios: Vec<Rational> = sums.iter().map(|t| &t.0 * &inverse).collect();
-            // Ratios that a double does not hold would lose what the factors themselves say.
-            if ratios.iter().all(|ratio| ratio.to_f64().is_normal()) {
+            // Larger ratios would lose what the factors themselves say: derivatives of a root or of a quotient raise them to powers.
+            let holds = |ratio: &Rational| {
+                let size = ratio.to_f64().abs();
+                (1.0 / LARGEST_RATIO..=LARGEST_RATIO).contains(&size)
+            };
+            if ratios.iter().all(holds) {
                 for (term, ratio) in sums.iter_mut().zip(ratios) {
                     term.0 = ratio;
                 }
@@ -400,6 +407,37 @@ mod tests {
         let mut values = [0.0];
         kernel.evaluate(&mut workspace, &[x], &mut values);
         values[0]
+    }
+
+    /// d/dx 1/(a x² + s) = −2 a x/(a x² + s)², also where s is there for x = 0 alone and would be taken out of the sum, and raised to powers.
+    #[test]
+    fn sums_with_a_tiny_summand_have_their_derivatives() {
+        let (tiny, x, a) = (Rational::from_f64(f64::MIN_POSITIVE), 0.1, 3.0);
+        let mut graph = Graph::new();
+        let input = graph.input(0);
+        let square = graph.multiply(&input, &input);
+        let factor = graph.constant(&Rational::from_f64(a).expect("finite"));
+        let square = graph.multiply(&factor, &square);
+        let tiny = graph.constant(&tiny.expect("finite"));
+        let below = graph.add(&square, &tiny);
+        let one = graph.one();
+        let quotient = graph.divide(&one, &below).expect("not zero");
+        let root = graph.apply(Function::Sqrt, &below).expect("a root");
+        let slopes = [&quotient, &root].map(|term| graph.derivative(term, 0).expect("smooth"));
+        let kernel = Kernel::compile(&graph, &slopes, 0, 1);
+        let mut workspace = kernel.workspace(1);
+        kernel.prepare(&mut workspace, &[], &[1.0], &[1.0]);
+        let mut values = [0.0; 2];
+        kernel.evaluate(&mut workspace, &[x], &mut values);
+        let square = a * x * x;
+        let expected = [-2.0 * a * x / (square * square), a * x / libm::sqrt(square)];
+        for (value, expected) in values.iter().zip(expected) {
+            // A dozen operations.
+            assert!(
+                (value - expected).abs() < 8.0 * f64::EPSILON * expected.abs(),
+                "{value} for {expected}"
+            );
+        }
     }
 
     /// A factor that all terms share is not taken out where that leaves a double's range.

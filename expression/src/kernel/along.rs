@@ -31,7 +31,7 @@ impl Kernel {
     ///
     /// # Panics
     /// When an input or output would not be in the array. Also when one would stand, at one of the places of a pass,
-    /// where an output stands at another one.
+    /// where an output stands at another one, unless they [may meet](Passes::may_meet).
     pub fn evaluate_along(
         &self,
         workspace: &mut Workspace,

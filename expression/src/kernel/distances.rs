@@ -37,6 +37,8 @@ pub struct Passes {
     pub stride: usize,
     /// The number of passes.
     pub count: usize,
+    /// Whether an output may stand where an input of another place does. The kernel must leave such a number as it is.
+    pub may_meet: bool,
 }
 
 /// One pass, where both places are one.
@@ -47,6 +49,7 @@ impl From<Range<usize>> for Passes {
             ahead: 0,
             stride: 0,
             count: 1,
+            may_meet: false,
         }
     }
 }
@@ -121,7 +124,7 @@ impl Distances {
     }
 
     /// Whether all that stands at these distances from the places is in an array of that length, with one place at
-    /// least. In a pass outputs must stand where nothing else does but for inputs of the same place.
+    /// least. In a pass outputs must stand where nothing else does but for inputs of the same place, unless they may meet.
     pub(super) fn fit(&self, passes: &Passes, length: usize) -> bool {
         let Range { start, end } = passes.places;
         let Some(farthest) = passes.farthest() else {
@@ -138,10 +141,10 @@ impl Distances {
         };
         start < end
             && end <= length
-            && end - start <= self.apart
             && is_within(0, 0, 0)
             && is_within(passes.ahead, farthest, 1)
-            && self.are_apart(passes.ahead, farthest, end - start)
+            && (passes.may_meet
+                || end - start <= self.apart && self.are_apart(passes.ahead, farthest, end - start))
     }
 
     /// Whether nothing from one place meets an output from the other, the second place so far ahead, at so many places.

@@ -48,6 +48,61 @@ impl Formula {
             Err(Stop::Error(error)) => Err(*error),
         }
     }
+
+    /// The same of a summand at a site, such as a force on `q[i]`. Its additive terms that reach outside by way of a free index
+    /// are dropped, as those of `sum(i, …)` are. `None` where nothing is left.
+    ///
+    /// ```
+    /// use leafwise_expression::syntax::{Boundary, Formula, Scope};
+    ///
+    /// let scope = Scope::new().with_family("p", 0, 3).with_boundary(Boundary::Open);
+    /// let force = Formula::parse("p[i]/2 + 3*(p[i] - p[i+1])").expect("a formula");
+    /// let last = force.resolve_summand(&scope, Some((&["i"], 2))).expect("known names");
+    /// assert_eq!(last.expect("terms of p[2]").evaluate(&[5.0, 7.0, 2.0], &[]), 7.0);
+    /// ```
+    ///
+    /// # Errors
+    /// As [`resolve`](Self::resolve).
+    pub fn resolve_summand(
+        &self,
+        scope: &Scope,
+        index: Option<At<'_>>,
+    ) -> Result<Option<Expression>, SyntaxError> {
+        let mut resolver = Resolver::new(self.source(), scope);
+        self.summand(&mut resolver, index)
+    }
+
+    /// The terms that [`resolve_summand`](Self::resolve_summand) drops at a site, as they are written.
+    ///
+    /// # Errors
+    /// As [`resolve`](Self::resolve).
+    pub fn left_out_of_summand(
+        &self,
+        scope: &Scope,
+        index: At<'_>,
+    ) -> Result<Vec<&str>, SyntaxError> {
+        let mut resolver = Resolver::new(self.source(), scope);
+        self.summand(&mut resolver, Some(index))?;
+        let dropped = resolver.dropped.iter();
+        Ok(dropped.map(|span| span.of(self.source())).collect())
+    }
+
+    fn summand(
+        &self,
+        resolver: &mut Resolver<'_>,
+        index: Option<At<'_>>,
+    ) -> Result<Option<Expression>, SyntaxError> {
+        let scope = resolver.scope;
+        let mut resolve = |bound: Option<&Bound<'_>>| match bound {
+            Some(bound) => resolver.inside(self.root(), bound, 0),
+            None => resolver.expression(self.root(), None).map(Some),
+        };
+        match scope.at_site(index, 0, &mut resolve) {
+            Ok(expression) => Ok(expression),
+            Err(Stop::Outside { .. }) => Ok(None),
+            Err(Stop::Error(error)) => Err(*error),
+        }
+    }
 }
 
 /// Why a part has no expression. The error is boxed so that a level of recursion takes little of

@@ -31,9 +31,30 @@ pub(crate) use register::SIGN;
 pub(crate) use traced::{Number, Tape, Traceable};
 
 /// Loops over lanes, written once.
-pub(crate) trait Work {
+pub trait Work {
     /// Runs them. Implementations are `#[inline(always)]`: the instruction set is the caller's.
     fn run(self);
+}
+
+/// Runs loops compiled for the widest registers of this machine. Results have the same bits on any.
+///
+/// ```
+/// use leafwise_expression::vector::{Work, run_loops};
+///
+/// struct Scatter<'a>(&'a mut [u32]);
+/// impl Work for Scatter<'_> {
+///     #[inline(always)]
+///     fn run(self) {
+///         self.0.iter_mut().for_each(|bits| *bits = bits.wrapping_mul(0x9E37_79B9));
+///     }
+/// }
+/// let mut bits = [0, 1, 2, 3];
+/// run_loops(Scatter(&mut bits));
+/// assert_eq!(bits, [0, 0x9E37_79B9, 0x3C6E_F372, 0xDAA6_6D2B]);
+/// ```
+#[inline]
+pub fn run_loops(work: impl Work) {
+    InstructionSet::best().run(work);
 }
 
 /// Code over registers, written once.

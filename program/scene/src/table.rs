@@ -24,22 +24,43 @@ pub fn read_column(path: &Path, column: Option<&str>) -> Result<Vec<f64>, String
     column_of(&text, column).map_err(|reason| format!("{}: {reason}", path.display()))
 }
 
+/// The same as an array; the numbers of all columns in rows where `column` names none and there are several without names.
+///
+/// # Errors
+/// As [`read_column`] and [`read_rows`].
+pub fn read_numbers(path: &Path, column: Option<&str>) -> Result<NumberArray, String> {
+    if column.is_none() {
+        let rows = read_table(path)?;
+        if rows.columns.is_none() && rows.rows[0].len() > 1 {
+            return read_rows(path);
+        }
+    }
+    let numbers = read_column(path, column)?;
+    Ok(NumberArray {
+        shape: vec![numbers.len()],
+        numbers,
+    })
+}
+
+fn read_table(path: &Path) -> Result<Table, String> {
+    let text =
+        read_text(path).map_err(|error| format!("cannot read {}: {error}", path.display()))?;
+    Table::read(&text).map_err(|reason| format!("{}: {reason}", path.display()))
+}
+
 /// Rows of numbers, all as long as the first.
 ///
 /// # Errors
 /// The first thing wrong, and in which row.
 pub fn read_rows(path: &Path) -> Result<NumberArray, String> {
-    let text =
-        read_text(path).map_err(|error| format!("cannot read {}: {error}", path.display()))?;
-    let rows = Table::read(&text).and_then(|table| {
-        let width = table.rows[0].len();
-        table.check(width, || format!("the first has {width}"))?;
-        Ok(NumberArray {
-            shape: vec![table.rows.len(), width],
-            numbers: table.rows.concat(),
-        })
-    });
-    rows.map_err(|reason| format!("{}: {reason}", path.display()))
+    let table = read_table(path)?;
+    let width = table.rows[0].len();
+    let checked = table.check(width, || format!("the first has {width}"));
+    checked.map_err(|reason| format!("{}: {reason}", path.display()))?;
+    Ok(NumberArray {
+        shape: vec![table.rows.len(), width],
+        numbers: table.rows.concat(),
+    })
 }
 
 /// Numbers of one column of a text.

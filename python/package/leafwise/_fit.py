@@ -107,6 +107,7 @@ def fit(
         raise ValueError("data is infinite somewhere; write NaN for what was not observed")
     weight = _weight(sigma, given.shape) * is_there
     along = Trajectory(scene, parameters, record=record)
+    scene._scene.check_varied(along.parameters, not initial)
     model: Trajectory | AtTimes
     if times is None:
         model = Trajectory(scene, parameters, record=along.record, steps=along.record * (len(given) - 1))

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ._arrays import Array, count, in_order, names, real_numbers, reals
-from ._errors import IntegrationError, LeafwiseError, LeafwiseWarning
+from ._errors import IntegrationError, LeafwiseError, LeafwiseWarning, SceneError
 from ._leafwise import Growth
 
 if TYPE_CHECKING:
@@ -60,6 +60,15 @@ class Tried(NamedTuple):
     """Whether all steps could be taken."""
 
 
+def _enters_by_formulas(scene: Scene, name: str) -> bool:
+    """Whether no values of sites are formed of a parameter."""
+    try:
+        scene._scene.check_varied([name], False)
+    except SceneError:
+        return False
+    return True
+
+
 class Trajectory:
     """The samples x of a scene as a function of the initial state x0 and the values of chosen parameters.
 
@@ -71,7 +80,8 @@ class Trajectory:
 
     Raises:
         LeafwiseError: the scene has a pace, a condition that stops it or samples at times; a name is no parameter.
-        SceneError: its bracket is not Poisson, and ``allow_non_poisson`` is not given.
+        SceneError: its bracket is not Poisson, and ``allow_non_poisson`` is not given; values of sites are formed of a parameter
+            that is named.
     """
 
     def __init__(
@@ -88,13 +98,14 @@ class Trajectory:
         chosen = None if parameters is None else names("parameters", parameters)
         self._map = scene._scene.map(allow_non_poisson)
         known = scene.parameters
-        chosen = list(known) if chosen is None else chosen
+        chosen = [name for name in known if _enters_by_formulas(scene, name)] if chosen is None else chosen
         for name in chosen:
             if name not in known:
                 told = ", ".join(known) or "none"
                 raise LeafwiseError(f"the system has no parameter {name!r}; it has {told}")
             if chosen.count(name) > 1:
                 raise LeafwiseError(f"the parameter {name!r} is named twice")
+        scene._scene.check_varied(chosen, False)
         self.parameters = chosen
         """The names of the parameters that ``values`` holds, in their order."""
         self._all = np.array(list(known.values()), dtype=np.float64)

@@ -450,7 +450,10 @@ class Scene:
         record: int | None = None,
         allow_non_poisson: bool = False,
     ) -> Trajectory:
-        """The samples as a differentiable function of the initial state and these parameters, all where none are named."""
+        """The samples as a differentiable function of the initial state and these parameters.
+
+        Where none are named they are all but those that values of sites are formed of.
+        """
         return Trajectory(self, parameters, steps=steps, record=record, allow_non_poisson=allow_non_poisson)
 
     def fit(

@@ -42,14 +42,20 @@ def vectors(x: ArrayLike, lengths: Sequence[int], components: int = 3, first: in
     """States (..., d) as vectors (..., components, *lengths).
 
     A family of vectors stands component after component, the last axis fastest. ``first`` is the place of its first
-    coordinate where other families stand before it.
+    coordinate where other families stand before it, all of the same lattice.
     """
     states = np.asarray(x, dtype=float)
-    count = components * int(np.prod(lengths))
+    sites = int(np.prod(lengths))
+    count = components * sites
     if states.ndim == 0 or states.shape[-1] < first + count:
         found = states.shape[-1] if states.ndim else 1
         raise ValueError(
             f"{components} components on {tuple(lengths)} sites are {count} coordinates from {first} on, and a state has {found}"
+        )
+    if first % sites or states.shape[-1] % sites:
+        raise ValueError(
+            f"families on {tuple(lengths)} sites have {sites} coordinates a component: a state of {states.shape[-1]}, from {first} on, "
+            "is of another lattice"
         )
     return states[..., first : first + count].reshape(*states.shape[:-1], components, *lengths)
 
@@ -99,9 +105,12 @@ def correlation(s: ArrayLike) -> Array:
 
 
 def write_xyz(
-    path: str | PathLike[str], s: ArrayLike, times: Iterable[float] | None = None, species: str = "Fe"
+    path: str | PathLike[str], s: ArrayLike, times: Iterable[float] | None = None, species: str = "Fe", periodic: bool = True
 ) -> None:
-    """Write samples (samples, components, *lengths) as extended XYZ, a frame each: an atom a site at its place, its vector as ``spin``."""
+    """Write samples (samples, components, *lengths) as extended XYZ, a frame each: an atom a site at its place, its vector as ``spin``.
+
+    ``periodic`` is what the frames say of all their axes.
+    """
     samples = _samples(s)
     frames = list(times) if times is not None else [None] * len(samples)
     if len(frames) != len(samples):
@@ -110,11 +119,12 @@ def write_xyz(
     places = np.indices(lengths).reshape(_MOST_AXES, -1).T
     cell = " ".join(str(float(length)) if row == column else "0.0" for row, length in enumerate(lengths) for column in range(3))
     components = samples.shape[1]
+    pbc = " ".join(["T" if periodic else "F"] * _MOST_AXES)
     with open(path, "w", encoding="ascii") as file:
         for sample, time in zip(samples, frames):
             at = "" if time is None else f" Time={float(time)!r}"
             file.write(f"{places.shape[0]}\n")
-            file.write(f'Lattice="{cell}" Properties=species:S:1:pos:R:3:spin:R:{components}{at}\n')
+            file.write(f'Lattice="{cell}" Properties=species:S:1:pos:R:3:spin:R:{components} pbc="{pbc}"{at}\n')
             for place, vector in zip(places, sample.reshape(components, -1).T):
                 numbers = " ".join(repr(float(number)) for number in (*place, *vector))
                 file.write(f"{species} {numbers}\n")
@@ -153,26 +163,29 @@ def write_ovf(path: str | PathLike[str], s: ArrayLike, cell: float = 1e-9, title
 
 
 def write_vti(path: str | PathLike[str], s: ArrayLike, title: str = "spin") -> None:
-    """Write one state (components, *lengths) as VTK image data, in text. Axis 0 is x."""
+    """Write one state (components, *lengths) as VTK image data, in text. Axis 0 is x; two components get a third one that is 0."""
     state = _one(s)
+    if state.shape[0] == 2:
+        state = np.concatenate([state, np.zeros_like(state[:1])])
     components, lengths = state.shape[0], _lengths(state[None])
+    kind = "Vectors" if components == _MOST_AXES else "Scalars"
     extent = " ".join(f"0 {length - 1}" for length in lengths)
     rows = "\n".join(" ".join(repr(float(number)) for number in row) for row in _x_fastest(state))
     with open(path, "w", encoding="ascii") as file:
         file.write(
             '<?xml version="1.0"?>\n<VTKFile type="ImageData" version="1.0" byte_order="LittleEndian">\n'
             f'<ImageData WholeExtent="{extent}" Origin="0 0 0" Spacing="1 1 1">\n<Piece Extent="{extent}">\n'
-            f'<PointData Vectors="{title}">\n'
+            f'<PointData {kind}="{title}">\n'
             f'<DataArray type="Float64" Name="{title}" NumberOfComponents="{components}" format="ascii">\n{rows}\n'
             "</DataArray>\n</PointData>\n</Piece>\n</ImageData>\n</VTKFile>\n"
         )
 
 
 def _samples(s: ArrayLike) -> Array:
-    """Checked to be (samples, components, *lengths)."""
+    """Checked to be (samples, components, *lengths), with components of a vector."""
     array = np.asarray(s, dtype=float)
-    if not 3 <= array.ndim <= 2 + _MOST_AXES:
-        raise ValueError(f"samples have the shape (samples, components, *lengths), found {array.shape}; of one state take s[None]")
+    if not 3 <= array.ndim <= 2 + _MOST_AXES or array.shape[1] > _MOST_AXES:
+        raise ValueError(f"samples have the shape (samples, components, *lengths) with at most {_MOST_AXES} components, found {array.shape}; of one state take s[None]")
     return array
 
 

@@ -49,7 +49,7 @@ impl LatticeSplitting {
     pub fn new(source: &dyn LatticeSource) -> Result<Self, BuildError> {
         let geometry = source.geometry();
         let reach = source.reach()?;
-        let mut misfit = None;
+        let mut misfits = Vec::new();
         // Terms that stand twice the reach apart have nothing to do with each other.
         let far = Some(reach.each()[0].saturating_mul(2));
         let far = far.filter(|period| (LONGEST_PERIOD + 1..=FARTHEST_PERIOD).contains(period));
@@ -58,17 +58,23 @@ impl LatticeSplitting {
         let periods = (1..=LONGEST_PERIOD).chain(far);
         for period in periods.take(if is_chain { usize::MAX } else { 1 }) {
             let Some(cells) = Cells::new(geometry.clone(), period) else {
-                misfit = misfit.or(Some(period));
+                misfits.push(period);
                 continue;
             };
             if let Some(splitting) = Self::with_cells(source, cells, &reach)? {
                 return Ok(splitting);
             }
         }
-        let reason = match misfit {
+        // Whether there is a splitting on a ring that is a little longer.
+        let serves = |period: &usize| {
+            let longer = geometry.length().next_multiple_of(*period);
+            let cells = Cells::new(geometry.resized(&[longer]), *period);
+            let found = cells.map(|cells| Self::with_cells(source, cells, &reach));
+            matches!(found, Some(Ok(Some(_))))
+        };
+        let reason = match misfits.into_iter().find(serves) {
             Some(period) => format!(
-                "its Hamiltonian does not split into pieces that repeat on a ring of {} sites; \
-                 try a multiple of {period}, or boundary = \"open\"",
+                "its Hamiltonian does not split into pieces that repeat on a ring of {} sites; try a multiple of {period}",
                 geometry.length()
             ),
             None if !is_chain => {

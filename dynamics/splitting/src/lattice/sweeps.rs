@@ -5,9 +5,10 @@ use std::sync::Arc;
 use leafwise_core::StepError;
 use leafwise_core::lattice::{
     Cells, Field, Fields, Finite, Front, LatticeProgram, LatticeSlopes, Prepared, SweptPart,
+    add_from_field,
 };
 use leafwise_core::solver::{
-    SolverStatistics, StepCheck, StepRecord, Stepper, Structure, add_finite, one_by_one,
+    SolverStatistics, StepCheck, StepRecord, Stepper, Structure, one_by_one,
 };
 
 use crate::product::evaluations;
@@ -118,7 +119,7 @@ impl Sweeps {
         let front = match lanes == 1 && shared.cells.period() == 1 {
             true => {
                 let stages = schedule.iter().map(|sweep| program.parts(sweep.stage));
-                Front::of(geometry, stages)
+                Front::of(geometry, geometry.families.len(), stages)
             }
             false => None,
         };
@@ -170,6 +171,7 @@ impl Sweeps {
             fields,
             [*state, *sum],
             x,
+            |_, _| {},
             |SweptPart { sweep, part }, fields| {
                 let Sweep {
                     stage,
@@ -178,6 +180,13 @@ impl Sweeps {
                 program.run_part((stage, part), &mut prepared[at], fields);
             },
         )
+    }
+}
+
+impl Sweeps {
+    /// The increment of the first lane's last flows.
+    fn sums(&self) -> &[f64] {
+        self.trajectories[0].fields.get(self.shared.sum)
     }
 }
 
@@ -213,27 +222,17 @@ impl Stepper for Sweeps {
         low: &mut [f64],
         increment: &mut [f64],
         check: Option<&mut dyn StepCheck>,
-        mut record: Option<&mut StepRecord<'_>>,
+        record: Option<&mut StepRecord<'_>>,
     ) -> (u64, Result<(), StepError>) {
         if self.front.is_none() || check.is_some() {
             return one_by_one(self, steps, [state, low, increment], check, record);
         }
-        for made in 0..steps {
-            let finite = self.flow(0, state);
-            if !finite.flows {
-                self.statistics.failures += 1;
-                return (made, Err(StepError::OF_INCREMENT));
-            }
-            if !finite.step {
-                return (made, Err(StepError::OF_STATE));
-            }
-            let sums = self.trajectories[0].fields.get(self.shared.sum);
-            add_finite(state, low, sums);
-            if let Some(record) = &mut record {
-                record.take(state, self.statistics.evaluations);
-            }
-        }
-        (steps, Ok(()))
+        let step = |own: &mut Self, x: &[f64]| {
+            let finite = own.flow(0, x);
+            own.statistics.failures += u64::from(!finite.flows);
+            finite.step()
+        };
+        add_from_field(self, steps, [state, low], record, step, Self::sums)
     }
 
     fn restart(&mut self) {}

@@ -72,7 +72,7 @@ pub(super) fn build(
         graph.unless_refused(())?;
         builder.update(state, moved);
         builder.update(sum, added);
-        builder.finish_stage();
+        builder.finish_stage_apart();
     }
     let (written, count) = (
         Proxy {

@@ -17,7 +17,9 @@ const WIDTH: usize = 200;
 /// ẋ of every variable, a line each; nothing where it has no value at the initial state.
 pub(super) fn lines(run: &ComposedRun) -> Vec<String> {
     let Some(motion) = Motion::of(run) else {
-        return Vec::new();
+        let is_short = run.system.dimension() < run.dimension();
+        let why = "  Motion: no site is away from both open ends by what H couples: it is not written out";
+        return is_short.then(|| why.to_owned()).into_iter().collect();
     };
     let convention = run.system.expressions().map(|system| system.convention());
     let definition = match (&run.contact, convention) {
@@ -104,26 +106,29 @@ fn turning(run: &ComposedRun) -> Option<String> {
     })
 }
 
-/// The terms of H that are left out at the ends of an open lattice, a line each.
+/// The terms that are left out at the ends of an open lattice, a line each.
 ///
 /// # Errors
 /// A formula that cannot be read.
 pub(super) fn ends(document: &SceneDocument) -> Result<Vec<String>, Refusal> {
     let left_out = left_out(document)?;
-    let rows: Vec<Vec<String>> = (left_out.iter())
-        .map(|LeftOut { term, places }| {
-            let term = match term.chars().count() > WIDTH {
-                true => cut(term),
-                false => term.clone(),
-            };
-            vec![format!("    {term}"), of_sites(places)]
-        })
-        .collect();
-    if rows.is_empty() {
-        return Ok(Vec::new());
+    let mut lines = Vec::new();
+    for own in left_out.chunk_by(|a, b| a.of == b.of) {
+        let rows: Vec<Vec<String>> = (own.iter())
+            .map(|LeftOut { term, places, .. }| {
+                let term = match term.chars().count() > WIDTH {
+                    true => cut(term),
+                    false => term.clone(),
+                };
+                vec![format!("    {term}"), of_sites(places)]
+            })
+            .collect();
+        lines.push(format!(
+            "  Left out of {}, beyond the open ends:",
+            own[0].of
+        ));
+        lines.extend(words(&rows));
     }
-    let mut lines = vec!["  Left out of H, beyond the open ends:".to_owned()];
-    lines.extend(words(&rows));
     Ok(lines)
 }
 

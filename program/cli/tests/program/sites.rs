@@ -150,3 +150,33 @@ fn a_plane_is_made_short_as_the_message_says() {
     let short = here.leafwise(&["evaluate", "scene.toml", "--set", shorter, "--set", method]);
     assert_eq!(short.code, Some(0), "{}", short.err);
 }
+
+/// Of a lattice that is stepped by sweeps the advice has a short one, and asks no other method to step it.
+#[test]
+fn spins_in_sublattices_run_at_any_length() {
+    for sites in [8, 10, 12, 16, 20, 30] {
+        let scene = format!(
+            "[system]\nfamilies = {{ s = {{ components = [\"x\", \"y\", \"z\"], length = {sites} }} }}\n\
+             bracket = {{ lie-algebra = \"so3\" }}\nhamiltonian = \"-sum(i, dot(s[i], s[i+1]))\"\n\
+             [method]\nstepper = \"sublattices\"\ntime-step = 0.05\n[run]\nsteps = 20\n\
+             initial = {{ \"s.x[i]\" = 0.6, \"s.y[i]\" = \"0.8*cos(i)\", \"s.z[i]\" = \"0.8*sin(i)\" }}\n"
+        );
+        let said = Place::with(&scene).leafwise(&["run", "scene.toml"]);
+        assert_eq!(said.code, Some(0), "{sites}: {}", said.err);
+    }
+}
+
+/// The motion of a site of a lattice with an open axis no longer than twice what H couples along it.
+#[test]
+fn short_open_axes_have_a_motion() {
+    for offset in [9, 10, 15, 19] {
+        let scene = format!(
+            "[system]\nfamilies = {{ q = [20, 30], p = [20, 30] }}\nbracket = \"canonical\"\nboundary = \"open\"\n\
+             hamiltonian = \"sum(i, j, p[i,j]^2/2 + q[i,j]*q[i+{offset},j])\"\n\
+             [method]\nstepper = \"splitting\"\ntime-step = 0.01\n[run]\nsteps = 2\n\
+             initial = {{ \"q[i,j]\" = 1, \"p[i,j]\" = 0 }}\n"
+        );
+        let said = Place::with(&scene).leafwise(&["check", "scene.toml"]);
+        assert_eq!(said.code, Some(0), "{offset}: {}", said.err);
+    }
+}

@@ -177,7 +177,7 @@ fn what_is_not_offered_with_the_time_says_so() {
     let lattice = DRIVEN
         .replace(
             "variables   = [\"q\", \"p\"]",
-            "families = { q = 64, p = 64 }",
+            "families = { q = 640, p = 640 }",
         )
         .replace("\"q,p\"", "\"q[i],p[i]\"")
         .replace(
@@ -190,8 +190,8 @@ fn what_is_not_offered_with_the_time_says_so() {
     let said = here.leafwise(&["run", "scene.toml"]);
     assert_eq!(said.code, Some(3), "{}", said.err);
     said.says(&[
-        "not offered on a lattice of more than 24 coordinates",
-        "this one has 128",
+        "not offered on a lattice of more than 1024 coordinates",
+        "this one has 1280",
     ]);
     let here = Place::with(DRIVEN);
     let said = here.leafwise(&["evaluate", "scene.toml", "--x", "1,0"]);

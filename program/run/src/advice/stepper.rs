@@ -29,7 +29,9 @@ const OF_A_STAGE: f64 = 4.0;
 /// Advice about a run's stepper; none where there is no stepper.
 pub(super) fn advice(run: &ComposedRun, registry: &Registry, states: &[Vec<f64>]) -> Vec<Advice> {
     let part = |kind| run.plan.parts.iter().find(|part| part.kind == kind);
-    let Some(stepper) = part(PartKind::Stepper) else {
+    // Of a long lattice the system is that of a short one.
+    let is_whole = run.system.dimension() == run.dimension();
+    let Some(stepper) = part(PartKind::Stepper).filter(|_| is_whole) else {
         return Vec::new();
     };
     let is_composed = part(PartKind::Composition).is_some();

@@ -10,7 +10,7 @@ use super::population::Population;
 use super::states::Members;
 use super::statistics::Shape;
 use crate::state_error::refuse_estimate;
-use leafwise_scene::compose::{ComposedRun, Observable, Refusal, compose};
+use leafwise_scene::compose::{ComposedRun, Observable, Refusal, check_varied, compose};
 use leafwise_scene::document::{EnsembleSection, FinalStates, SceneDocument};
 
 /// Windows of steps over which the invariants' deviations are taken, at most.
@@ -91,6 +91,13 @@ fn compose_from(
     };
     check_paced(document, ensemble)?;
     let population = Population::of(document, ensemble, &run, directory, members)?;
+    let declared = run.system.parameters();
+    let varied = population
+        .varied()
+        .into_iter()
+        .map(|at| declared[at].name.as_str());
+    let varied: Vec<&str> = varied.collect();
+    check_varied(document, &varied, !population.has_states())?;
     let every = ensemble.record.every.min(run.plan.steps.max(1));
     let count = Clock::count(&run, every);
     let numbers = count.saturating_mul(run.plan.observables.len() as u64);

@@ -179,6 +179,11 @@ impl Population {
         self.fingerprint
     }
 
+    /// Whether the initial states are given.
+    pub(super) fn has_states(&self) -> bool {
+        matches!(self.start, Start::Rows(_))
+    }
+
     /// The places of the parameters that differ.
     pub fn varied(&self) -> Vec<usize> {
         let drawn = self.draws.iter().map(|(at, _)| *at);

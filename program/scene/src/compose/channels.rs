@@ -53,7 +53,7 @@ pub(super) fn channels(document: &SceneDocument, scope: &Scope) -> Result<Vec<Ch
         }
         for site in sites_of(document, scope, &spec.hamiltonian, &names)? {
             let own = parsed
-                .resolve(scope, Some((&names, site)))
+                .resolve_summand(scope, Some((&names, site)))
                 .map_err(|error| names::refusal(document, &spec.hamiltonian, &error))?;
             let Some(hamiltonian) = own else { continue };
             check_code(document, &spec.hamiltonian, &hamiltonian)?;

@@ -156,10 +156,10 @@ pub(super) fn for_each_coordinate(
                     .resolve(scope, index)
                     .map_err(|error| refusal(document, key, &error))?;
                 let value = parsed
-                    .resolve(scope, index)
+                    .resolve_summand(scope, index)
                     .map_err(|error| refusal(document, formula, &error))?;
                 let Some(place) = place else { continue };
-                // The code of one site is that of all; beyond an open end there is none.
+                // The code of one site is that of all; at an open end there is less.
                 if let Some(value) = &value
                     && std::mem::take(&mut is_first)
                 {

@@ -4,7 +4,7 @@ use leafwise_core::{PoissonSystem, Walk};
 use leafwise_walk::Indicator;
 
 use super::Refusal;
-use super::dense::DENSE_LIMIT;
+use super::dense::WRITTEN_LIMIT;
 use super::observables::{Observable, indicator};
 use super::stepping::Stepping;
 use crate::document::{Located, SceneDocument};
@@ -39,7 +39,7 @@ pub(super) fn indicators(
     if method.lattice().is_some() {
         return refuse(
             format!(
-                "`{name}` is not offered on a lattice of more than {DENSE_LIMIT} coordinates: it follows displacements by the \
+                "`{name}` is not offered on a lattice of more than {WRITTEN_LIMIT} coordinates: it follows displacements by the \
                  derivative of every step, which couples all sites"
             ),
             "take a shorter lattice, or tangents in Python: `scene.trajectory().jvp`",

@@ -1,5 +1,6 @@
 //! The initial state, and the parameters of sites behind it.
 
+use leafwise_core::NumberArray;
 use leafwise_expression::syntax::{AXES, At, Formula, Scope, VariablePattern};
 
 use super::Refusal;
@@ -8,7 +9,7 @@ use super::geometry::geometry;
 use super::names::{parse, refusal, sites_of};
 use crate::document::{FieldSpec, InitialSpec, Located, Place, SceneDocument};
 use crate::npy::read_npy;
-use crate::table::read_column;
+use crate::table::read_numbers;
 
 /// The initial state of the scene: one number for each coordinate, then the parameters of sites.
 pub(super) fn initial_state(document: &SceneDocument) -> Result<Vec<f64>, Refusal> {
@@ -247,13 +248,16 @@ impl State<'_> {
                     self.assign(&own, formula, &parsed)?
                 }
                 FieldSpec::Numbers(numbers, place) => {
-                    let numbers: Vec<f64> = numbers.iter().map(|n| n.value.value).collect();
-                    self.assign_numbers(&own, &numbers, place)?
+                    let array = NumberArray {
+                        shape: vec![numbers.len()],
+                        numbers: numbers.iter().map(|n| n.value.value).collect(),
+                    };
+                    self.assign_numbers(&own, &array, place)?
                 }
-                FieldSpec::Rows(_, place) => return Err(self.rows(key, place)),
+                FieldSpec::Rows(array, place) => self.assign_numbers(&own, array, place)?,
                 FieldSpec::File { file, column } => {
-                    let numbers = self.read(file, column.as_ref())?;
-                    self.assign_numbers(&own, &numbers, &file.place())?
+                    let array = self.read(file, column.as_ref())?;
+                    self.assign_numbers(&own, &array, &file.place())?
                 }
             };
             let alike = &keys[first.1..place];
@@ -306,32 +310,33 @@ impl State<'_> {
         &self,
         file: &Located<String>,
         column: Option<&Located<String>>,
-    ) -> Result<Vec<f64>, Refusal> {
+    ) -> Result<NumberArray, Refusal> {
         let path = self.document.directory().join(&file.value);
         let name = column.map(|column| column.value.as_str());
         let end = path.extension();
         let is_npy = end.is_some_and(|end| end.eq_ignore_ascii_case("npy"));
         let numbers = match is_npy && column.is_none() {
-            true => read_npy(&path).map(|array| array.numbers),
-            false => read_column(&path, name),
+            true => read_npy(&path),
+            false => read_numbers(&path, name),
         };
         numbers.map_err(|reason| {
-            let help = "a number for each site, each in a row of its own: CSV, with the columns' names in the first \
-                        line or without, or a JSON list; or an array of NumPy's (.npy), the last axis fastest";
+            let help = "a number for each site: CSV or a JSON list, each in a row of its own or those of the last axis in a row, or an \
+                        array of NumPy's (.npy), of the lattice's shape or the last axis fastest";
             let document = self.document;
             Box::new(document.diagnostic(&file.place(), reason, "this file", Some(help.to_owned())))
         })
     }
 
-    /// Rows of numbers are those of every two sites of a chain.
-    fn rows(&self, key: &Located<String>, place: &Place) -> Refusal {
-        let message = format!(
-            "`{}` has one number for each site, and these are rows of numbers",
-            key.value
-        );
-        let help = "one list of numbers, the last axis fastest; numbers for every two sites of a chain are parameters \"J[i,j]\"";
-        let document = self.document;
-        Box::new(document.diagnostic(place, message, "rows", Some(help.to_owned())))
+    /// How many sites there are along each axis of which a key names the index.
+    fn shape(&self, names: &[&str], sites: usize) -> Vec<usize> {
+        let axes = &self.document.system.axes;
+        match axes.len() > 1 && axes.len() == names.len() {
+            true => {
+                let named = names.iter().zip(axes).filter(|(name, _)| !name.is_empty());
+                named.map(|(_, length)| *length).collect()
+            }
+            false => vec![sites],
+        }
     }
 
     /// The number of sites of the family that a key names.
@@ -353,11 +358,11 @@ impl State<'_> {
         Ok(sites.filter(|site| *site < length).collect())
     }
 
-    /// A number for each site.
+    /// A number for each site: an array of the lattice's shape, with the last axis in rows, or in one list.
     fn assign_numbers(
         &mut self,
         own: &GivenKey<'_>,
-        numbers: &[f64],
+        NumberArray { shape, numbers }: &NumberArray,
         place: &Place,
     ) -> Result<Vec<Twice>, Refusal> {
         let (key, pattern) = (own.key, own.pattern);
@@ -387,6 +392,21 @@ impl State<'_> {
                     pattern.name()
                 ),
                 "one number for each site".to_owned(),
+            );
+        }
+        let expected = self.shape(&names, length);
+        let last = expected.last().copied().unwrap_or(1);
+        let is_grid = expected.len() > 2 && matches!(shape[..], [_, columns] if columns == last);
+        if shape.len() > 1 && *shape != expected && !is_grid {
+            return refuse(
+                place,
+                format!(
+                    "the numbers have the shape {shape:?}, and the sites of `{}` have the shape {expected:?}",
+                    key.value
+                ),
+                "an array of that shape, or one list with the last axis fastest; numbers for every two sites of a chain are \
+                 parameters \"J[i,j]\""
+                    .to_owned(),
             );
         }
         if let Some(at) = numbers.iter().position(|number| !number.is_finite()) {

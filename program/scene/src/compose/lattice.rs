@@ -55,19 +55,41 @@ fn numbers_of_events(document: &SceneDocument, fields: usize) -> usize {
     }
 }
 
+/// The refusal of a name that is none, on a lattice of a few sites: formulas that name one are no templates for that alone.
+fn unknown_name(document: &SceneDocument, geometry: &LatticeGeometry) -> Option<Refusal> {
+    let lengths = geometry.lengths().into_iter();
+    let lengths: Vec<usize> = lengths.map(|length| TRIAL_LENGTH.min(length)).collect();
+    let refusal = instantiate(document, &geometry.resized(&lengths)).err()?;
+    refusal.message.starts_with("unknown ").then_some(refusal)
+}
+
+/// Whether a scene asks for what no sweep over sites gives. Such are the time as a coordinate, displacements by the derivative
+/// of a step, and a shadow energy. So are variables beside families, and brackets that are an inverse.
+fn needs_all(document: &SceneDocument) -> bool {
+    let system = &document.system;
+    let mut recorded = document.run.record.observables.iter();
+    let is_of_steps = |text: &str| asks_for_indicator(text) || shadow_order(text).is_some();
+    wants_time(document).is_some()
+        || recorded.any(|own| is_of_steps(&own.formula.value))
+        || !system.variables.is_empty()
+        || has_forms(&system.bracket.value, &system.constraints)
+}
+
 /// The shortest lattice that every formula of a scene is tried on before anything is built.
 const TRIAL_LENGTH: usize = 9;
 
 impl<'a> SceneLattice<'a> {
     /// Lattice of a scene with more than [`DENSE_LIMIT`] coordinates in families; `None` for one that is written out.
-    /// Two kinds are written out. One has [`DENSE_LIMIT`] coordinates or fewer. The other has a bracket, H or Casimir
-    /// that couples sites at any distance. It has at most [`WRITTEN_LIMIT`] coordinates.
+    /// Two kinds are written out. One has [`DENSE_LIMIT`] coordinates or fewer. The other has at most [`WRITTEN_LIMIT`], and a
+    /// bracket, H or Casimir that couples sites at any distance, or what [needs all](needs_all) of them.
     ///
     /// # Errors
     /// Single variables beside such families, or the time as a coordinate. A formula that couples too many sites.
     pub fn of(document: &'a SceneDocument) -> Result<Option<Self>, Refusal> {
         let system = &document.system;
-        if system.families.is_empty() || system.coordinates() <= DENSE_LIMIT {
+        let is_short = system.coordinates() <= DENSE_LIMIT
+            || system.coordinates() <= WRITTEN_LIMIT && needs_all(document);
+        if system.families.is_empty() || is_short {
             return Ok(None);
         }
         if let Some((formula, what)) = wants_time(document) {
@@ -81,18 +103,18 @@ impl<'a> SceneLattice<'a> {
             return Err(Box::new(document.diagnostic(
                 &document.place_in_formula(formula, 0..formula.value.len()),
                 format!(
-                    "{what} is not offered on a lattice of more than {DENSE_LIMIT} coordinates, and this one has {}: {why}",
+                    "{what} is not offered on a lattice of more than {WRITTEN_LIMIT} coordinates, and this one has {}: {why}",
                     system.coordinates()
                 ),
                 "here",
-                Some("shorten the lattice".to_owned()),
+                Some(format!("shorten the lattice, {}", system.shortening(WRITTEN_LIMIT))),
             )));
         }
         if let Some(single) = system.variables.first() {
             return Err(Box::new(document.diagnostic(
                 &single.place(),
                 format!(
-                    "a lattice of more than {DENSE_LIMIT} coordinates has no single variables \
+                    "a lattice of more than {WRITTEN_LIMIT} coordinates has no single variables \
                      besides its families"
                 ),
                 "this variable",
@@ -103,7 +125,7 @@ impl<'a> SceneLattice<'a> {
             return Err(Box::new(document.diagnostic(
                 &system.bracket.place(),
                 format!(
-                    "a lattice of more than {DENSE_LIMIT} coordinates has its bracket by entries, not by a form \
+                    "a lattice of more than {WRITTEN_LIMIT} coordinates has its bracket by entries, not by a form \
                      or with constraints, whose inverse couples all sites"
                 ),
                 "this bracket",
@@ -115,7 +137,7 @@ impl<'a> SceneLattice<'a> {
         let reach = match reach(document, TemplateReach::default()) {
             Ok(reach) => reach,
             Err(_) if system.coordinates() <= WRITTEN_LIMIT => return Ok(None),
-            Err(refusal) => return Err(refusal),
+            Err(refusal) => return Err(unknown_name(document, &geometry).unwrap_or(refusal)),
         };
         let mut lattice = Self {
             document,

@@ -114,7 +114,7 @@ impl SiteTerms {
     }
 }
 
-/// H_k's share at a site: of a template of its own index what it is there, of a sum its term; `None` beyond an open end.
+/// H_k's share at a site: of a template of its own index what it is there, of a sum its term; `None` where nothing is left at an open end.
 ///
 /// # Errors
 /// What cannot be read, underlined in the scene.
@@ -127,7 +127,7 @@ pub(super) fn share(
     let parsed = parse(document, &spec.hamiltonian)?;
     let names = parsed.free_indices();
     let own = match names.is_empty() {
-        false => parsed.resolve(scope, Some((&names, site))),
+        false => parsed.resolve_summand(scope, Some((&names, site))),
         true => (parsed.density(scope, site)).map(|density| Some(density.site)),
     };
     own.map_err(|error| refusal(document, &spec.hamiltonian, &error))

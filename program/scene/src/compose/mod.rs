@@ -115,7 +115,7 @@ pub use shadow::{NoShadow, RecordedShadow, ShadowEnergy};
 pub use shape::{TensorShape, tensor_shape};
 pub use states::{RecordedStates, StateSlice, WIDEST_STATE};
 pub use stepping::{LatticeBase, LatticeStepping, Stepping};
-pub use system::{ComposedSystem, compose_system};
+pub use system::{ComposedSystem, check_varied, compose_system};
 pub use uneven::{ActingEvents, Uneven};
 pub use values::are_values;
 

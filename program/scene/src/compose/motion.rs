@@ -43,7 +43,7 @@ impl Motion {
         let field = |channel: &Channel| {
             let alone = channel.system(system).ok()?;
             let code = field_at(run, &alone.clone().into())?;
-            Some((channel.text.clone(), Self::written(run, &alone, &code)))
+            Some((channel.text.clone(), Self::written(run, &alone, &code)?))
         };
         noise.channels.iter().filter_map(field).collect()
     }
@@ -59,7 +59,7 @@ impl Motion {
             let names = in_time.variables().iter().cloned();
             return Some(Self::Values(names.zip(code).collect()));
         };
-        Some(Self::written(run, system, &code))
+        Self::written(run, system, &code)
     }
 
     /// ẋ of a contact motion, by the field of H in the place of K.
@@ -74,20 +74,25 @@ impl Motion {
         kernel.prepare(&mut workspace, &alone.parameter_values(), &[1.0], &[1.0]);
         let mut code = vec![0.0; x.len()];
         kernel.evaluate(&mut workspace, &run.near, &mut code);
-        Some(Self::written(run, &alone, &code))
+        Self::written(run, &alone, &code)
     }
 
-    /// The formulas of the field of a system that stands for a run's, given its values near the initial state.
-    fn written(run: &ComposedRun, system: &SystemFormulas, code: &[f64]) -> Self {
+    /// The formulas of the field of a system that stands for a run's, given its values near the initial state. There are none on a
+    /// long lattice of which no site is away from open ends.
+    fn written(run: &ComposedRun, system: &SystemFormulas, code: &[f64]) -> Option<Self> {
         let lattice = match &run.method {
             Stepping::Lattice(lattice) => lattice.interior.map(|site| (&lattice.written, site)),
             _ => None,
         };
         let Some((geometry, site)) = lattice else {
             let coordinates: Vec<usize> = run.plan.layout.own().collect();
+            if coordinates.len() > system.dimension() {
+                return None;
+            }
             let names = system.variables();
             let of = (system, run.contact.as_ref());
-            return Self::Formulas(formulas(of, &run.near, code, &coordinates, names));
+            let formulas = formulas(of, &run.near, code, &coordinates, names);
+            return Some(Self::Formulas(formulas));
         };
         let offsets = geometry.offsets();
         let moving = run.plan.families.len();
@@ -97,13 +102,9 @@ impl Motion {
             .map(|(offset, _)| offset + site)
             .collect();
         let names = names_about(geometry, site);
-        Self::Site(formulas(
-            (system, None),
-            &run.near,
-            code,
-            &coordinates,
-            &names,
-        ))
+        let of = (system, None);
+        let formulas = formulas(of, &run.near, code, &coordinates, &names);
+        Some(Self::Site(formulas))
     }
 }
 

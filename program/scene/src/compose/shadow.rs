@@ -5,7 +5,7 @@ use leafwise_expression::Expression;
 
 use super::Refusal;
 use super::bodies::MOST_SITES_OF_HIGH_ORDER;
-use super::dense::DENSE_LIMIT;
+use super::dense::WRITTEN_LIMIT;
 use super::observables::{Observable, RecordedFormula, SHADOW_ENERGY, ShadowNumbers, shadow_order};
 use super::stepping::Stepping;
 use crate::document::{Located, SceneDocument};
@@ -232,7 +232,7 @@ pub(super) fn with_shadows(
         };
         if method.lattice().is_some() {
             let what = format!(
-                "on a lattice of more than {DENSE_LIMIT} coordinates: its terms are brackets within brackets, each of which \
+                "on a lattice of more than {WRITTEN_LIMIT} coordinates: its terms are brackets within brackets, each of which \
                  reaches farther sites, and they are formed of every site written out"
             );
             return Err(refuse(of_a(&what)));

@@ -22,7 +22,7 @@ use super::names::{check_names, parse};
 use super::observables::{Observable, observables};
 use super::site_forces::Bodies;
 use super::time::check_begin;
-use crate::document::{FieldSpec, Located, SceneDocument};
+use crate::document::{InitialSpec, Located, SceneDocument};
 
 /// A scene's system and where it starts.
 #[derive(Clone, Debug)]
@@ -56,6 +56,9 @@ pub fn compose_system(document: &SceneDocument) -> Result<ComposedSystem, Refusa
     check_contradictions(document)?;
     check_names(document)?;
     check_sites(document)?;
+    let varied = document.ensemble.iter().flat_map(|own| &own.parameters);
+    let varied: Vec<&str> = varied.map(|(name, _)| name.value.as_str()).collect();
+    check_varied(document, &varied, false)?;
     if let Some(numbers) = &document.system.numbers {
         if let Some(pace) = &document.method.pace {
             return Err(Box::new(document.diagnostic(
@@ -117,8 +120,7 @@ pub(super) fn check_contradictions(document: &SceneDocument) -> Result<(), Refus
     }
 }
 
-/// Refuses parameters of sites beside a bracket that is an inverse, which would have none with them, and those that an
-/// ensemble would have to form anew for each member.
+/// Refuses parameters of sites beside a bracket that is an inverse, which would have none with them.
 pub(super) fn check_sites(document: &SceneDocument) -> Result<(), Refusal> {
     let system = &document.system;
     if let Some((key, _)) = system.sites.first()
@@ -136,25 +138,52 @@ pub(super) fn check_sites(document: &SceneDocument) -> Result<(), Refusal> {
             ),
         ));
     }
-    let varied = document.ensemble.iter();
-    let varied: Vec<&str> = varied
-        .flat_map(|ensemble| &ensemble.parameters)
-        .map(|(name, _)| name.value.as_str())
-        .collect();
+    Ok(())
+}
+
+/// Refuses values of sites, and an initial state where the trajectories `begin_there`, that are formed once of a parameter that
+/// has another value for each.
+///
+/// # Errors
+/// The first formula that names one of `varied`, or a formula that cannot be read.
+pub fn check_varied(
+    document: &SceneDocument,
+    varied: &[&str],
+    begin_there: bool,
+) -> Result<(), Refusal> {
+    let system = &document.system;
     let fields = system.sites.iter().map(|(_, field)| field);
     let matrices = system.matrices.iter().map(|matrix| &matrix.field);
-    for formula in fields.chain(matrices).filter_map(FieldSpec::formula) {
+    let initial: &[_] = match &document.run.initial.value {
+        InitialSpec::Fields(fields) if begin_there => fields,
+        _ => &[],
+    };
+    let initial = initial
+        .iter()
+        .map(|(_, field)| ("the initial state is", field));
+    let sites = fields
+        .chain(matrices)
+        .map(|field| ("values of sites are", field));
+    for (what, field) in sites.chain(initial) {
+        let Some(formula) = field.formula() else {
+            continue;
+        };
         let names = names_behind(document, formula)?;
-        if let Some(name) = varied.iter().find(|name| names.contains(**name)) {
-            return Err(Box::new(document.diagnostic(
-                &document.place_in_formula(formula, 0..formula.value.len()),
-                format!(
-                    "values of sites are formed once, and `{name}` differs from member to member"
-                ),
-                "of a parameter that the ensemble varies",
-                Some(format!("multiply by `{name}` in the Hamiltonian")),
-            )));
-        }
+        let Some(name) = varied.iter().find(|name| names.contains(**name)) else {
+            continue;
+        };
+        let help = match what.starts_with("values") {
+            true => format!("multiply by `{name}` in the Hamiltonian"),
+            false => format!(
+                "give each its own initial state, or write a number in the place of `{name}`"
+            ),
+        };
+        return Err(Box::new(document.diagnostic(
+            &document.place_in_formula(formula, 0..formula.value.len()),
+            format!("{what} formed once, and `{name}` varies"),
+            "of a parameter that varies",
+            Some(help),
+        )));
     }
     Ok(())
 }

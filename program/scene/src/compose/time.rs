@@ -6,7 +6,7 @@ use leafwise_core::{Evaluator, PoissonSystem};
 use leafwise_expression::syntax::Formula;
 
 use super::Refusal;
-use super::dense::DENSE_LIMIT;
+use super::dense::WRITTEN_LIMIT;
 use crate::document::{BracketSpec, InitialSpec, Located, Place, SceneDocument};
 
 /// Name of the time in formulas.
@@ -121,7 +121,7 @@ pub(super) fn about_time(
             "begin later by t0 in [run], or by another phase, as in cos(omega*t + phase) with a parameter",
         );
     }
-    if !system.families.is_empty() && system.coordinates() > DENSE_LIMIT {
+    if !system.families.is_empty() && system.coordinates() > WRITTEN_LIMIT {
         return told(
             "t cannot be named by a formula on a lattice of this length: with t as a coordinate every site would move its energy",
             "the first column of samples.csv is t; end the run by `steps`, and record at given `times`",

@@ -202,7 +202,7 @@ proptest! {
         kernel.prepare(&mut workspace, &[], &[1.0; 8], &[1.0; 8]);
         let mut array: Vec<f64> = numbers.iter().cycle().take(600).copied().collect();
         let mut expected = array.clone();
-        let passes = Passes { places: 0..places, ahead, stride, count };
+        let passes = Passes { places: 0..places, ahead, stride, count, may_meet: false };
         let reached = kernel.evaluate_along(&mut workspace, &mut array, passes);
         #[cfg(all(target_arch = "x86_64", not(windows)))]
         prop_assert_eq!(reached, if Width::best(8).is_some() && count > 0 { places } else { 0 });
@@ -232,6 +232,7 @@ fn places_do_not_meet_in_any_pass() {
             ahead,
             stride,
             count,
+            may_meet: false,
         };
         let mut array = [0.0; 600];
         let run = || kernel.evaluate_along(&mut workspace, &mut array, passes);
@@ -248,4 +249,48 @@ fn places_do_not_meet_in_any_pass() {
     // Beyond the array.
     assert!(run(244, 0, 1));
     assert!(!run(245, 0, 1));
+}
+
+/// Of sublattices the numbers beside a place are written as they are: in place they may meet, with the values of one place after the
+/// other.
+#[test]
+fn places_may_meet_where_what_others_read_is_left_as_it_is() {
+    // x_i + m_i (x_{i−1} + x_{i+1}), with m_i = 1 at odd places and 0 at even ones.
+    let mut graph = Graph::new();
+    let [x, before, behind, mask] = [0, 1, 2, 3].map(|input| graph.input(input));
+    let sum = graph.add(&before, &behind);
+    let change = graph.multiply(&mask, &sum);
+    let moved = graph.add(&x, &change);
+    let kernel = Kernel::compile(&graph, &[moved], 0, 4);
+    let inputs = [0, -1, 1, 100].map(Distance::First);
+    let kernel = kernel.at_distances(&inputs, &[Distance::First(0)]);
+    let mut workspace = kernel.workspace_for(8, Execution::Compiled);
+    let mask = |at: usize| (at % 2) as f64;
+    let numbers = (0..200).map(|at| {
+        if at < 100 {
+            1.0 + at as f64
+        } else {
+            mask(at - 100)
+        }
+    });
+    let mut array: Vec<f64> = numbers.collect();
+    let passes = |may_meet| Passes {
+        may_meet,
+        ..(1..65).into()
+    };
+    let apart = std::panic::AssertUnwindSafe(|| {
+        kernel.evaluate_along(
+            &mut kernel.workspace_for(8, Execution::Compiled),
+            &mut [0.0; 200],
+            passes(false),
+        )
+    });
+    assert!(std::panic::catch_unwind(apart).is_err());
+    let reached = kernel.evaluate_along(&mut workspace, &mut array, passes(true));
+    assert_eq!(reached, 64);
+    for (at, number) in array.iter().enumerate().take(65).skip(1) {
+        // x_{i−1} + x_i + x_{i+1} = 3 (1 + i).
+        let expected = if at % 2 == 1 { 3.0 } else { 1.0 } * (1.0 + at as f64);
+        assert_eq!(*number, expected, "place {at}");
+    }
 }

@@ -143,7 +143,7 @@ fn what_is_no_matrix_is_refused_where_it_stands() {
         (
             "\"J[i,j]\" = 1, \"b[i]\" = [[1, 2, 3]]",
             "[[1, 2, 3]]",
-            "one number for each site, and these are rows",
+            "the numbers have the shape [1, 3], and the sites of `b[i]` have the shape [3]",
         ),
     ] {
         let scene = beside(folder.path(), &chain(parameters), START);

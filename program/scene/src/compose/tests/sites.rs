@@ -5,7 +5,7 @@ use std::fs;
 use leafwise_core::Registry;
 
 use super::{compose, compose_system, document, refusal};
-use crate::compose::{SceneChecks, state_beside};
+use crate::compose::{SceneChecks, check_varied, left_out, state_beside};
 use crate::document::SceneDocument;
 
 const CHAIN: &str = "families = { q = 4, p = 4 }\nbracket = { \"q[i],p[i]\" = \"-1\" }\n\
@@ -134,7 +134,7 @@ fn what_does_not_fit_the_sites_is_refused_where_it_stands() {
                 "{START}\n[ensemble]\nmembers = 2\nparameters = {{ a = {{ uniform = [0, 1] }} }}"
             ),
             "a",
-            "`a` differs from member to member",
+            "values of sites are formed once, and `a` varies",
         ),
     ] {
         let diagnostic = refusal(&chain(parameters), run);
@@ -326,7 +326,9 @@ fn values_that_would_differ_from_member_to_member_are_refused() {
             .err()
             .expect(parameters);
         assert!(
-            refusal.message.contains("differs from member to member"),
+            refusal
+                .message
+                .contains("values of sites are formed once, and `g` varies"),
             "{parameters}: {}",
             refusal.message
         );
@@ -343,4 +345,103 @@ fn a_centre_may_name_parameters_of_sites() {
     let spec = &document.run.initial;
     let state = state_beside(&document, spec, &[0.0; 8]).expect("a state");
     assert_eq!(state, [3.0, 5.0, 7.0, 9.0, 1.0, 1.0, 1.0, 1.0]);
+}
+
+/// Of a force at a site the terms that reach beyond an open end are left out, as of a summand of H, and the others act.
+#[test]
+fn forces_at_open_ends_keep_what_stands_inside() {
+    let text = "families = { q = 5, p = 5 }\nbracket = { \"q[i],p[i]\" = 1 }\nconvention = \"{x,H}\"\nboundary = \"open\"\n\
+                hamiltonian = \"sum(i, p[i]^2/2)\"\nforces = { \"q[i]\" = \"0.5*p[i] + 0.25*(p[i] - p[i+1]) + (p[i-1] - p[i+1])^2\" }";
+    let document = document(text, "initial = { \"q[i]\" = 0, \"p[i]\" = \"1 + i\" }");
+    let system = compose_system(&document).expect("a system").system;
+    let formulas = system.formulas("a test").expect("formulas");
+    let p = [1.0, 2.0, 3.0, 4.0, 5.0];
+    let x: Vec<f64> = [0.0; 5].into_iter().chain(p).collect();
+    for (i, force) in formulas.forces().one_form.iter().take(5).enumerate() {
+        let square = if (1..4).contains(&i) { 4.0 } else { 0.0 };
+        let next = if i < 4 { p[i + 1] } else { 0.0 };
+        let expected = 0.5 * p[i] + 0.25 * (p[i] - next) + square;
+        assert_eq!(force.evaluate(&x, &[]), expected, "site {i}");
+    }
+    let said = left_out(&document).expect("formulas");
+    let said: Vec<(&str, &str, &[usize])> = said
+        .iter()
+        .map(|own| (own.of.as_str(), own.term.as_str(), &own.places[0][..]))
+        .collect();
+    assert_eq!(
+        said,
+        [
+            ("forces of q[i]", "(p[i-1] - p[i+1])^2", &[0, 4][..]),
+            ("forces of q[i]", "p[i+1]", &[4][..]),
+        ]
+    );
+}
+
+/// An initial state is formed once: where members begin there it names no parameter that varies.
+#[test]
+fn initial_states_name_no_parameter_that_varies() {
+    let document = document(
+        &chain("a = 1, \"J[i]\" = 1"),
+        "initial = { \"q[i]\" = \"a\", \"p[i]\" = 0 }",
+    );
+    let refused = check_varied(&document, &["a"], true).expect_err("formed once");
+    assert!(
+        refused
+            .message
+            .contains("the initial state is formed once, and `a` varies")
+    );
+    assert!(check_varied(&document, &["a"], false).is_ok());
+    assert!(check_varied(&document, &["b"], true).is_ok());
+}
+
+/// Numbers of sites come in the shape of the lattice, or in one list; other shapes are refused, not read askew.
+#[test]
+fn numbers_of_sites_have_the_shape_of_the_lattice() {
+    let text = "families = { q = [2, 3], p = [2, 3] }\nbracket = { \"q[i,j],p[i,j]\" = 1 }\n\
+                hamiltonian = \"sum(i, j, p[i,j]^2/2)\"";
+    let initial = |numbers: &str| {
+        document(
+            text,
+            &format!("initial = {{ \"q[i,j]\" = {numbers}, \"p[i,j]\" = 0 }}"),
+        )
+    };
+    for numbers in ["[1, 2, 3, 4, 5, 6]", "[[1, 2, 3], [4, 5, 6]]"] {
+        let system = compose_system(&initial(numbers)).expect(numbers);
+        assert_eq!(system.initial[..6], [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+    }
+    for (numbers, said) in [
+        (
+            "[[1, 2], [3, 4], [5, 6]]",
+            "the numbers have the shape [3, 2], and the sites of `q[i,j]` have the shape [2, 3]",
+        ),
+        ("[[1, 2, 3]]", "3 numbers, and `q` has 6 sites"),
+    ] {
+        let refused = compose_system(&initial(numbers)).expect_err(numbers);
+        assert!(refused.message.contains(said), "{}", refused.message);
+    }
+}
+
+/// Single variables, the time and indicators of chaos have a lattice of up to 1024 coordinates written out.
+#[test]
+fn lattices_are_written_out_for_what_no_sweep_gives() {
+    let lattice = |more: &str, hamiltonian: &str, record: &str| {
+        document(
+            &format!(
+                "families = {{ q = 20, p = 20 }}\nbracket = {{ \"q[i],p[i]\" = 1 }}\nconvention = \"{{x,H}}\"\n{more}\
+                 hamiltonian = \"{hamiltonian}\""
+            ),
+            &format!("initial = {{ \"q[i]\" = 0.5, \"p[i]\" = 0 }}\n{record}"),
+        )
+    };
+    let chain = "sum(i, p[i]^2/2 - cos(q[i+1] - q[i]))";
+    for document in [
+        lattice("", &format!("{chain} + 0.1*cos(t)*q[0]"), ""),
+        lattice("", &format!("{chain} + 0.1*cos(t)*sum(i, q[i])"), ""),
+        lattice("", chain, "record = { observables = [\"megno\"] }"),
+        lattice("", chain, "record = { observables = [\"shadow-energy\"] }"),
+        lattice("forces = { \"q[i]\" = \"0.1*cos(t)\" }\n", chain, ""),
+    ] {
+        let system = compose_system(&document).expect("written out").system;
+        assert!(system.dimension() >= 40, "{}", system.dimension());
+    }
 }
