@@ -16,8 +16,9 @@
 use leafwise_expression::pairs::{EXPONENTIAL_MINUS_1, SINE, VERSINE};
 use leafwise_expression::{AlgebraError, Arithmetic, Function, Graph, Rational, Term};
 
-/// Added to a square before its root is taken: 2⁻⁹⁴⁰, which changes no number but those about 0.
-const SMALLEST: f64 = f64::from_bits((1023 - 940) << 52);
+/// Added to the square of an angle before its root is taken: 2⁻³⁰⁰, which changes no number but those about 0. The inverse is squared
+/// and cubed in derivatives, where spins rest too.
+const SMALLEST: f64 = f64::from_bits((1023 - 300) << 52);
 
 fn cross(graph: &mut Graph, a: &[Term], b: &[Term]) -> Vec<Term> {
     let component = |i: usize| {
