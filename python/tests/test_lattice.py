@@ -86,7 +86,7 @@ def test_extended_xyz_is_read_back(tmp_path: Path) -> None:
         assert int(count) == 24
         fields = dict(re.findall(r'(\w+)=("[^"]*"|\S+)', comment))
         assert np.diag(np.array(fields["Lattice"].strip('"').split(), float).reshape(3, 3)).tolist() == [3, 2, 4]
-        assert fields["Properties"] == "species:S:1:pos:R:3:spin:R:3" and fields["pbc"] == "T T T" and float(fields["Time"]) == [0.0, 0.5][frame]
+        assert fields["Properties"] == "species:S:1:pos:R:3:spin:R:3" and fields["pbc"].strip('"') == "T T T" and float(fields["Time"]) == [0.0, 0.5][frame]
         for atom in atoms:
             _, *numbers = atom.split()
             x, y, z = (int(float(number)) for number in numbers[:3])
