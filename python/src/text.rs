@@ -19,7 +19,11 @@ pub(crate) fn text_of(table: &Bound<'_, PyDict>) -> PyResult<String> {
     let mut text =
         toml::to_string(&table).map_err(|error| PyValueError::new_err(error.to_string()))?;
     for (at, value) in inline.iter().enumerate().rev() {
-        text = text.replacen(&Value::String(stand_in(at)).to_string(), &value.to_string(), 1);
+        text = text.replacen(
+            &Value::String(stand_in(at)).to_string(),
+            &value.to_string(),
+            1,
+        );
     }
     Ok(text)
 }
