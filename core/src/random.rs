@@ -99,6 +99,10 @@ const TOGETHER: usize = 64;
 
 /// [`normal`](Random::normal) of each channel from `channel` on, of [`of_step`](Random::of_step): the same bits.
 pub fn normals_of_step(seed: u64, member: u64, channel: u32, step: u64, into: &mut [f64]) {
+    if let [alone] = into {
+        *alone = Random::of_step(seed, member, channel, step).normal();
+        return;
+    }
     let mut first = channel;
     for normals in into.chunks_mut(TOGETHER) {
         let (mut radii, mut turns) = ([1.0; TOGETHER], [0.0; TOGETHER]);

@@ -14,6 +14,7 @@
 //! - `edges`: inputs of the sites at the ends of axes, looked up once.
 //! - `blocks`: sites as lanes of a kernel.
 //! - `fields`: what stages read and write.
+//! - `ranges`: ranges of sites.
 //! - `stencil`: the code of one class of sites in one stage, and its sweep over them.
 //! - [`program`]: stages compiled to stencils.
 //! - [`map`](mod@map): step maps of long lattices.
@@ -38,6 +39,7 @@ pub mod map;
 pub mod observables;
 mod poles;
 pub mod program;
+mod ranges;
 pub mod reach;
 mod sites;
 pub mod slopes;

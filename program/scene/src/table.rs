@@ -19,9 +19,8 @@ pub struct Table {
 /// # Errors
 /// The first thing wrong, and in which row or column.
 pub fn read_column(path: &Path, column: Option<&str>) -> Result<Vec<f64>, String> {
-    let text =
-        read_text(path).map_err(|error| format!("cannot read {}: {error}", path.display()))?;
-    column_of(&text, column).map_err(|reason| format!("{}: {reason}", path.display()))
+    let numbers = read_table(path)?.column(column);
+    numbers.map_err(|reason| format!("{}: {reason}", path.display()))
 }
 
 /// The same as an array; the numbers of all columns in rows where `column` names none and there are several without names.
@@ -29,17 +28,16 @@ pub fn read_column(path: &Path, column: Option<&str>) -> Result<Vec<f64>, String
 /// # Errors
 /// As [`read_column`] and [`read_rows`].
 pub fn read_numbers(path: &Path, column: Option<&str>) -> Result<NumberArray, String> {
-    if column.is_none() {
-        let rows = read_table(path)?;
-        if rows.columns.is_none() && rows.rows[0].len() > 1 {
-            return read_rows(path);
-        }
-    }
-    let numbers = read_column(path, column)?;
-    Ok(NumberArray {
-        shape: vec![numbers.len()],
-        numbers,
-    })
+    let table = read_table(path)?;
+    let is_grid = column.is_none() && table.columns.is_none() && table.rows[0].len() > 1;
+    let array = match is_grid {
+        true => table.array(),
+        false => table.column(column).map(|numbers| NumberArray {
+            shape: vec![numbers.len()],
+            numbers,
+        }),
+    };
+    array.map_err(|reason| format!("{}: {reason}", path.display()))
 }
 
 fn read_table(path: &Path) -> Result<Table, String> {
@@ -53,14 +51,8 @@ fn read_table(path: &Path) -> Result<Table, String> {
 /// # Errors
 /// The first thing wrong, and in which row.
 pub fn read_rows(path: &Path) -> Result<NumberArray, String> {
-    let table = read_table(path)?;
-    let width = table.rows[0].len();
-    let checked = table.check(width, || format!("the first has {width}"));
-    checked.map_err(|reason| format!("{}: {reason}", path.display()))?;
-    Ok(NumberArray {
-        shape: vec![table.rows.len(), width],
-        numbers: table.rows.concat(),
-    })
+    let array = read_table(path)?.array();
+    array.map_err(|reason| format!("{}: {reason}", path.display()))
 }
 
 /// Numbers of one column of a text.
@@ -68,25 +60,7 @@ pub fn read_rows(path: &Path) -> Result<NumberArray, String> {
 /// # Errors
 /// As [`read_column`].
 pub fn column_of(text: &str, column: Option<&str>) -> Result<Vec<f64>, String> {
-    let table = Table::read(text)?;
-    let Table { columns, rows } = &table;
-    let d = columns.as_ref().map_or(rows[0].len(), Vec::len);
-    let at = match (column, columns) {
-        (None, _) if d == 1 => 0,
-        (None, None) => return Err(format!("it has {d} columns, and no names to choose one by")),
-        (None, Some(columns)) => {
-            return Err(format!(
-                "it has {d} columns: choose one by column = \"{}\"",
-                columns[0]
-            ));
-        }
-        (Some(name), None) => {
-            return Err(format!("it has no header line, and so no column `{name}`"));
-        }
-        (Some(name), Some(columns)) => place(columns, name)?,
-    };
-    table.check(d, || format!("others have {d}"))?;
-    Ok(rows.iter().map(|row| row[at]).collect())
+    Table::read(text)?.column(column)
 }
 
 impl Table {
@@ -112,6 +86,46 @@ impl Table {
             true => Err("it has no row of numbers".to_owned()),
             false => Ok(table),
         }
+    }
+
+    /// Numbers of one column.
+    ///
+    /// # Errors
+    /// As [`read_column`].
+    pub fn column(&self, column: Option<&str>) -> Result<Vec<f64>, String> {
+        let Table { columns, rows } = self;
+        let d = columns.as_ref().map_or(rows[0].len(), Vec::len);
+        let at = match (column, columns) {
+            (None, _) if d == 1 => 0,
+            (None, None) => {
+                return Err(format!("it has {d} columns, and no names to choose one by"));
+            }
+            (None, Some(columns)) => {
+                return Err(format!(
+                    "it has {d} columns: choose one by column = \"{}\"",
+                    columns[0]
+                ));
+            }
+            (Some(name), None) => {
+                return Err(format!("it has no header line, and so no column `{name}`"));
+            }
+            (Some(name), Some(columns)) => place(columns, name)?,
+        };
+        self.check(d, || format!("others have {d}"))?;
+        Ok(rows.iter().map(|row| row[at]).collect())
+    }
+
+    /// All numbers in rows as long as the first.
+    ///
+    /// # Errors
+    /// As [`read_rows`].
+    pub fn array(&self) -> Result<NumberArray, String> {
+        let width = self.rows[0].len();
+        self.check(width, || format!("the first has {width}"))?;
+        Ok(NumberArray {
+            shape: vec![self.rows.len(), width],
+            numbers: self.rows.concat(),
+        })
     }
 
     /// Refuses a row of another length, and numbers that are not finite; `expected` says why the length.

@@ -194,3 +194,36 @@ fn keys_that_are_a_part_of_a_matrix_are_told_when_a_scene_is_read() {
         );
     }
 }
+
+/// Grids of numbers, wherever they stand, are values of a plane's sites; in space the rows are those of the last axis.
+#[test]
+fn grids_are_values_of_sites() {
+    let folder = files();
+    let numbers: Vec<f64> = (0..9).map(f64::from).collect();
+    for (lengths, indices) in [("[3, 3]", "i,j"), ("[3, 1, 3]", "i,j,k")] {
+        let system = format!(
+            "families = {{ q = {lengths}, p = {lengths} }}\nbracket = {{ \"q[{indices}],p[{indices}]\" = 1 }}\n\
+             hamiltonian = \"sum({indices}, p[{indices}]^2/2)\""
+        );
+        let start = |values: &str| {
+            format!("initial = {{ \"q[{indices}]\" = {values}, \"p[{indices}]\" = 0 }}")
+        };
+        for values in [
+            "{ file = \"j.csv\" }",
+            "{ file = \"j.json\" }",
+            "{ file = \"j.npy\" }",
+            "{ file = \"row.npy\" }",
+        ] {
+            let scene = beside(folder.path(), &system, &start(values));
+            let composed = compose_system(&scene).expect(values);
+            assert_eq!(composed.initial[..9], numbers, "{lengths} {values}");
+        }
+        let scene = beside(folder.path(), &system, &start("{ file = \"short.csv\" }"));
+        let refusal = compose_system(&scene).expect_err("four numbers");
+        assert!(
+            refusal.message.contains("4 numbers, and `q` has 9 sites"),
+            "{}",
+            refusal.message
+        );
+    }
+}
