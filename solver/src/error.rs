@@ -99,7 +99,8 @@ pub enum BuildError {
     /// Formulas of a lattice that look too far for the lattice that they would be written out on.
     #[error(
         "the code of a site of this lattice reaches {reach} sites away, which needs {coordinates} coordinates written \
-         out, of {most} at most; couple nearer sites, or take a method of lower order"
+         out, of {most} at most; couple nearer sites, shorten the lattice to {most} coordinates{}",
+        if *is_of_order { ", or take a method of lower order" } else { "" }
     )]
     NotLocal {
         /// The distance in sites.
@@ -108,6 +109,8 @@ pub enum BuildError {
         coordinates: usize,
         /// The greatest number of them.
         most: usize,
+        /// Whether a lower order looks less far.
+        is_of_order: bool,
     },
     /// Code of a lattice's site that looks further than was foreseen when it was written.
     #[error(

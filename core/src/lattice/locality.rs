@@ -48,5 +48,6 @@ pub(super) fn check_room(
         reach: reach.into_iter().max().unwrap_or(0),
         coordinates,
         most,
+        is_of_order: times > 1,
     })
 }

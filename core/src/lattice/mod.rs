@@ -25,6 +25,7 @@
 //! - `differential`: the differential of that iteration's solution.
 //! - `sites`: numbers of every site.
 //! - [`observables`]: sums over sites.
+//! - [`numbers`]: a lattice as a system of numbers.
 //! - `poles`: what no step crosses.
 
 mod blocks;
@@ -36,6 +37,7 @@ pub mod geometry;
 pub mod implicit;
 pub mod locality;
 pub mod map;
+pub mod numbers;
 pub mod observables;
 mod poles;
 pub mod program;
@@ -58,6 +60,7 @@ pub use geometry::{Axis, LatticeGeometry, PerAxis, Proxy};
 pub use implicit::{ImplicitSweeps, ProxyCode};
 pub use locality::proxy_of;
 pub use map::LatticeMap;
+pub use numbers::LatticeNumbers;
 pub use observables::LatticeObservables;
 pub use program::{LatticeProgram, Prepared};
 pub use reach::TemplateReach;

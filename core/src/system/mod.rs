@@ -9,6 +9,7 @@
 //! - [`MotionSeries`]: the Taylor coefficients of a motion.
 //! - [`energy_casimir`]: H less multiples of Casimirs, which has the motion of H.
 //! - [`compiled`]: the values of a system of formulas, by kernels.
+//! - [`spins`]: summands that are so(3)*, and the terms of their temperature.
 //! - [`observables`]: energy, Casimirs and other functions of the state.
 //! - [`LeafDirections`]: vectors within a symplectic leaf.
 
@@ -28,6 +29,7 @@ mod perturbation;
 mod pfaffian;
 mod rounding;
 mod smoothness;
+pub mod spins;
 mod summands;
 mod tensor_matrix;
 mod written;

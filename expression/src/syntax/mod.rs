@@ -44,6 +44,7 @@ mod place;
 mod resolve;
 mod scope;
 mod suggestion;
+mod sums;
 #[cfg(test)]
 mod tests;
 mod tree;

@@ -4,6 +4,7 @@ use super::error::{SyntaxError, SyntaxErrorKind};
 use super::formula::Formula;
 use super::resolve::{Resolver, Stop, inner_index};
 use super::scope::Scope;
+use super::sums::outermost;
 use super::tree::{Anchor, Kind, Node, Reference, Span};
 use crate::expression::Expression;
 use crate::operators::{negated, quotient};
@@ -60,9 +61,11 @@ impl Formula {
         }
         let mut sums = Vec::new();
         outermost(self.root(), &mut sums);
+        let sums = sums.into_iter().filter_map(Node::as_sum);
+        let sums: Vec<(Span, &Node)> = sums.collect();
         check_outside(self.root())?;
         let mut resolver = Resolver::new(text, scope);
-        resolver.sums_from = Some(first);
+        resolver.sums = Some((first, sums.iter().map(|(_, body)| *body).collect()));
         let outer = resolver.expression(self.root(), None).map_err(stopped)?;
         let sums = sums.into_iter().map(|(index, body)| {
             let mut resolver = Resolver::new(text, scope);
@@ -81,17 +84,6 @@ impl Formula {
         });
         let sums = sums.collect::<Result<_, Stop>>().map_err(stopped)?;
         Ok(PairSums { outer, first, sums })
-    }
-}
-
-/// The sums that are in no other one, in the order in which a resolver meets them.
-fn outermost<'a>(node: &'a Node, sums: &mut Vec<(Span, &'a Node)>) {
-    match &node.kind {
-        Kind::SumOver { index, body, .. } => sums.push((*index, body)),
-        _ => {
-            let children = node.kind.children();
-            children.iter().for_each(|child| outermost(child, sums));
-        }
     }
 }
 

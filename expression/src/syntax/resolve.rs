@@ -127,8 +127,8 @@ pub(super) struct Resolver<'a> {
     terms: usize,
     /// Whether an index stands for its number, as in values of parameters.
     pub(super) has_numbers: bool,
-    /// The variable that the next sum outside of others stands for, where sums are variables.
-    pub(super) sums_from: Option<usize>,
+    /// The bodies of sums that are variables, and the variable of the first one.
+    pub(super) sums: Option<(usize, Vec<&'a Node>)>,
     /// The variable that the first entry of a matrix stands for, where those of two sites are variables.
     pub(super) entries_from: Option<usize>,
     /// The terms of summands that reach outside.
@@ -142,7 +142,7 @@ impl<'a> Resolver<'a> {
             scope,
             terms: 0,
             has_numbers: false,
-            sums_from: None,
+            sums: None,
             entries_from: None,
             dropped: Vec::new(),
         }
@@ -205,11 +205,8 @@ impl<'a> Resolver<'a> {
                     SyntaxError::new(node.span, SyntaxErrorKind::NoDerivative { reason }).into()
                 })
             }
-            Kind::SumOver { index, above, body } => match &mut self.sums_from {
-                Some(next) => {
-                    *next += 1;
-                    Ok(Expression::Variable(*next - 1))
-                }
+            Kind::SumOver { index, above, body } => match self.variable_of(body) {
+                Some(variable) => Ok(Expression::Variable(variable)),
                 None => self.sum_over(node.span, (*index, *above), body, bound),
             },
             Kind::Sum(terms) => self.expressions(terms, bound).map(Expression::Sum),
@@ -226,6 +223,13 @@ impl<'a> Resolver<'a> {
                 Ok(even_powers::power(base, exponent))
             }
         }
+    }
+
+    /// The variable that a sum of this body is. Parts of a condition are resolved once for each side.
+    fn variable_of(&self, body: &Node) -> Option<usize> {
+        let (first, bodies) = self.sums.as_ref()?;
+        let at = bodies.iter().position(|own| std::ptr::eq(*own, body))?;
+        Some(first + at)
     }
 
     /// a where the condition holds, b elsewhere.

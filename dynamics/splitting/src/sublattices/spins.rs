@@ -49,7 +49,13 @@ impl<'a> Spins<'a> {
                     block.len()
                 ))
             })?;
-            let factor = factor(system, &mut ring, places)?;
+            let factor = system.spin_factor(&mut ring, places)?.ok_or_else(|| {
+                let names = places.map(|at| system.variables()[at].as_str());
+                unfit(format!(
+                    "the brackets of {} are not those of a spin, a constant times so(3)*",
+                    names.join(", ")
+                ))
+            })?;
             let metric = metric(system, places, &moving)?;
             all.push(Spin {
                 places,
@@ -146,51 +152,6 @@ impl<'a> Spins<'a> {
         }
         Ok(increments)
     }
-}
-
-/// κ of a spin.
-fn factor(
-    system: &SystemFormulas,
-    ring: &mut Ring,
-    places: [usize; 3],
-) -> Result<Polynomial, BuildError> {
-    let names = places.map(|at| system.variables()[at].as_str());
-    let misfit = || {
-        unfit(format!(
-            "the brackets of {} are not those of a spin, a constant times so(3)*",
-            names.join(", ")
-        ))
-    };
-    let x = places.map(|at| ring.variable(at));
-    let mut known: Option<Polynomial> = None;
-    for (i, j, k) in [(0, 1, 2), (1, 2, 0), (0, 2, 1)] {
-        let entry = system
-            .tensor()
-            .get(&(places[i], places[j]))
-            .ok_or_else(misfit)?;
-        let entry = entry.evaluate_in(ring, &mut |ring: &mut Ring, at| Ok(ring.variable(at)))?;
-        // {x1,x3} stands above the diagonal with the other sign.
-        let entry = match k {
-            1 => entry,
-            _ => ring.negate(&entry),
-        };
-        match &known {
-            None => {
-                let ratio = ring.divide(&entry, &x[k])?;
-                if ratio.is_zero() || ratio.as_constant().is_none() {
-                    return Err(misfit());
-                }
-                known = Some(ratio);
-            }
-            Some(factor) => {
-                let expected = ring.multiply(factor, &x[k]);
-                if !ring.subtract(&entry, &expected).is_zero() {
-                    return Err(misfit());
-                }
-            }
-        }
-    }
-    known.ok_or_else(misfit)
 }
 
 /// a of a spin's damping λ a; `None` where it has none.

@@ -178,12 +178,12 @@ fn coordinates_that_are_not_there_are_refused_without_the_template() {
             &["`q` has the members q[0] to q[999], not q[5000]"],
         ),
         (
-            "observables = [\"q[500]^2\"]",
-            &["q[500]", "single coordinates are recorded by their names"],
+            "observables = [\"q[5000]^2\"]",
+            &["`q` has the members q[0] to q[999], not q[5000]"],
         ),
         (
-            "observables = [\"q[3]^2\"]",
-            &["single coordinates are recorded by their names"],
+            "observables = [\"sum(i, q[i]*q[0])\"]",
+            &["q[0]", "single coordinates are recorded by their names"],
         ),
     ] {
         let said = chain(record).leafwise(&["check", "scene.toml"]);

@@ -2,7 +2,7 @@
 
 use leafwise_core::lattice::{LatticeGeometry, TemplateReach};
 use leafwise_core::pairs::{BodyFunction, BodyShape, BodySystem, PairMatrix};
-use leafwise_core::part::{Family, ParameterDefault, PartInfo, PartKind};
+use leafwise_core::part::{Family, ParameterDefault, PartInfo};
 use leafwise_core::system::{MotionClass, Parameter};
 use leafwise_core::{BuildError, PartParameters, PoissonSystem, Registry};
 use leafwise_expression::Expression;
@@ -19,6 +19,7 @@ use super::lattice_noise::site_channels;
 use super::matrices::matrices;
 use super::names::{check_code, check_names, coordinate_names, parse};
 use super::observables::{RecordedFormula, expression, observables_in, shadow_order};
+use super::parts::steppers_of_fields;
 use super::reach::{bracket_reach, reach};
 use super::site_forces::{Apart, Bodies, SiteForces};
 use super::system::{ComposedSystem, check_contradictions, check_sites};
@@ -270,10 +271,7 @@ fn unless_too_long(
     };
     let splitting = registry.family(Family::Splitting).into_iter();
     let splitting = names(splitting.filter(|info| info.takes >= motion).collect());
-    let parts = registry.parts().into_iter();
-    let serving = parts.filter(|info| {
-        info.kind == PartKind::Stepper && info.serves_numbers.is_some() && info.takes >= motion
-    });
+    let serving = steppers_of_fields(registry, motion);
     let method = &document.method;
     let named = method.stepper.as_ref().or(method.dynamics.as_ref());
     let of = match named {
@@ -300,7 +298,7 @@ fn unless_too_long(
                 true => String::new(),
                 false => format!("{} where H = T + V, ", splitting.join(", ")),
             },
-            names(serving.collect()).join(", ")
+            names(serving).join(", ")
         )),
     )))
 }

@@ -27,7 +27,9 @@ enum Kind {
 impl From<&RecordedFormula> for Kind {
     fn from(formula: &RecordedFormula) -> Self {
         match formula {
-            RecordedFormula::Written(_) => Self::Written,
+            RecordedFormula::Written(_)
+            | RecordedFormula::OfSites
+            | RecordedFormula::SpinTemperature => Self::Written,
             RecordedFormula::Sums(..) => Self::Sums,
             RecordedFormula::Shadow(_) => Self::Shadow,
         }
@@ -48,7 +50,9 @@ impl BodyColumns {
         let mut shadows = Vec::new();
         for formula in formulas {
             match formula {
-                RecordedFormula::Written(_) => {}
+                RecordedFormula::Written(_)
+                | RecordedFormula::OfSites
+                | RecordedFormula::SpinTemperature => {}
                 RecordedFormula::Sums(own, function) => {
                     functions.push((**function).clone());
                     shape = Some(own);

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use leafwise_core::system::{LeafDirections, SystemInvariants};
-use leafwise_core::{BuildError, Observer};
+use leafwise_core::{BuildError, Observer, SystemFormulas};
 use leafwise_expression::Expression;
 use leafwise_walk::{Begins, Course, Event, Indicator, Indicators, Pace, StateFunctions};
 
@@ -13,6 +13,7 @@ use super::extended::Extension;
 use super::lattice_functions::{LatticeFunctions, RecordedColumn, of_coordinates};
 use super::observables::{Observable, RecordedFormula};
 use super::run::ComposedRun;
+use super::spin_temperature::spin_temperature;
 use super::stepping::Stepping;
 
 impl ComposedRun {
@@ -44,13 +45,18 @@ impl ComposedRun {
                 Ok(SystemInvariants::new(&system, parameters)?.into())
             }));
         };
-        let paced = self.extension.as_ref().filter(|_| self.pace().is_some());
-        let energy = paced.map_or(formulas.hamiltonian(), Extension::energy);
-        let energy = self.contact.as_ref().map_or(energy, Contact::energy);
+        let energy = self.energy_of(formulas);
         let casimirs = formulas.casimirs().iter();
         let casimirs = casimirs.map(|casimir| &casimir.expression);
         let all: Vec<_> = std::iter::once(energy).chain(casimirs).collect();
         Ok(self.observables(&all)?.into())
+    }
+
+    /// H as the scene has it, H + e where there is a pace.
+    fn energy_of<'a>(&'a self, formulas: &'a SystemFormulas) -> &'a Expression {
+        let paced = self.extension.as_ref().filter(|_| self.pace().is_some());
+        let energy = paced.map_or(formulas.hamiltonian(), Extension::energy);
+        self.contact.as_ref().map_or(energy, Contact::energy)
     }
 
     /// The formulas of the state that the scene records.
@@ -72,10 +78,27 @@ impl ComposedRun {
     }
 
     /// Functions of the state, those of sums evaluated in loops.
-    fn functions_of(&self, formulas: Vec<RecordedFormula>) -> Result<StateFunctions, BuildError> {
+    fn functions_of(
+        &self,
+        mut formulas: Vec<RecordedFormula>,
+    ) -> Result<StateFunctions, BuildError> {
+        for formula in &mut formulas {
+            match (&formula, self.system.expressions()) {
+                (RecordedFormula::SpinTemperature, Some(system)) => {
+                    let temperature = spin_temperature(system, self.energy_of(system))?;
+                    *formula = RecordedFormula::Written(temperature);
+                }
+                (RecordedFormula::SpinTemperature | RecordedFormula::OfSites, _) => {
+                    return Err(BuildError::Lattice {
+                        message: "sums over sites are recorded of a lattice alone".to_owned(),
+                    });
+                }
+                _ => {}
+            }
+        }
         let written = formulas.iter().filter_map(|formula| match formula {
             RecordedFormula::Written(expression) => Some(expression),
-            RecordedFormula::Sums(..) | RecordedFormula::Shadow(_) => None,
+            _ => None,
         });
         let written = self.observables(&written.collect::<Vec<_>>())?;
         match BodyColumns::of(&self.system, &formulas, written.clone())? {
@@ -131,7 +154,7 @@ impl ComposedRun {
         let code = |formulas: &[Expression]| -> Result<StateFunctions, BuildError> {
             let formulas: Vec<&Expression> = formulas.iter().collect();
             match self.method.lattice() {
-                Some(_) => of_coordinates(&formulas, self.system.parameters().len()),
+                Some(_) => of_coordinates(&formulas, &self.system.parameter_values()),
                 None => Ok(self.observables(&formulas)?.into()),
             }
         };

@@ -15,9 +15,11 @@ use super::geometry::geometry;
 use super::instantiate::instantiate;
 use super::lattice_functions::LatticeFunctions;
 use super::lattice_noise::SiteTerms;
-use super::names::{function, is_a_sum, of_lattice, parse, parse_text, refusal};
+use super::names::{of_lattice, parse, refusal};
 use super::observables::{Observable, asks_for_indicator, coordinate, observables, shadow_order};
 use super::reach::reach;
+use super::site_functions::SiteFunction;
+use super::spin_temperature::SiteSpins;
 use super::time::wants_time;
 use crate::document::{BracketSpec, Located, SceneDocument};
 
@@ -29,6 +31,8 @@ pub(super) struct SceneLattice<'a> {
     geometry: LatticeGeometry,
     reach: TemplateReach,
     noise: Option<SiteTerms>,
+    /// The spins of a site, where the run records their temperature.
+    spins: Option<SiteSpins>,
 }
 
 /// Count of numbers per coordinate that a run keeps at its first checkpoint, for a method of so many fields. These are
@@ -144,10 +148,28 @@ impl<'a> SceneLattice<'a> {
             geometry,
             reach,
             noise: None,
+            spins: None,
         };
-        for formula in lattice.sums()? {
-            let observed = lattice.reach.with_observable(&parse(document, formula)?);
-            lattice.reach = observed.map_err(|error| refusal(document, formula, &error))?;
+        let is_long = lattice.dimension() > WRITTEN_LIMIT;
+        let whole = scope(document, &lattice.geometry, None)?;
+        for (formula, function) in lattice.recorded()? {
+            if is_long {
+                function.check_long(document, (formula, &whole))?;
+            }
+            for sum in function.sums() {
+                let observed = lattice.reach.with_observable(sum);
+                lattice.reach = observed.map_err(|error| refusal(document, formula, &error))?;
+            }
+            if matches!(function, SiteFunction::SpinTemperature) {
+                let (written, _) =
+                    proxy_of(&lattice, 1).map_err(|error| refused(document, &error))?;
+                let system = lattice.write_out(&written);
+                let system = system.map_err(|error| refused(document, &error))?;
+                lattice.spins = Some(SiteSpins::of(&system, &written));
+                // H's terms at a spin.
+                let (terms, energy) = (lattice.reach.terms, lattice.reach.hamiltonian);
+                lattice.reach.terms = std::array::from_fn(|axis| terms[axis].max(energy[axis]));
+            }
         }
         Ok(Some(lattice))
     }
@@ -209,23 +231,21 @@ impl<'a> SceneLattice<'a> {
     /// The system on a short lattice with what the run records, errors underlined in the scene.
     pub fn trial(&self) -> Result<(PoissonSystem, LatticeGeometry, Vec<Observable>), Refusal> {
         let document = self.document;
-        let bracket = &document.system.bracket;
-        let refused = |error: BuildError| {
-            document.diagnostic(&bracket.place(), error.to_string(), "here", None)
-        };
-        let (mut geometry, _) = proxy_of(self, 1).map_err(refused)?;
+        let (mut geometry, _) = proxy_of(self, 1).map_err(|error| refused(document, &error))?;
         if geometry.length() < TRIAL_LENGTH {
             let lengths = self.geometry.lengths().into_iter();
             let lengths: Vec<usize> = lengths.map(|length| TRIAL_LENGTH.min(length)).collect();
             geometry = self.geometry.resized(&lengths);
         }
         instantiate(document, &self.own(&geometry))?;
-        let system = self.write_out(&geometry).map_err(refused)?;
+        let system = self.write_out(&geometry);
+        let system = system.map_err(|error| refused(document, &error))?;
         let scope = scope(document, &geometry, None)?;
-        for formula in self.sums()? {
-            parse(document, formula)?
-                .density(&scope, geometry.middle())
-                .map_err(|error| refusal(document, formula, &error))?;
+        for (formula, function) in self.recorded()? {
+            for sum in function.sums() {
+                sum.density(&scope, geometry.middle())
+                    .map_err(|error| refusal(document, formula, &error))?;
+            }
         }
         // Single coordinates are columns of their own, whatever the length of what is written out.
         let whole = self::scope(document, &self.geometry, None)?;
@@ -238,50 +258,43 @@ impl<'a> SceneLattice<'a> {
     /// # Errors
     /// [`BuildError`] where one has no code, or looks too far.
     pub fn functions(&self, parameters: &[f64]) -> Result<[LatticeFunctions; 2], BuildError> {
-        let invariants = 1 + self.document.system.casimirs.len();
+        let dimension = self.geometry.dimension();
         let whole = scope(self.document, &self.geometry, None).map_err(of_lattice)?;
-        let mut written = Vec::new();
-        for (place, formula) in self.formulas().into_iter().enumerate().skip(invariants) {
-            if !is_a_sum(self.document, formula).map_err(of_lattice)? {
-                let formula = function(self.document, &whole, formula).map_err(of_lattice)?;
-                written.push((place - invariants, formula));
-            }
+        let (mut functions, mut behind) = (Vec::new(), 0);
+        for (place, (formula, function)) in self.recorded().map_err(of_lattice)?.iter().enumerate()
+        {
+            let outside = function.outside(self.document, (formula, &whole), dimension + behind);
+            let outside = outside.map_err(of_lattice)?;
+            functions.extend(outside.map(|outside| (place, outside)));
+            behind += function.behind();
         }
+        let invariants = self.invariants();
         let sums = |selection| LatticeObservables::new(self, parameters, selection);
         Ok([
-            LatticeFunctions::new(
-                sums(0..invariants)?,
-                self.geometry.dimension(),
-                &[],
-                parameters,
-            )?,
+            LatticeFunctions::new(sums(0..invariants)?, 0, &[], parameters)?,
             LatticeFunctions::new(
                 sums(invariants..usize::MAX)?,
-                self.geometry.dimension(),
-                &written,
+                behind,
+                &functions,
                 parameters,
             )?,
         ])
     }
 
-    /// Formulas that the run watches and that are sums over sites.
-    fn sums(&self) -> Result<Vec<&'a Located<String>>, Refusal> {
-        let mut sums = Vec::new();
-        for formula in self.formulas() {
-            if is_a_sum(self.document, formula)? {
-                sums.push(formula);
-            } else if self.geometry.dimension() > WRITTEN_LIMIT {
-                // A site that is not there is said first.
-                if !formula.value.contains("sum") {
-                    let whole = scope(self.document, &self.geometry, None)?;
-                    function(self.document, &whole, formula)?;
-                }
-                parse(self.document, formula)?
-                    .offsets_of_sums()
-                    .map_err(|error| refusal(self.document, formula, &error))?;
-            }
-        }
-        Ok(sums)
+    /// How many the energy and the Casimirs are.
+    fn invariants(&self) -> usize {
+        1 + self.document.system.casimirs.len()
+    }
+
+    /// Formulas that the run records beside energy and Casimirs, as functions of sums over sites.
+    ///
+    /// # Errors
+    /// Formulas that cannot be read.
+    fn recorded(&self) -> Result<Vec<(&'a Located<String>, SiteFunction)>, Refusal> {
+        let formulas = self.formulas().into_iter().skip(self.invariants());
+        let functions =
+            formulas.map(|formula| Ok((formula, SiteFunction::of(self.document, formula)?)));
+        functions.collect()
     }
 
     /// Formulas that the run watches: the energy, the Casimirs, then formulas of the state.
@@ -344,6 +357,12 @@ pub(super) fn has_room(
         "here",
         Some("shorten the lattice".to_owned()),
     )))
+}
+
+/// A system that is not built, with the bracket underlined.
+fn refused(document: &SceneDocument, error: &BuildError) -> Refusal {
+    let place = document.system.bracket.place();
+    Box::new(document.diagnostic(&place, error.to_string(), "here", None))
 }
 
 /// Whether a bracket, or a summand of it, is made of a form or with constraints.
@@ -429,24 +448,53 @@ impl LatticeSource for SceneLattice<'_> {
     ) -> Result<Vec<SiteDensity>, BuildError> {
         let own = self.own(geometry);
         let scope = scope(self.document, &own, None).map_err(of_lattice)?;
-        let densities = self.formulas().into_iter().map(|formula| {
-            let parsed = parse_text(self.document, &formula.value);
-            // What is no sum over sites is evaluated as a whole.
-            let parsed = parsed.and_then(|parsed| match parsed.offsets_of_sums() {
-                Ok(_) => Ok(parsed),
-                Err(_) => Formula::parse("0"),
-            });
-            let density = parsed
-                .and_then(|parsed| parsed.density(&scope, site))
-                .map_err(|error| BuildError::Lattice {
-                    message: error.to_string(),
-                })?;
-            Ok(SiteDensity {
+        let density = |formula: &Formula, site| {
+            let density = formula.density(&scope, site);
+            let density = density.map_err(|error| BuildError::Lattice {
+                message: error.to_string(),
+            })?;
+            Ok::<_, BuildError>(SiteDensity {
                 constant: density.constant,
                 site: density.site,
             })
-        });
-        let mut densities: Vec<SiteDensity> = densities.collect::<Result<_, BuildError>>()?;
+        };
+        let of_text = |formula: &Located<String>, site| {
+            density(&parse(self.document, formula).map_err(of_lattice)?, site)
+        };
+        let watched = self.formulas().into_iter().take(self.invariants());
+        let watched = watched.map(|formula| of_text(formula, site));
+        let mut densities: Vec<SiteDensity> = watched.collect::<Result<_, BuildError>>()?;
+        // Sums of functions stand behind all, and 0 where a function is evaluated.
+        let mut behind = Vec::new();
+        for (_, function) in self.recorded().map_err(of_lattice)? {
+            let alone = match &function {
+                SiteFunction::Sum(sum) => density(sum, site)?,
+                _ => SiteDensity {
+                    constant: 0.into(),
+                    site: 0.into(),
+                },
+            };
+            densities.push(alone);
+            match (&function, &self.spins) {
+                (SiteFunction::OfSums(_, sums), _) => {
+                    let sums = sums.iter().map(|sum| density(sum, site));
+                    behind.extend(sums.collect::<Result<Vec<_>, _>>()?);
+                }
+                (SiteFunction::SpinTemperature, Some(spins)) => {
+                    let energy = |site| {
+                        let energy = of_text(&self.document.system.hamiltonian, site)?;
+                        Ok(energy.site)
+                    };
+                    let of_spins = spins.at(&own, site, energy)?;
+                    behind.extend(of_spins.map(|site| SiteDensity {
+                        constant: 0.into(),
+                        site,
+                    }));
+                }
+                _ => {}
+            }
+        }
+        densities.append(&mut behind);
         if let (Some(noise), Some(energy)) = (&self.noise, densities.first_mut()) {
             let mut terms = noise.at(self.document, &scope, geometry, site)?;
             if noise.has_energy() {

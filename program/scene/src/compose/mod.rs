@@ -76,6 +76,8 @@ mod sample_times;
 mod shadow;
 mod shape;
 mod site_forces;
+mod site_functions;
+mod spin_temperature;
 mod states;
 mod stepping;
 mod sum;

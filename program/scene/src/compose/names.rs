@@ -246,14 +246,6 @@ pub(super) fn check_code(
         .map_err(|error| algebra_refusal(document, formula, &error))
 }
 
-/// Whether a formula is a combination of sums over sites, each the same at every site.
-pub(super) fn is_a_sum(
-    document: &SceneDocument,
-    formula: &Located<String>,
-) -> Result<bool, Refusal> {
-    Ok(parse(document, formula)?.offsets_of_sums().is_ok())
-}
-
 /// An error of a formula, with the piece it is about underlined in the file.
 pub(super) fn refusal(
     document: &SceneDocument,
@@ -293,10 +285,40 @@ pub(super) fn refusal(
             "values that differ from site to site are a parameter of sites: w[{name}] in the formula, and \"w[{name}]\" = \"…\" in \
              [system.parameters], a formula of {name}"
         )),
+        (None, SyntaxErrorKind::UnknownIndex { name }) => of_one_number(document, formula, name),
+        (None, SyntaxErrorKind::LengthOfAxes) => Some(format!(
+            "the lattice has {} sites: write {}",
+            document.system.axes.iter().product::<usize>(),
+            (document.system.axes.iter())
+                .map(usize::to_string)
+                .collect::<Vec<_>>()
+                .join(" or ")
+        )),
         (None, SyntaxErrorKind::UnknownFunction { .. }) => Some(vocabulary(document)),
         (None, _) => None,
     };
     Box::new(document.diagnostic(&place, error.kind.to_string(), label, help))
+}
+
+/// Where values of sites belong that stand in a number for all sites.
+fn of_one_number(
+    document: &SceneDocument,
+    formula: &Located<String>,
+    index: &str,
+) -> Option<String> {
+    let system = &document.system;
+    let mut channels = system.noise.iter();
+    if channels.any(|channel| channel.strength == *formula) {
+        return Some(format!(
+            "one strength serves all sites: values of sites multiply the Hamiltonian, as in {{ hamiltonian = \"a[{index}]*q[{index}]\" }}"
+        ));
+    }
+    let damping = system.forces.damping.as_ref()?;
+    (damping.rate == *formula).then(|| {
+        format!(
+            "one rate serves all sites: values of sites stand in the metric, as in metric = {{ \"p[{index}]\" = \"a[{index}]\" }}"
+        )
+    })
 }
 
 /// How numbers come of a vector that stands where a number is meant, or a component behind the site.

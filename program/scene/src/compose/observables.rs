@@ -10,7 +10,9 @@ use leafwise_expression::syntax::Scope;
 use leafwise_walk::Indicator;
 
 use super::Refusal;
-use super::names::{function, is_a_sum, parse_text, refusal};
+use super::names::{function, parse_text, refusal};
+use super::site_functions::SiteFunction;
+use super::spin_temperature::{SPIN_TEMPERATURE, is_spin_temperature};
 use super::time::TIME;
 use crate::document::{Located, SceneDocument, nearest};
 
@@ -62,6 +64,10 @@ pub enum RecordedFormula {
     Sums(BodyShape, Box<BodyFunction>),
     /// A shadow energy as numbers.
     Shadow(ShadowNumbers),
+    /// A function of sums over sites, which a long lattice evaluates by itself.
+    OfSites,
+    /// The temperature of all spins.
+    SpinTemperature,
 }
 
 /// H̃ as numbers, of the step t.
@@ -98,12 +104,22 @@ pub(super) fn observables(
     lattice: Option<(&LatticeGeometry, &Scope)>,
 ) -> Result<Vec<Observable>, Refusal> {
     observables_in(document, lattice, |formula, known| {
-        let whole = match lattice {
+        let mut names = scope;
+        if let Some((geometry, whole)) = lattice
+            && let Ok(function) = SiteFunction::of(document, formula)
+        {
             // Where a single site is named, the short lattice may have none.
-            Some((_, whole)) if is_written_out(document, formula) => whole,
-            _ => scope,
-        };
-        expression(document, whole, formula, known).map(RecordedFormula::Written)
+            names = whole;
+            match &function {
+                SiteFunction::Sum(_) => names = scope,
+                SiteFunction::OfSums(_, sums) if !sums.is_empty() => {
+                    function.outside(document, (formula, whole), geometry.dimension())?;
+                    return Ok(RecordedFormula::OfSites);
+                }
+                _ => {}
+            }
+        }
+        expression(document, names, formula, known).map(RecordedFormula::Written)
     })
 }
 
@@ -145,6 +161,11 @@ pub(super) fn observables_in(
             chosen.push(Observable::Invariant { name, index: 0 });
             continue;
         }
+        if is_spin_temperature(&formula.value) {
+            let formula = RecordedFormula::SpinTemperature;
+            chosen.push(Observable::Formula { name, formula });
+            continue;
+        }
         if asks_for_indicator(&formula.value) && !is_declared(formula, &known) {
             if indicator(&formula.value).is_none() {
                 return Err(no_indicator(document, formula));
@@ -169,11 +190,6 @@ pub(super) fn observables_in(
         });
     }
     Ok(chosen)
-}
-
-/// Whether a formula is no sum over sites.
-fn is_written_out(document: &SceneDocument, formula: &Located<String>) -> bool {
-    matches!(is_a_sum(document, formula), Ok(false))
 }
 
 /// The coordinate that a text such as `q[500]` names.
@@ -272,11 +288,13 @@ pub(super) fn expression(
             return Err(refusal(document, asked, &error));
         }
         let names = known.iter().copied();
-        let names = names.chain([SHADOW_ENERGY]).chain(INDICATORS);
+        let names = names
+            .chain([SHADOW_ENERGY, SPIN_TEMPERATURE])
+            .chain(INDICATORS);
         let help = match nearest(&asked.value, names) {
             Some(name) => format!("did you mean `{name}`?"),
             None => format!(
-                "record {}, {SHADOW_ENERGY}, {}, or a formula of the variables",
+                "record {}, {SHADOW_ENERGY}, {SPIN_TEMPERATURE}, {}, or a formula of the variables",
                 known.join(", "),
                 INDICATORS.join(", ")
             ),

@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
-use leafwise_core::lattice::LatticeMap;
-use leafwise_core::part::{Family, PATH, PartKind};
-use leafwise_core::registry::CompositionPart;
+use leafwise_core::lattice::{LatticeMap, LatticeNumbers};
+use leafwise_core::part::{Family, PATH, PartInfo, PartKind};
+use leafwise_core::registry::{CompositionPart, StepperPart};
+use leafwise_core::system::MotionClass;
 use leafwise_core::{
     BuildError, DynamicApproximation, PartParameters, PoissonSystem, RealizationData, Registry,
     StepMap,
@@ -160,12 +161,16 @@ fn stepper(
             }
             refusal
         })?),
-        Some(lattice) => match part.build_on_lattice(lattice, &given) {
+        Some(lattice) => match on_lattice(&part, system, lattice, &given) {
             Ok(map) => Base::Sweeps(Box::new(map)),
             Err(BuildError::DoesNotFit { .. }) if lattice.is_written_for_any() => {
                 let composed = written_out(request.document)?;
                 let map = part.build(&composed.system, &given).map_err(refused)?;
                 Base::WrittenOut(map, Box::new(composed))
+            }
+            Err(BuildError::DoesNotFit { .. }) if part.info.serves_numbers.is_some() => {
+                let map = by_fields(lattice, &part, &given).map_err(refused)?;
+                Base::Sweeps(Box::new(map))
             }
             Err(error) => {
                 let mut refusal = request.refused(&error);
@@ -173,8 +178,13 @@ fn stepper(
                     refusal.help = Some(match lattice.has_noise() {
                         true => "noise moves sites by sweeps: name a stepper that sweeps, or a realization and dynamics".to_owned(),
                         false => format!(
-                            "a lattice of at most {WRITTEN_LIMIT} coordinates is written out for any \
-                             stepper; for longer ones name one that sweeps, or a realization and dynamics"
+                            "a lattice of at most {WRITTEN_LIMIT} coordinates is written out for any stepper; for longer ones name \
+                             one that sweeps or takes fields alone, such as {}, or a realization and dynamics",
+                            steppers_of_fields(registry, system.motion())
+                                .iter()
+                                .map(|info| info.name)
+                                .collect::<Vec<_>>()
+                                .join(", ")
                         ),
                     });
                 }
@@ -186,6 +196,53 @@ fn stepper(
     Ok(base)
 }
 
+/// Steppers that take fields alone, of such a motion.
+pub(super) fn steppers_of_fields(
+    registry: &Registry,
+    motion: MotionClass,
+) -> Vec<&'static PartInfo> {
+    let infos = registry.parts().into_iter();
+    let serves = |info: &&PartInfo| {
+        info.kind == PartKind::Stepper && info.serves_numbers.is_some() && info.takes >= motion
+    };
+    infos.filter(serves).collect()
+}
+
+/// The sweeps of a stepper over a long lattice that `system` stands for.
+///
+/// # Errors
+/// Those of [`StepperPart::build_on_lattice`].
+fn on_lattice(
+    part: &StepperPart,
+    system: &PoissonSystem,
+    lattice: &SceneLattice<'_>,
+    given: &PartParameters,
+) -> Result<LatticeMap, BuildError> {
+    system.unless_beyond(part.info.takes, part.info.name)?;
+    part.build_on_lattice(lattice, given)
+}
+
+/// The map of a stepper that takes fields alone: each is one sweep over the lattice.
+///
+/// # Errors
+/// Those of [`LatticeNumbers::compile`] and of the stepper.
+fn by_fields(
+    lattice: &SceneLattice<'_>,
+    part: &StepperPart,
+    given: &PartParameters,
+) -> Result<LatticeMap, BuildError> {
+    let numbers = LatticeNumbers::compile(lattice)?;
+    Ok(LatticeMap {
+        map: part.build(&PoissonSystem::from(numbers.system), given)?,
+        geometry: numbers.geometry,
+        proxy_geometry: numbers.proxy_geometry,
+        operations: numbers.operations,
+        work: numbers.work,
+        fields: numbers.fields,
+        swept: None,
+    })
+}
+
 fn pair(
     document: &SceneDocument,
     system: &PoissonSystem,
@@ -193,7 +250,8 @@ fn pair(
     registry: &Registry,
     choices: &mut Vec<PartChoice>,
 ) -> Result<Base, Refusal> {
-    if let (Some(friction), None) = (&document.system.forces.friction, &document.method.dynamics) {
+    let is_open = document.method.dynamics.is_none() || is_lattice;
+    if let (Some(friction), true) = (&document.system.forces.friction, is_open) {
         let part = "a realization with a dynamics".to_owned();
         let message = registry.explain(&BuildError::Friction { part });
         let place = friction.place();

@@ -65,9 +65,13 @@ fn force_reach(
         }
     }
     if let Some(friction) = &forces.friction {
-        let help = "shorten the lattice for a stepper that writes it out, or write forces along the leaves: forces = { \"q[i]\" = \"0.1*p[i]\" }";
-        let message = "on a lattice of this length no step follows friction: every one is a Poisson map or along symplectic leaves";
-        return refuse(friction.place(), message, help);
+        match &friction.value {
+            ComponentsSpec::Named(named) => entries.extend(named),
+            ComponentsSpec::All(_) => {
+                let help = "write a table with an index: friction = { \"p[i]\" = \"-0.1*p[i]\" }";
+                return refuse(friction.place(), by_site, help);
+            }
+        }
     }
     if let Some(torque) = &forces.torque {
         let help = "write it by coordinates: forces = { \"q[i]\" = \"0.1*p[i]\" }";

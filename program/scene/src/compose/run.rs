@@ -26,6 +26,7 @@ use super::part_choice::PartChoice;
 use super::parts::{Base, parts, system_choice, what_fits};
 use super::sample_times::{check_given_times, sample_times};
 use super::shadow::{RecordedShadow, with_shadows};
+use super::spin_temperature::check_spins;
 use super::states::{RecordedStates, recorded_states};
 use super::stepping::{LatticeStepping, Stepping};
 use super::system::{ComposedSystem, compose_system};
@@ -233,6 +234,7 @@ fn compose_at_its_values(
         (homogeneous, method) = (Some(map), entered);
     }
     let system = &composed.system;
+    check_spins(document, system, &composed.observables)?;
     let shadow = with_shadows(document, system, &method, &mut composed.observables)?;
     let indicators = indicators(
         document,

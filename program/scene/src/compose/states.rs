@@ -121,10 +121,10 @@ pub(super) fn recorded_states(document: &SceneDocument) -> Result<RecordedStates
             false => match document.system.components_of_key(text.value.trim()) {
                 Some(components) => {
                     for component in components {
-                        slices.push(slice(document, &all, &text.clone().map(|_| component))?);
+                        slices.extend(slice(document, &all, &text.clone().map(|_| component))?);
                     }
                 }
-                None => slices.push(slice(document, &all, text)?),
+                None => slices.extend(slice(document, &all, text)?),
             },
         }
     }
@@ -175,12 +175,12 @@ fn variables(document: &SceneDocument) -> Vec<StateSlice> {
     all
 }
 
-/// `x`, `q`, `q[500]`, `q[0..10]`, `q[::100]`, `q[10:500:7]`; along several axes `q` and `q[2,3]`.
+/// `x`, `q`, `q[500]`, `q[0..10]`, `q[::100]`, `q[10:500:7]`; along several axes `q`, `q[2,3]`, `q[:,5]`, `q[0..10,::2]`.
 fn slice(
     document: &SceneDocument,
     all: &[StateSlice],
     asked: &Located<String>,
-) -> Result<StateSlice, Refusal> {
+) -> Result<Vec<StateSlice>, Refusal> {
     let text = asked.value.trim();
     let refuse = |message: String, help: String| {
         let place = document.place_in_formula(asked, 0..asked.value.len());
@@ -201,7 +201,7 @@ fn slice(
         ));
     };
     let Some(sites) = sites else {
-        return Ok(whole.clone());
+        return Ok(vec![whole.clone()]);
     };
     if whole.first.is_none() {
         return Err(refuse(
@@ -209,70 +209,88 @@ fn slice(
             format!("write \"{name}\""),
         ));
     }
-    let length = whole.count;
     let inner = sites.strip_suffix(']');
-    if whole.axes.len() > 1 {
-        let Some(site) = inner.and_then(|inner| site(inner, &whole.axes)) else {
-            let last: Vec<String> = whole.axes.iter().map(|n| (n - 1).to_string()).collect();
-            return Err(refuse(
-                format!(
-                    "`{text}` is not a site of `{name}`, whose last is {name}[{}]",
-                    last.join(",")
-                ),
-                format!(
-                    "write {name} for all of it, {name}[{}] for one site",
-                    last.join(",")
-                ),
-            ));
-        };
-        return Ok(StateSlice {
-            first: Some(site),
-            count: 1,
-            offset: whole.offset + site,
-            ..whole.clone()
-        });
-    }
-    let range = inner.and_then(|inner| range(inner, length));
-    let Some((first, end, step)) = range else {
-        return Err(refuse(
-            format!("`{text}` is not a part of `{name}`"),
-            format!(
+    let Some(ranges) = inner.and_then(|inner| ranges(inner, &whole.axes)) else {
+        let help = match &whole.axes[..] {
+            [_] => format!(
                 "write {name} for all of it, {name}[5] for one site, {name}[0..10] for ten, {name}[::100] for \
                  every hundredth"
             ),
-        ));
+            axes => {
+                let [all, last] = [vec![":"; axes.len() - 1], vec!["0"; axes.len()]];
+                let [all, last] = [all, last].map(|parts| parts.join(","));
+                format!(
+                    "write {name} for all of it, {name}[{last}] for one site, {name}[{all},0] for those with 0 along the last \
+                     axis: a range for each of the {} axes",
+                    axes.len()
+                )
+            }
+        };
+        return Err(refuse(format!("`{text}` is not a part of `{name}`"), help));
     };
-    if end > length || first >= end {
-        return Err(refuse(
-            format!(
-                "`{name}` has the sites 0 to {}, and `{text}` names others",
-                length - 1
-            ),
-            format!("the end of a slice is exclusive: {name}[0..{length}] is all of it"),
-        ));
+    for ((first, end, _), length) in ranges.iter().zip(&whole.axes) {
+        if end > length || first >= end {
+            let last: Vec<String> = whole.axes.iter().map(|n| (n - 1).to_string()).collect();
+            let [first, last] = [vec!["0"; last.len()].join(","), last.join(",")];
+            return Err(refuse(
+                format!("`{name}` has the sites {first} to {last}, and `{text}` names others"),
+                match whole.axes.len() {
+                    1 => {
+                        format!("the end of a slice is exclusive: {name}[0..{length}] is all of it")
+                    }
+                    _ => format!(
+                        "the end of a range is exclusive: 0..{length} is all along that axis"
+                    ),
+                },
+            ));
+        }
     }
-    Ok(StateSlice {
-        first: Some(first),
-        step,
-        count: (end - first).div_ceil(step),
-        offset: whole.offset + first,
-        ..whole.clone()
-    })
+    Ok(rows(whole, &ranges))
 }
 
-/// The number of the site `2,3` of a family with these axes.
-fn site(text: &str, axes: &[usize]) -> Option<usize> {
+/// First place, the one behind the last, and the step along an axis.
+type Range = (usize, usize, usize);
+
+/// The sites of these ranges, rows along the last axis that has several, in the order of the state.
+fn rows(whole: &StateSlice, ranges: &[Range]) -> Vec<StateSlice> {
+    let counts: Vec<usize> = (ranges.iter())
+        .map(|(first, end, step)| (end - first).div_ceil(*step))
+        .collect();
+    let strides: Vec<usize> = (1..=ranges.len())
+        .map(|axis| whole.axes[axis..].iter().product())
+        .collect();
+    let along = counts.iter().rposition(|count| *count > 1);
+    let along = along.unwrap_or(ranges.len() - 1);
+    let before: usize = counts[..along].iter().product();
+    let row = |mut number: usize| {
+        let mut site: usize = (ranges.iter().zip(&strides))
+            .map(|((first, ..), stride)| first * stride)
+            .sum();
+        for axis in (0..along).rev() {
+            site += number % counts[axis] * ranges[axis].2 * strides[axis];
+            number /= counts[axis];
+        }
+        StateSlice {
+            first: Some(site),
+            step: ranges[along].2 * strides[along],
+            count: counts[along],
+            offset: whole.offset + site,
+            ..whole.clone()
+        }
+    };
+    (0..before).map(row).collect()
+}
+
+/// The range along each axis, of `0..10,5` or `:,:,8`.
+fn ranges(text: &str, axes: &[usize]) -> Option<Vec<Range>> {
     let parts: Vec<&str> = text.split(',').collect();
-    let mut number = 0;
-    for (part, length) in parts.iter().zip(axes) {
-        let at = part.trim().parse::<usize>().ok()?;
-        number = number * length + (at < *length).then_some(at)?;
-    }
-    (parts.len() == axes.len()).then_some(number)
+    let ranges = parts.iter().zip(axes);
+    let ranges = ranges.map(|(part, length)| range(part, *length));
+    (parts.len() == axes.len()).then(|| ranges.collect())?
 }
 
 /// First site, the one behind the last, and the step of `5`, `0..10`, `0:10`, `::100`, `10:500:7`.
-fn range(text: &str, length: usize) -> Option<(usize, usize, usize)> {
+fn range(text: &str, length: usize) -> Option<Range> {
     let text = text.replace("..", ":");
     let number = |text: &str, otherwise: usize| match text.trim() {
         "" => Some(otherwise),
@@ -290,5 +308,60 @@ fn range(text: &str, length: usize) -> Option<(usize, usize, usize)> {
             Some((number(first, 0)?, number(end, length)?, step))
         }
         _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{StateSlice, ranges, rows};
+
+    /// Places of a box of 4 × 5 × 6 sites, as a loop over its indices finds them.
+    #[test]
+    fn parts_of_a_box_are_its_sites_in_order() {
+        let whole = StateSlice {
+            name: "q".to_owned(),
+            first: Some(0),
+            step: 1,
+            count: 120,
+            offset: 7,
+            axes: vec![4, 5, 6],
+        };
+        for (text, is_there) in [
+            (":,:,:", [true; 3].map(|_| None)),
+            (":,:,2", [None, None, Some(2)]),
+            ("3,:,:", [Some(3), None, None]),
+            ("1, :, 5", [Some(1), None, Some(5)]),
+            (":,4,0", [None, Some(4), Some(0)]),
+            ("3,4,5", [Some(3), Some(4), Some(5)]),
+        ] {
+            let mut expected = Vec::new();
+            for at in 0..120 {
+                let place = [at / 30, at / 6 % 5, at % 6];
+                if place
+                    .iter()
+                    .zip(is_there)
+                    .all(|(at, own)| own.is_none_or(|own| own == *at))
+                {
+                    expected.push((7 + at, format!("q[{},{},{}]", place[0], place[1], place[2])));
+                }
+            }
+            let found = rows(&whole, &ranges(text, &whole.axes).expect(text));
+            let found = found.iter().flat_map(|row| {
+                (0..row.count).map(|k| (row.offset + k * row.step, row.name_of(k)))
+            });
+            assert_eq!(found.collect::<Vec<_>>(), expected, "{text}");
+        }
+        let every_other = rows(
+            &whole,
+            &ranges("::3,1..5:2,2", &whole.axes).expect("ranges"),
+        );
+        let sites = every_other
+            .iter()
+            .flat_map(|row| (0..row.count).map(|k| row.name_of(k)));
+        let sites: Vec<String> = sites.collect();
+        assert_eq!(sites, ["q[0,1,2]", "q[0,3,2]", "q[3,1,2]", "q[3,3,2]"]);
+        for none in [":,:", "1,2,3,4", "a,:,:", ":,:,::0"] {
+            assert!(ranges(none, &whole.axes).is_none(), "{none}");
+        }
     }
 }

@@ -333,7 +333,7 @@ pub(super) static RECORD: [Key; 6] = [
     key(
         "observables",
         OBSERVABLES,
-        "`energy`, names of Casimirs, `megno`, `lyapunov`, `sali`, formulas, or { name = \"formula\" }",
+        "`energy`, names of Casimirs, `spin-temperature`, `megno`, `lyapunov`, `sali`, formulas, or { name = \"formula\" }",
     )
     .otherwise("`energy` and every Casimir")
     .not_beside(&OBSERVABLES_BESIDE),
@@ -475,7 +475,7 @@ pub(super) static ENSEMBLE_RECORD: [Key; 6] = [
     key(
         "observables",
         OBSERVABLES,
-        "`energy`, names of Casimirs, `megno`, `lyapunov`, `sali`, formulas, or { name = \"formula\" }",
+        "`energy`, names of Casimirs, `spin-temperature`, `megno`, `lyapunov`, `sali`, formulas, or { name = \"formula\" }",
     )
     .otherwise("`energy` and every Casimir")
     .not_beside(&OBSERVABLES_BESIDE),
@@ -517,7 +517,7 @@ pub(super) static SWEEP: [Key; 5] = [
 pub(super) static SWEEP_RECORD: [Key; 1] = [key(
     "observables",
     OBSERVABLES,
-    "`energy`, names of Casimirs, `megno`, `lyapunov`, `sali`, formulas, or { name = \"formula\" }",
+    "`energy`, names of Casimirs, `spin-temperature`, `megno`, `lyapunov`, `sali`, formulas, or { name = \"formula\" }",
 )
 .otherwise("`energy` and every Casimir")];
 

@@ -1,0 +1,206 @@
+//! Recorded functions of sums over sites, and the temperature of spins, against the sums added one by one.
+
+use leafwise::core::Registry;
+use leafwise::scene::{ComposedRun, compose};
+use leafwise_tests::scenes::{composed, document};
+
+/// Values of the formulas that a run records, at its initial state.
+fn recorded(run: &ComposedRun) -> Vec<f64> {
+    let functions = run.recorded_functions().expect("code");
+    let mut values = functions
+        .values(1, &run.system.parameter_values())
+        .expect("code");
+    values.at(&run.plan.initial).to_vec()
+}
+
+const INITIAL: [&str; 3] = ["0.3 + sin(AT)", "cos(2*AT + 1)", "0.4*sin(3*AT)"];
+
+/// Spins on a lattice, each bond −J s·s' and a field along z, with these observables.
+fn spins(lengths: &str, boundary: &str, observables: &str) -> ComposedRun {
+    let axes = lengths.matches(',').count() + 1;
+    let [here, indices, count] = [
+        ["i", "i", "i"],
+        ["i,j", "i, j", "i + 7*j"],
+        ["i,j,k", "i, j, k", "i + 7*j + 0.3*k"],
+    ][axes - 1];
+    let ahead = ["i", "j", "k"][..axes]
+        .iter()
+        .map(|axis| here.replace(axis, &format!("{axis}+1")));
+    let bonds: Vec<String> = ahead
+        .map(|there| format!("dot(s[{here}], s[{there}])"))
+        .collect();
+    let initial = ["x", "y", "z"].iter().zip(INITIAL).map(|(c, value)| {
+        format!(
+            "\"s.{c}[{here}]\" = \"{}\"",
+            value.replace("AT", &format!("({count})"))
+        )
+    });
+    let initial: Vec<String> = initial.collect();
+    composed(&format!(
+        "[system]\nfamilies = {{ s = {{ components = [\"x\", \"y\", \"z\"], length = [{lengths}] }} }}\nboundary = \"{boundary}\"\n\
+         bracket = {{ lie-algebra = \"so3\" }}\nparameters = {{ J = 0.7 }}\n\
+         hamiltonian = \"-J*sum({indices}, {}) - 0.3*sum({indices}, s.z[{here}])\"\n\
+         [method]\nstepper = \"sublattices\"\ntime-step = 0.01\n\
+         [run]\nsteps = 1\nrecord = {{ observables = [{}] }}\ninitial = {{ {} }}\n",
+        bonds.join(" + "),
+        observables
+            .replace("HERE", here)
+            .replace("INDICES", indices),
+        initial.join(", ")
+    ))
+}
+
+/// Spins of a state, whose coordinates are those of all x, of all y, of all z.
+fn vectors(state: &[f64]) -> Vec<[f64; 3]> {
+    let sites = state.len() / 3;
+    let at = |site| [0, 1, 2].map(|c| state[c * sites + site]);
+    (0..sites).map(at).collect()
+}
+
+const LATTICES: [(&str, &str); 8] = [
+    ("8", "open"),
+    ("60", "periodic"),
+    ("400", "periodic"),
+    ("401", "open"),
+    ("20, 22", "periodic"),
+    ("20, 21", "open"),
+    ("8, 6, 8", "periodic"),
+    ("7, 8, 9", "open"),
+];
+
+#[test]
+fn functions_of_sums_are_those_of_sums_added_one_by_one() {
+    let observables = "{ q = \"sum(INDICES, s.z[HERE])^2/3\" }, { a = \"norm(sum(INDICES, s[HERE]))\" }, \
+        { b = \"sum(INDICES, s.x[HERE])*sum(INDICES, s.x[HERE]*s.y[HERE])/(1 + sum(INDICES, s.z[HERE]^2))\" }, \
+        { c = \"if(sum(INDICES, s.z[HERE]) > sum(INDICES, s.x[HERE]), sum(INDICES, s.y[HERE]), -J)\" }, \
+        { d = \"sum(INDICES, s.y[HERE])\" }";
+    for (lengths, boundary) in LATTICES {
+        let run = spins(lengths, boundary, observables);
+        let spins = vectors(&run.plan.initial);
+        let sum = |of: &dyn Fn(&[f64; 3]) -> f64| spins.iter().map(of).sum::<f64>();
+        let [x, y, z] = [0, 1, 2].map(|c| sum(&|s| s[c]));
+        let xy = sum(&|s| s[0] * s[1]);
+        let zz = sum(&|s| s[2] * s[2]);
+        let c = if z > x { y } else { -0.7 };
+        let norm = libm::sqrt(x * x + y * y + z * z);
+        let expected = [z * z / 3.0, norm, x * xy / (1.0 + zz), c, y];
+        let size = spins.len() as f64;
+        for (found, expected) in recorded(&run).iter().zip(expected) {
+            // Sums of so many numbers of order 1, one after the other, at most squared.
+            let bound = f64::EPSILON * size * (1.0 + expected.abs());
+            assert!(
+                (found - expected).abs() <= bound,
+                "{lengths} {boundary}: {found} for {expected}"
+            );
+        }
+    }
+}
+
+/// |s × ∂H|² and −2 s·∂H of every spin, with the fields of the bonds that are there.
+#[test]
+fn the_temperature_of_spins_is_that_of_their_fields() {
+    for (lengths, boundary) in LATTICES {
+        let run = spins(lengths, boundary, "\"spin-temperature\"");
+        let spins = vectors(&run.plan.initial);
+        let lengths: Vec<usize> = lengths
+            .split(", ")
+            .map(|n| n.parse().expect("a number"))
+            .collect();
+        let (mut turns, mut along) = (0.0, 0.0);
+        for (site, s) in spins.iter().enumerate() {
+            let mut field = [0.0, 0.0, 0.3];
+            let mut stride = spins.len();
+            for length in &lengths {
+                stride /= length;
+                let place = site / stride % length;
+                for there in [place as isize - 1, place as isize + 1] {
+                    let wrapped = there.rem_euclid(*length as isize) as usize;
+                    if boundary == "open" && wrapped as isize != there {
+                        continue;
+                    }
+                    let other = spins[site + wrapped * stride - place * stride];
+                    field.iter_mut().zip(other).for_each(|(b, s)| *b += 0.7 * s);
+                }
+            }
+            let [x, y, z] = *s;
+            let cross = [
+                y * field[2] - z * field[1],
+                z * field[0] - x * field[2],
+                x * field[1] - y * field[0],
+            ];
+            turns += cross.iter().map(|c| c * c).sum::<f64>();
+            along += 2.0 * s.iter().zip(field).map(|(s, b)| s * b).sum::<f64>();
+        }
+        let (found, expected) = (recorded(&run), turns / along);
+        let bound = f64::EPSILON * spins.len() as f64 * (1.0 + expected.abs());
+        assert!(
+            (found[0] - expected).abs() <= 8.0 * bound,
+            "{lengths:?} {boundary}: {found:?} for {expected}"
+        );
+    }
+}
+
+/// Coordinates of single sites beside sums, and an anisotropy by a parameter of sites, on more than 1024 coordinates.
+#[test]
+fn single_sites_stand_beside_sums() {
+    let run = spins(
+        "400",
+        "periodic",
+        "\"s.x[399]*sum(i, s.z[i])^2\", \"s.x[3]^2 + J\"",
+    );
+    let spins = vectors(&run.plan.initial);
+    let z: f64 = spins.iter().map(|s| s[2]).sum();
+    let expected = [spins[399][0] * z * z, spins[3][0] * spins[3][0] + 0.7];
+    for (found, expected) in recorded(&run).iter().zip(expected) {
+        assert!(
+            (found - expected).abs() <= 1e-13 * (1.0 + expected.abs()),
+            "{found} for {expected}"
+        );
+    }
+}
+
+#[test]
+fn what_has_no_such_sum_is_refused_where_it_stands() {
+    let refused = |observables: &str, with: (&str, &str)| {
+        let text = "[system]\nfamilies = { s = { components = [\"x\", \"y\", \"z\"], length = 500 } }\n\
+                    bracket = { lie-algebra = \"so3\" }\nhamiltonian = \"sum(i, s.x[i]*s.x[i+1])\"\n\
+                    [method]\nstepper = \"splitting\"\ntime-step = 0.01\n\
+                    [run]\nsteps = 1\nrecord = { observables = [OBSERVABLES] }\n\
+                    initial = { \"s.x[i]\" = 1, \"s.y[i]\" = 0, \"s.z[i]\" = 0 }\n";
+        let text = text
+            .replace("OBSERVABLES", observables)
+            .replace(with.0, with.1);
+        compose(&document(&text, &[]), &Registry::with_builtin())
+            .map(drop)
+            .expect_err(observables)
+            .message
+            .clone()
+    };
+    let none = ("\n\n", "\n\n");
+    for (observables, with, message) in [
+        (
+            "\"sum(i, s.z[i])^2/s.x[500]\"",
+            none,
+            "`s.x` has the members s.x[0] to s.x[499]",
+        ),
+        (
+            "\"sum(i, sum(j, s.z[i]*s.z[j]))^2\"",
+            none,
+            "such formulas are written out on lattices of at most 1024",
+        ),
+        ("\"sum(i, w[i]*s.z[i])^2\"", none, "unknown name `w`"),
+        (
+            "\"D(sum(i, s.z[i]), s.z[3])\"",
+            none,
+            "this is not a combination of sums over sites",
+        ),
+        (
+            "\"spin-temperature\"",
+            ("{ lie-algebra = \"so3\" }", "{ \"s.x[i],s.y[i]\" = 1 }"),
+            "`spin-temperature` is that of coordinates with the brackets of so(3)",
+        ),
+    ] {
+        let found = refused(observables, with);
+        assert!(found.contains(message), "{observables}: {found}");
+    }
+}
