@@ -222,10 +222,12 @@ fn scenes_say_that_casimirs_change_and_what_friction_does_not_stand_beside() {
         .err()
         .expect("refused");
     assert!(
-        refusal.message.contains("no step follows friction"),
+        refusal.message.contains("the steppers dop853"),
         "{}",
         refusal.message
     );
+    let taken = ring.replace("[method]\n", "[method]\nstepper = \"dop853\"\n");
+    compose(&document(&taken, &[]), &registry).expect("what serves it serves it");
 }
 
 /// The account of the energy names both kinds of work, and that a bracket without Casimirs has no leaf to leave.

@@ -8,10 +8,11 @@
 //! dz/dt = −λ a κ² |g| (S² − z²), whose solution is a hyperbolic tangent. With q = κ t g, b = λ a κ, n = |q| and N = |b| S n
 //! this is
 //!
-//! - s(t) = (R s + q ((q·s) (cosh N − 1)/n² − b S² sinh N/N)) / (1 + E),
-//! - E = cosh N − 1 − b (q·s) sinh N/N,
+//! - s(t) − s = (sin n/n q × s + (cosh N − cos n)/n² q × (q × s) + b sinh N/N (q × s) × s) / (1 + E),
+//! - E = cosh N − 1 − b (q·s) sinh N/N.
 //!
-//! where R turns by q. Everything is even in n and N: nothing is divided by a field.
+//! Everything is even in n and N: nothing is divided by a field. Every summand is a product with q × s. So a spin along its
+//! field rests to the last bit, and no error of S², whose roundings about 1 all go one way, enters along s.
 
 use leafwise_expression::pairs::{EXPONENTIAL_MINUS_1, SINE, VERSINE};
 use leafwise_expression::{AlgebraError, Arithmetic, Function, Graph, Rational, Term};
@@ -58,16 +59,9 @@ pub(super) fn increment(
     let second = graph.multiply(&versine, &inverse);
     let turned = cross(graph, q, s);
     let twice = cross(graph, q, &turned);
-    let mut sums: Vec<Vec<(Rational, Term)>> = Vec::with_capacity(3);
-    for (turned, twice) in turned.iter().zip(&twice) {
-        let sum = [
-            graph.multiply(&first, turned),
-            graph.multiply(&second, twice),
-        ];
-        sums.push(sum.map(|term| (Rational::one(), term)).to_vec());
-    }
     let Some(b) = damping else {
-        return Ok(sums.iter().map(|sum| graph.combine(sum)).collect());
+        let parts = [(&first, &turned), (&second, &twice)];
+        return Ok((0..3).map(|i| combined(graph, &parts, i)).collect());
     };
     let size = dot(graph, s, s);
     let along = dot(graph, q, s);
@@ -89,18 +83,23 @@ pub(super) fn increment(
     let pull = graph.multiply(b, &hyperbolic);
     let toward = graph.multiply(&along, &pull);
     let excess = graph.subtract(&growth, &toward);
-    let raised = graph.multiply(&along, &growth);
-    let raised = graph.multiply(&raised, &inverse);
-    let lowered = graph.multiply(&size, &pull);
-    let shift = graph.subtract(&raised, &lowered);
     let below = graph.add(&one, &excess);
     let scale = graph.divide(&one, &below)?;
-    let mut increment = Vec::with_capacity(3);
-    for ((mut sum, q), s) in sums.into_iter().zip(q).zip(s) {
-        sum.push((Rational::one(), graph.multiply(&shift, q)));
-        sum.push((-Rational::one(), graph.multiply(&excess, s)));
-        let sum = graph.combine(&sum);
-        increment.push(graph.multiply(&scale, &sum));
-    }
-    Ok(increment)
+    let raised = graph.multiply(&growth, &inverse);
+    let second = graph.add(&second, &raised);
+    let aside = cross(graph, &turned, s);
+    let parts = [(&first, &turned), (&second, &twice), (&pull, &aside)];
+    let component = |i: usize| {
+        let sum = combined(graph, &parts, i);
+        graph.multiply(&scale, &sum)
+    };
+    Ok((0..3).map(component).collect())
+}
+
+/// Σ c v_i over factors c and vectors v.
+fn combined(graph: &mut Graph, parts: &[(&Term, &Vec<Term>)], i: usize) -> Term {
+    let products = parts.iter();
+    let products = products.map(|(c, v)| (Rational::one(), graph.multiply(c, &v[i])));
+    let products: Vec<(Rational, Term)> = products.collect();
+    graph.combine(&products)
 }

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use leafwise_core::PoissonSystem;
 use leafwise_core::lattice::LatticeGeometry;
 use leafwise_core::pairs::{BodyFunction, BodyShape};
 use leafwise_core::shadow::MakeShadowEnergy;
@@ -190,6 +191,45 @@ pub(super) fn observables_in(
         });
     }
     Ok(chosen)
+}
+
+/// Refuses the temperature of spins where a system has none, or no formulas of them.
+///
+/// # Errors
+/// The name, underlined in the scene.
+pub(super) fn check_spins(
+    document: &SceneDocument,
+    system: &PoissonSystem,
+    observables: &[Observable],
+) -> Result<(), Refusal> {
+    let recorded = document.run.record.observables.iter().zip(observables);
+    let is_one = |observable: &Observable| {
+        let Observable::Formula { formula, .. } = observable else {
+            return false;
+        };
+        matches!(formula, RecordedFormula::SpinTemperature)
+    };
+    let Some((asked, _)) = recorded.into_iter().find(|(_, own)| is_one(own)) else {
+        return Ok(());
+    };
+    let (why, help) = match system.expressions() {
+        None => (
+            "is formed of the derivatives of H at each spin, which loops over pairs and systems of numbers do not offer",
+            "record sums of your own, or shorten the lattice for a stepper that writes it out",
+        ),
+        Some(formulas) if formulas.spins().is_empty() => (
+            "is that of coordinates with the brackets of so(3), and this system has none",
+            "declare spins: families = { s = { components = [\"x\", \"y\", \"z\"], length = 100 } } with bracket = { \
+             lie-algebra = \"so3\" }",
+        ),
+        Some(_) => return Ok(()),
+    };
+    Err(Box::new(document.diagnostic(
+        &document.place_in_formula(&asked.formula, 0..asked.formula.value.len()),
+        format!("`{SPIN_TEMPERATURE}` {why}"),
+        "here",
+        Some(help.to_owned()),
+    )))
 }
 
 /// The coordinate that a text such as `q[500]` names.

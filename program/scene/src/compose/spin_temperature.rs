@@ -9,10 +9,6 @@ use leafwise_core::system::spins::turns;
 use leafwise_core::{BuildError, PoissonSystem, SystemFormulas};
 use leafwise_expression::Expression;
 
-use super::Refusal;
-use super::observables::{Observable, RecordedFormula};
-use crate::document::SceneDocument;
-
 /// The name of the observable.
 pub(super) const SPIN_TEMPERATURE: &str = "spin-temperature";
 
@@ -97,43 +93,4 @@ pub(super) fn spin_temperature(
 ) -> Result<Expression, BuildError> {
     let [squares, curvature] = turns(energy, &system.spins())?;
     Ok(Expression::Quotient(Box::new(squares), Box::new(curvature)))
-}
-
-/// Refuses the temperature of spins where a system has none, or no formulas of them.
-///
-/// # Errors
-/// The name, underlined in the scene.
-pub(super) fn check_spins(
-    document: &SceneDocument,
-    system: &PoissonSystem,
-    observables: &[Observable],
-) -> Result<(), Refusal> {
-    let recorded = document.run.record.observables.iter().zip(observables);
-    let is_one = |observable: &Observable| {
-        let Observable::Formula { formula, .. } = observable else {
-            return false;
-        };
-        matches!(formula, RecordedFormula::SpinTemperature)
-    };
-    let Some((asked, _)) = recorded.into_iter().find(|(_, own)| is_one(own)) else {
-        return Ok(());
-    };
-    let (why, help) = match system.expressions() {
-        None => (
-            "is formed of the derivatives of H at each spin, which loops over pairs and systems of numbers do not offer",
-            "record sums of your own, or shorten the lattice for a stepper that writes it out",
-        ),
-        Some(formulas) if formulas.spins().is_empty() => (
-            "is that of coordinates with the brackets of so(3), and this system has none",
-            "declare spins: families = { s = { components = [\"x\", \"y\", \"z\"], length = 100 } } with bracket = { \
-             lie-algebra = \"so3\" }",
-        ),
-        Some(_) => return Ok(()),
-    };
-    Err(Box::new(document.diagnostic(
-        &document.place_in_formula(&asked.formula, 0..asked.formula.value.len()),
-        format!("`{SPIN_TEMPERATURE}` {why}"),
-        "here",
-        Some(help.to_owned()),
-    )))
 }
