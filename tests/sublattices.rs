@@ -41,6 +41,30 @@ fn one_damped_spin_moves_along_its_closed_form() {
     }
 }
 
+/// Roundings of lengths walk at random, whichever way the fields stand: 1040 cold spins, of which nearly all follow their field.
+#[test]
+fn lengths_of_damped_spins_drift_nowhere() {
+    let run = composed(
+        "[system]\nfamilies = { s = { components = [\"x\", \"y\", \"z\"], length = [40, 26] } }\nbracket = { lie-algebra = \"so3\" }\n\
+         parameters = { a = 0.5, T = 0.05 }\nhamiltonian = \"-sum(i, j, dot(s[i,j], s[i+1,j] + s[i,j+1]))\"\ndamping = { rate = \"a\" }\n\
+         noise = [{ hamiltonian = \"s.x[i,j]\", strength = \"sqrt(2*a*T)\" }, { hamiltonian = \"s.y[i,j]\", strength = \"sqrt(2*a*T)\" }]\n\
+         [method]\nstepper = \"sublattices\"\nnoise = \"split\"\ntime-step = 0.05\n[run]\nsteps = 2000\n\
+         initial = { \"s.x[i,j]\" = 0, \"s.y[i,j]\" = 0, \"s.z[i,j]\" = 1 }\n",
+    );
+    let state = end(&run);
+    let sites = state.len() / 3;
+    let length = |site: usize| {
+        let s = [0, 1, 2].map(|c| state[c * sites + site]);
+        // Exact to an ulp of the difference: sums of squares about 1.
+        s.iter().fold(-1.0, |sum, s| libm::fma(*s, *s, sum))
+    };
+    let mean = (0..sites).map(length).sum::<f64>() / sites as f64;
+    // Eight flows a step, each of which rounds three components by half an ulp of 1/2 at most.
+    let walk = libm::sqrt(8.0 * 2000.0) * f64::EPSILON / libm::sqrt(12.0);
+    let bound = 7.0 * walk / libm::sqrt(sites as f64);
+    assert!(mean.abs() < bound, "{mean:e}, bound {bound:e}");
+}
+
 /// A lattice of spins of two kinds with rates of their own, and a field along z.
 fn ferrimagnet(lengths: &str, indices: [&str; 3]) -> String {
     let [index, here, there] = indices;
