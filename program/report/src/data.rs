@@ -161,6 +161,15 @@ pub enum Trajectory {
         /// One field for each time.
         fields: Vec<Vec<f64>>,
     },
+    /// Bodies in a plane.
+    Bodies {
+        /// The names of the places, across and up.
+        axes: [String; 2],
+        /// The bodies that are drawn.
+        bodies: Vec<BodyPath>,
+        /// How many bodies there are.
+        count: usize,
+    },
     /// Fields over two axes of a lattice.
     Planes {
         /// The maps, in the order in which they are drawn.
@@ -168,6 +177,17 @@ pub enum Trajectory {
         /// Which plane of a lattice of three axes they show.
         slice: Option<String>,
     },
+}
+
+/// The path of a body in a plane.
+#[derive(Clone, Debug)]
+pub struct BodyPath {
+    /// The body, as "q[3]".
+    pub name: String,
+    /// Its number among all bodies.
+    pub number: usize,
+    /// Its places, from the start on.
+    pub places: Vec<[f64; 2]>,
 }
 
 /// A field over two axes of a lattice at one time.

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::bodies::bodies_figure;
 use super::data::{InvariantSeries, ReportData, Trajectory};
 use super::drift::drift_figure;
 use super::error::ReportError;
@@ -146,6 +147,13 @@ impl Figures {
             }) => {
                 let fields = lattice_figures(name, times, *spacing, fields)?;
                 figures.wide.extend(fields);
+            }
+            Some(Trajectory::Bodies {
+                axes,
+                bodies,
+                count,
+            }) => {
+                figures.orbit = Some(bodies_figure(axes, bodies, *count)?);
             }
             Some(Trajectory::Planes { maps, slice }) => {
                 figures.wide.push(plane_figure(maps, slice.as_deref())?);

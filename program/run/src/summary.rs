@@ -7,14 +7,14 @@ use super::error::RunError;
 use super::outcome::{RunOutcome, RunReport};
 use super::planes::planes;
 use super::sampled::columns_of_states;
-use super::snapshots::spacing;
+use super::snapshots::{shown, spacing};
 use crate::advice::lines;
 use crate::{PROGRAM_VERSION, plugins};
 use leafwise_report::{
-    Ellipsoid, InvariantSeries, Outcome, Recorded, ReportData, SectionPoints, TimeSeries,
+    BodyPath, Ellipsoid, InvariantSeries, Outcome, Recorded, ReportData, SectionPoints, TimeSeries,
     Trajectory,
 };
-use leafwise_scene::compose::{ComposedRun, Observable, WIDEST_STATE};
+use leafwise_scene::compose::{ComposedRun, Observable, Sites};
 use leafwise_scene::document::SceneDocument;
 use leafwise_walk::{SampleTimes, Section};
 
@@ -414,47 +414,35 @@ fn trajectory(
     rows: &[Vec<f64>],
     width: usize,
 ) -> Option<Trajectory> {
-    let is_whole = run.plan.states.is_whole_in_samples();
-    let lattice = run.method.lattice();
-    if let Some(geometry) = lattice.filter(|geometry| geometry.axes.len() > 1) {
+    let (sites, is_whole) = (&run.plan.sites, run.plan.states.is_whole_in_samples());
+    let is_lattice = run.method.lattice().is_some();
+    if sites.geometry.axes.len() > 1 {
         let first = times.first().copied().unwrap_or(0.0);
         let ends = [
             (first, &run.plan.initial[..]),
             (session.time(), session.state()),
         ];
         let written = ends.map(|(time, state)| (rounded(time, 6), run.own(state)));
-        return planes(geometry, written);
+        return planes(&sites.geometry, written);
     }
-    if let Some(geometry) = lattice.filter(|_| run.dimension() > WIDEST_STATE) {
-        let snapshots = session.snapshots();
-        return Some(Trajectory::Lattice {
-            name: geometry.families.first()?.0.clone(),
-            times: snapshots.times.clone(),
-            spacing: spacing(geometry),
-            fields: snapshots.fields(),
-        });
+    // Long families whose states are no columns, but for a few that the scene asks for.
+    let snapshots = session.snapshots();
+    if !snapshots.times.is_empty() && (is_lattice || width == 0) {
+        return Some(along_families(
+            sites,
+            snapshots.times.clone(),
+            snapshots.fields(),
+            spacing(sites),
+        ));
     }
     if rows.is_empty() || width == 0 {
         return None;
     }
-    if let Some((name, length)) = run.plan.families.first().filter(|_| is_whole) {
-        let singles = width
-            - run
-                .plan
-                .families
-                .iter()
-                .map(|(_, length)| length)
-                .sum::<usize>();
-        let fields = rows
-            .iter()
-            .map(|row| row[1 + singles..1 + singles + length].to_vec())
-            .collect();
-        return Some(Trajectory::Lattice {
-            name: name.clone(),
-            times,
-            spacing: 1,
-            fields,
-        });
+    if is_whole && !sites.geometry.families.is_empty() {
+        let shown = shown(sites);
+        let field = |row: &Vec<f64>| shown.iter().map(|at| value(row, 1 + at)).collect();
+        let fields = rows.iter().map(field).collect();
+        return Some(along_families(sites, times, fields, spacing(sites)));
     }
     let names = run.plan.states.names();
     if let Some(places) = first_body(&names) {
@@ -472,6 +460,42 @@ fn trajectory(
         points: rows.iter().map(|row| row[1..=width].to_vec()).collect(),
         leaf: is_whole.then(|| leaf(run)).flatten(),
     })
+}
+
+/// The paths of bodies, or a field over the sites of a chain: of the coordinates that are [`shown`] at each time.
+fn along_families(
+    sites: &Sites,
+    times: Vec<f64>,
+    fields: Vec<Vec<f64>>,
+    spacing: usize,
+) -> Trajectory {
+    let families = &sites.geometry.families;
+    let Some([x, y]) = sites.plane else {
+        return Trajectory::Lattice {
+            name: families[0].0.clone(),
+            times,
+            spacing,
+            fields,
+        };
+    };
+    let count = families[x].1;
+    let drawn = count.div_ceil(spacing);
+    let place = |at: usize, field: &Vec<f64>| [value(field, at), value(field, drawn + at)];
+    // Components q.x and q.y are of bodies q, families x and y of bodies that have their numbers alone.
+    let named = |number: usize| match families[x].0.split_once('.') {
+        Some((vector, _)) => format!("{vector}[{number}]"),
+        None => format!("body {number}"),
+    };
+    let body = |at: usize| BodyPath {
+        name: named(at * spacing),
+        number: at * spacing,
+        places: fields.iter().map(|field| place(at, field)).collect(),
+    };
+    Trajectory::Bodies {
+        axes: [x, y].map(|family| families[family].0.clone()),
+        bodies: (0..drawn).map(body).collect(),
+        count,
+    }
 }
 
 /// Of several bodies with coordinates such as x0, x1, …, y0, y1, … those of the first: x0 and y0, and z0

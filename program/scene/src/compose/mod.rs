@@ -25,7 +25,7 @@
 //! - `run`: [`compose`], all of it as a [`ComposedRun`];
 //! - `values`: a composed run at other values, with nothing compiled anew;
 //! - `motion`: ẋ as formulas to read;
-//! - `states`: the coordinates that a run records;
+//! - `states`: the coordinates that a run records; `sites`: whether families are those of a lattice or of bodies;
 //! - `path`: whether a run's numbers come from formulas or from calls;
 //! - `checks`: the Jacobi identity and the Casimirs;
 //! - `shape`: constant, linear, log-canonical, polynomial, general.
@@ -76,6 +76,7 @@ mod sample_times;
 mod shadow;
 mod shape;
 mod site_forces;
+mod sites;
 mod states;
 mod stepping;
 mod sum;
@@ -113,6 +114,7 @@ pub use parts::exact_realization;
 pub use run::{ComposedRun, RunPlan, compose};
 pub use shadow::{NoShadow, RecordedShadow, ShadowEnergy};
 pub use shape::{TensorShape, tensor_shape};
+pub use sites::Sites;
 pub use states::{RecordedStates, StateSlice, WIDEST_STATE};
 pub use stepping::{LatticeBase, LatticeStepping, Stepping};
 pub use system::{ComposedSystem, check_varied, compose_system};
