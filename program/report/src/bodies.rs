@@ -18,8 +18,10 @@ const MOST_LINES: usize = 32;
 /// The length of a trail in pixels: of many bodies, and of few whose whole lines would cover one another.
 const TRAILS: [f64; 2] = [40.0, 260.0];
 
-/// The side of a cell that lines share, in pixels, and the part of all cells from which on they cover one another.
+/// The side of a cell that lines share, and the most of a step that is looked at, in pixels; the part of all cells from
+/// which on lines cover one another.
 const CELL: f64 = 4.0;
+const LONGEST: f64 = 40.0;
 const SHARED: f64 = 0.4;
 
 /// The most places of all lines together.
@@ -74,7 +76,8 @@ pub(super) fn bodies_figure(
     let paths: Vec<Vec<(f64, f64)>> = paths.collect();
     let places = paths.iter().map(Vec::len).sum::<usize>();
     let stride = places.div_ceil(MOST_PLACES).max(1);
-    let is_covered = !is_crowd && cover_one_another(&paths);
+    let thinned = |path: &Vec<(f64, f64)>| path.iter().step_by(stride).copied().collect();
+    let is_covered = !is_crowd && cover_one_another(paths.iter().map(thinned));
     let trail = |path: &[(f64, f64)]| match (is_crowd, is_covered) {
         (true, _) => trail_of(path, TRAILS[0]),
         (_, true) => trail_of(path, TRAILS[1]),
@@ -169,13 +172,20 @@ fn trail_of(path: &[(f64, f64)], length: f64) -> usize {
 }
 
 /// Whether a good part of all places on the picture belong to lines of several bodies.
-fn cover_one_another(paths: &[Vec<(f64, f64)>]) -> bool {
+fn cover_one_another(paths: impl Iterator<Item = Vec<(f64, f64)>>) -> bool {
     let mut cells: BTreeMap<(i64, i64), (usize, bool)> = BTreeMap::new();
-    for (body, path) in paths.iter().enumerate() {
-        for (x, y) in path {
-            let cell = ((x / CELL) as i64, (y / CELL) as i64);
-            let (first, is_shared) = cells.entry(cell).or_insert((body, false));
-            *is_shared |= *first != body;
+    for (body, path) in paths.enumerate() {
+        for pair in path.windows(2) {
+            let [from, to] = [pair[0], pair[1]];
+            let length = libm::hypot(to.0 - from.0, to.1 - from.1).min(LONGEST);
+            let parts = (length / CELL).ceil().max(1.0);
+            for part in 0..parts as usize {
+                let s = part as f64 / parts;
+                let [x, y] = [from.0 + s * (to.0 - from.0), from.1 + s * (to.1 - from.1)];
+                let cell = ((x / CELL) as i64, (y / CELL) as i64);
+                let (first, is_shared) = cells.entry(cell).or_insert((body, false));
+                *is_shared |= *first != body;
+            }
         }
     }
     let shared = cells.values().filter(|(_, is_shared)| *is_shared).count();

@@ -13,6 +13,7 @@ use super::lattice::lattice_figures;
 use super::orbit::orbit_figure;
 use super::planes::plane_figure;
 use super::section::section_figure;
+use super::structure::structure_figure;
 use super::template::render;
 
 /// Recorded formulas that are drawn.
@@ -155,11 +156,15 @@ impl Figures {
             }) => {
                 figures.orbit = Some(bodies_figure(axes, bodies, *count)?);
             }
-            Some(Trajectory::Planes { maps, slice }) => {
-                figures.wide.push(plane_figure(maps, slice.as_deref())?);
+            Some(Trajectory::Planes { maps, color, slice }) => {
+                figures
+                    .wide
+                    .push(plane_figure(maps, color, slice.as_deref())?);
             }
             None => {}
         }
+        let structure = data.structure.as_ref().map(structure_figure).transpose()?;
+        figures.small.extend(structure.flatten());
         if let Some(section) = &data.section {
             figures.small.push(section_figure(section)?);
         }

@@ -16,7 +16,8 @@
 //! - `samples`: recorded states, appended to `samples.csv`;
 //! - `appended`: a file that only grows, with a digest;
 //! - `states`: recorded states too wide for `samples.csv`;
-//! - `snapshots`: fields of long lattices, thinned out for the report;
+//! - `snapshots`: long families over time, thinned out for the report; `whole_states`: whole states among the samples;
+//! - `structure`: structure factors of these;
 //! - `room`: memory for what is kept, or its want as an error;
 //! - `retraced`: states at any times, from the nearest one that was kept;
 //! - `replaced`: a file that is replaced as a whole;
@@ -66,11 +67,13 @@ mod snapshots;
 mod start;
 mod state_error;
 mod states;
+mod structure;
 mod summary;
 pub mod sweep;
 #[cfg(test)]
 mod tests;
 mod watch;
+mod whole_states;
 
 pub use advice::{Advice, AdviceKind, JudgedStates, advise};
 pub(crate) use appended::{Appended, Vouched};

@@ -111,6 +111,7 @@ mod tests {
         Sites {
             geometry: LatticeGeometry::chain(families.collect(), true),
             first: 0,
+            has_neighbours: plane.is_none(),
             plane,
             spins: None,
         }

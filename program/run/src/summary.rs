@@ -8,6 +8,8 @@ use super::outcome::{RunOutcome, RunReport};
 use super::planes::planes;
 use super::sampled::columns_of_states;
 use super::snapshots::{shown, spacing};
+use super::structure::structure;
+use super::whole_states::whole_states;
 use crate::advice::lines;
 use crate::{PROGRAM_VERSION, plugins};
 use leafwise_report::{
@@ -79,6 +81,10 @@ pub(super) fn report_data(
         .chain(shadow)
         .collect();
     let evaluations = windows.evaluations_per_step((run.plan.drift_every, report.steps));
+    let whole = match run.plan.sites.geometry.families.is_empty() {
+        true => Vec::new(),
+        false => whole_states(run, session)?,
+    };
     let solver = TimeSeries {
         times: ends.iter().take(evaluations.len()).copied().collect(),
         values: evaluations,
@@ -111,7 +117,8 @@ pub(super) fn report_data(
             })
             .collect(),
         section: section(run, session, &rows)?,
-        trajectory: trajectory(run, session, times.clone(), &rows, width),
+        trajectory: trajectory(run, session, (times.clone(), &whole), &rows, width),
+        structure: structure(&run.plan.sites, &whole, report.samples),
         recorded: Some(recorded(run, width, rows)),
         solver: (!solver.times.is_empty()).then_some(solver),
     })
@@ -410,7 +417,7 @@ pub(crate) fn rounded(value: f64, digits: usize) -> String {
 fn trajectory(
     run: &ComposedRun,
     session: &Session<'_>,
-    times: Vec<f64>,
+    (times, whole): (Vec<f64>, &[(f64, Vec<f64>)]),
     rows: &[Vec<f64>],
     width: usize,
 ) -> Option<Trajectory> {
@@ -419,11 +426,20 @@ fn trajectory(
     if sites.geometry.axes.len() > 1 {
         let first = times.first().copied().unwrap_or(0.0);
         let ends = [
-            (first, &run.plan.initial[..]),
-            (session.time(), session.state()),
+            (first, run.own(&run.plan.initial)),
+            (session.time(), run.own(session.state())),
         ];
-        let written = ends.map(|(time, state)| (rounded(time, 6), run.own(state)));
-        return planes(&sites.geometry, written);
+        let states: Vec<_> = match whole.len() {
+            0 | 1 => ends.into_iter().collect(),
+            _ => whole
+                .iter()
+                .map(|(time, state)| (*time, &state[..]))
+                .collect(),
+        };
+        let written = states
+            .into_iter()
+            .map(|(time, state)| (rounded(time, 6), state));
+        return planes(sites, &written.collect::<Vec<_>>());
     }
     // Long families whose states are no columns, but for a few that the scene asks for.
     let snapshots = session.snapshots();

@@ -18,6 +18,8 @@ pub struct Sites {
     pub geometry: LatticeGeometry,
     /// The place of the first family in a state: single variables stand before it.
     pub first: usize,
+    /// Whether a formula names a neighbour at an offset, `q[i+1]`, as on a lattice.
+    pub has_neighbours: bool,
     /// The families with the places x and y of bodies in a plane; `None` where sites are those of a lattice.
     pub plane: Option<[usize; 2]>,
     /// The families s.x, s.y and s.z of spins, so(3)* at every site.
@@ -37,10 +39,12 @@ impl Sites {
         geometry.families.truncate(system.moving().len());
         let spins = spins(system, &geometry);
         let is_chain = geometry.axes.len() == 1;
-        let plane = plane(system, &geometry).filter(|_| is_chain && !couples_neighbours(system));
+        let has_neighbours = couples_neighbours(system);
+        let plane = plane(system, &geometry).filter(|_| is_chain && !has_neighbours);
         Self {
             geometry,
             first: system.variables.len(),
+            has_neighbours,
             plane,
             spins,
         }
