@@ -128,8 +128,16 @@ pub(super) fn plane_figure(
 /// Draws maps with one scale of colours; returns how many cells have no finite value.
 fn draw(canvas: &mut Canvas, maps: &[PlaneMap], color: &str) -> usize {
     let (columns, height) = row(maps.len());
+    let lengths = maps.iter().flat_map(vector_lengths);
+    let most = lengths
+        .filter(|length| length.is_finite())
+        .fold(0.0, f64::max);
+    // The third component of vectors is between minus and plus their length.
     let values = maps.iter().flat_map(|map| &map.values).copied();
-    let color_axis = Axis::linear(values, 0.0);
+    let color_axis = match most > 0.0 {
+        true => Axis::linear([-most, most], 0.0),
+        false => Axis::linear(values, 0.0),
+    };
     let each = (WIDTH - BAR - 62.0 - BETWEEN * (columns - 1) as f64) / columns as f64;
     let frame = |at: usize, map: &PlaneMap| {
         let (row, column) = ((at / columns) as f64, (at % columns) as f64);
@@ -174,6 +182,12 @@ fn draw(canvas: &mut Canvas, maps: &[PlaneMap], color: &str) -> usize {
     let edges = [62.0, 34.0, right, height - 44.0];
     draw_scale(canvas, edges, color_axis, color);
     broken
+}
+
+/// The lengths of the vectors of a map: those in colour and the two of arrows are their components.
+fn vector_lengths(map: &PlaneMap) -> impl Iterator<Item = f64> + '_ {
+    let vectors = map.arrows.iter().zip(&map.values);
+    vectors.map(|([x, y], z)| libm::hypot(libm::hypot(*x, *y), *z))
 }
 
 /// Draws the vectors of some sites as arrows about these, in an ink that stands out from the colour beneath.

@@ -48,6 +48,7 @@ mod execute;
 mod invariants;
 mod job;
 mod level_set;
+mod maps;
 mod ordered;
 mod outcome;
 mod perform;
@@ -89,6 +90,7 @@ pub use job::{
     default_directory, shards,
 };
 pub use leafwise_walk::Event;
+pub use maps::{MapRequest, NoMaps, maps};
 pub use outcome::{Failure, RunOutcome, RunReport, SolverFields};
 pub use perform::perform;
 pub use progress::{Progress, Quiet, Status};

@@ -99,10 +99,16 @@ pub(super) fn planes(sites: &Sites, states: &[Timed<'_>]) -> Option<Trajectory> 
 
 /// Some of the states, the first and the last among them.
 fn some_of<'s, 'a>(states: &'s [Timed<'a>]) -> Vec<&'s Timed<'a>> {
-    let count = states.len().min(MOST_TIMES);
-    let last = states.len().saturating_sub(1);
-    let at = |k: usize| (k * last + (count - 1) / 2) / (count - 1).max(1);
-    (0..count).map(|k| &states[at(k)]).collect()
+    let places = some_places(states.len()).into_iter();
+    places.map(|at| &states[at]).collect()
+}
+
+/// The places of at most six of so many things, evenly, the first and the last among them.
+pub(crate) fn some_places(things: usize) -> Vec<usize> {
+    let count = things.min(MOST_TIMES);
+    let parts = count.saturating_sub(1).max(1);
+    let place = |k: usize| (k * (things - 1) + parts / 2) / parts;
+    (0..count).map(place).collect()
 }
 
 /// A map of a field over two axes, the first of them across.
