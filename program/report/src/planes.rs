@@ -49,7 +49,9 @@ impl Maps {
     /// # Errors
     /// [`ReportError`] if the drawing library refuses it.
     pub fn svg(&self) -> Result<String, ReportError> {
-        self.drawn().finish_alone(DESCRIPTION)
+        let svg = self.drawn().finish_alone(DESCRIPTION)?;
+        // Cells side by side have no seams.
+        Ok(svg.replace("<rect ", "<rect shape-rendering=\"crispEdges\" "))
     }
 
     /// The figure as a PDF file of one page, with text in Helvetica.
