@@ -18,10 +18,11 @@ const MOST_LINES: usize = 32;
 /// The length of a trail in pixels: of many bodies, and of few whose whole lines would cover one another.
 const TRAILS: [f64; 2] = [40.0, 260.0];
 
-/// The side of a cell that lines share, and the most of a step that is looked at, in pixels; the part of all cells from
-/// which on lines cover one another.
+/// The side of a cell that lines share, and the most of a step that is looked at, in pixels.
 const CELL: f64 = 4.0;
 const LONGEST: f64 = 40.0;
+
+/// The part of all cells that lines share from which on they cover one another.
 const SHARED: f64 = 0.4;
 
 /// The most places of all lines together.

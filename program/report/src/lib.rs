@@ -58,7 +58,7 @@ pub use data::{
 pub use ensemble::{Band, EnsembleData, Losses, render_ensemble};
 pub use error::ReportError;
 pub use panel::{Panel, PanelAxis, PanelSeries, Stroke};
-pub use planes::Maps;
+pub use planes::FieldMaps;
 pub use reproduction::{Compared, ReproducedFigure, ReproductionData, render_reproduction};
 pub use run::render_report;
 pub use survey::{

@@ -36,14 +36,14 @@ const LONGEST: f64 = 8.0;
 
 /// Maps of a field over two axes of a lattice at some times, as a file.
 #[derive(Clone, Debug)]
-pub struct Maps {
+pub struct FieldMaps {
     /// The maps, in the order in which they are drawn.
     pub maps: Vec<PlaneMap>,
     /// The quantity in colour, as "s.z".
     pub color: String,
 }
 
-impl Maps {
+impl FieldMaps {
     /// The figure as an SVG file, on white.
     ///
     /// # Errors
@@ -340,7 +340,7 @@ mod tests {
     /// A file stands on white, in both formats.
     #[test]
     fn maps_are_files() {
-        let maps = Maps {
+        let maps = FieldMaps {
             maps: vec![map(8, 8), map(8, 8)],
             color: "q".to_owned(),
         };

@@ -5,7 +5,7 @@ use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use leafwise_core::lattice::{Axis, LatticeGeometry};
-use leafwise_report::Maps;
+use leafwise_report::FieldMaps;
 use leafwise_scene::input::read_text;
 use leafwise_scene::table::Table;
 use serde::Deserialize;
@@ -81,7 +81,7 @@ pub enum NoMaps {
 }
 
 impl NoMaps {
-    /// What to do instead.
+    /// Advice: another request.
     pub fn help(&self) -> String {
         match self {
             Self::NoRun(_) => {
@@ -111,21 +111,21 @@ struct Fields {
     #[serde(default)]
     axes: Vec<usize>,
     variables: Value,
-    states: States,
+    states: StatesEntry,
     #[serde(default)]
     time: f64,
 }
 
 /// The recorded states of a manifest.
 #[derive(Deserialize)]
-struct States {
+struct StatesEntry {
     file: Option<String>,
-    slices: Vec<Recorded>,
+    slices: Vec<RecordedSlice>,
 }
 
 /// A slice of the state that was recorded.
 #[derive(Deserialize)]
-struct Recorded {
+struct RecordedSlice {
     name: String,
     first: Option<usize>,
     step: usize,
@@ -136,7 +136,7 @@ struct Recorded {
 ///
 /// # Errors
 /// [`NoMaps`], with what to do instead.
-pub fn maps(directory: &Path, request: &MapRequest) -> Result<Maps, NoMaps> {
+pub fn maps(directory: &Path, request: &MapRequest) -> Result<FieldMaps, NoMaps> {
     let file = directory.join(MANIFEST);
     let none = || NoMaps::NoRun(directory.to_owned());
     let text = fs::read_to_string(&file).map_err(|_| none())?;
@@ -176,7 +176,7 @@ pub fn maps(directory: &Path, request: &MapRequest) -> Result<Maps, NoMaps> {
     for map in &mut maps {
         map.title = map.title.replacen("t = ", &format!("{cut}t = "), 1);
     }
-    Ok(Maps { maps, color })
+    Ok(FieldMaps { maps, color })
 }
 
 /// The names of families of a manifest's variables, `x[0,0]`, …, or names with lengths.
@@ -238,7 +238,11 @@ fn slice(geometry: &LatticeGeometry, request: &MapRequest) -> Result<Option<Slic
 }
 
 /// Where each family stands in a row of recorded coordinates; `None` where one is not there at every site.
-fn places(states: &States, geometry: &LatticeGeometry, families: &[usize]) -> Option<Vec<usize>> {
+fn places(
+    states: &StatesEntry,
+    geometry: &LatticeGeometry,
+    families: &[usize],
+) -> Option<Vec<usize>> {
     let place = |family: &usize| {
         let mut before = 0;
         for slice in &states.slices {
@@ -260,7 +264,7 @@ fn places(states: &States, geometry: &LatticeGeometry, families: &[usize]) -> Op
 /// The recorded states nearest to the times, each the coordinates at these places of a row.
 fn recorded(
     directory: &Path,
-    states: &States,
+    states: &StatesEntry,
     places: &[usize],
     request: &MapRequest,
 ) -> Result<Vec<(f64, Vec<f64>)>, NoMaps> {

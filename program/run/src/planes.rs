@@ -51,8 +51,8 @@ impl Slice {
     }
 }
 
-/// Maps along a run: of spins at some of its states, s.z in colour and (s.x, s.y) as arrows; of other vectors those of every
-/// component at the last state; else of the first family.
+/// Maps along a run. Spins are shown at some of its states, s.z in colour and (s.x, s.y) as arrows. Other vectors have every
+/// component at the last state, and else there is the first family.
 pub(super) fn planes(sites: &Sites, states: &[Timed<'_>]) -> Option<Trajectory> {
     let geometry = &sites.geometry;
     let slice = Slice::middle(geometry);

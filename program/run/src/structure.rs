@@ -9,10 +9,10 @@ use rustfft::num_complex::Complex64;
 /// The fewest sites along an axis that is worth a picture.
 const SHORTEST: usize = 4;
 
-/// S(q) = ⟨|Σ_r s(r) exp(−i q·r)|²⟩/N of the first family, or of the vector that it is a component of, summed over these;
-/// of a lattice of three axes in the plane q_k = 0. `recorded` counts the samples of the run.
+/// [`StructureFactor`] of the first family, or the sum of those of the components of its vector. Of three axes it is that
+/// in the plane q_k = 0. The run has recorded `recorded` samples.
 ///
-/// `None` where sites are no lattice, an axis has ends or few sites, or there are no states.
+/// There is none where sites are no lattice, an axis has ends or few sites, or there are no states.
 pub(super) fn structure(
     sites: &Sites,
     states: &[(f64, Vec<f64>)],

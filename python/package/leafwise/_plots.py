@@ -91,7 +91,7 @@ def plane_of(field: Array, cut: tuple[str, int] | None) -> tuple[Array, str]:
         axis = _LETTERS.find(letter) if len(letter) == 1 else -1
         if axis < 0 or not 0 <= at < field.shape[axis]:
             raise ValueError(f"{letter} = {at} is no plane of a lattice of {' × '.join(map(str, field.shape))} sites")
-        return field.take(at, axis=axis), _LETTERS.replace(letter, "")
+        return np.take(field, [at], axis=axis).squeeze(axis), _LETTERS.replace(letter, "")
     if cut is not None:
         raise ValueError("a lattice of two axes has no slices")
     return field, _LETTERS[:2]

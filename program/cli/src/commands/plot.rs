@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use leafwise::report::{Chart, ChartAxis, ChartScale, Maps, PanelSeries, ReportError, Stroke};
+use leafwise::report::{Chart, ChartAxis, ChartScale, FieldMaps, PanelSeries, ReportError, Stroke};
 use leafwise::run::{MapRequest, NoMaps, maps};
 use leafwise::scene::document::nearest;
 use leafwise::scene::input::read_text;
@@ -166,7 +166,7 @@ fn write(file: &Path, bytes: Vec<u8>) -> Result<(), Failure> {
 }
 
 /// The maps of a field of one run.
-fn maps_of(arguments: &PlotArguments, field: &str) -> Result<Maps, Failure> {
+fn maps_of(arguments: &PlotArguments, field: &str) -> Result<FieldMaps, Failure> {
     let [directory] = &arguments.runs[..] else {
         let message = format!(
             "--map draws one run, and {} are given",

@@ -29,10 +29,10 @@ pub struct Sites {
 impl Sites {
     /// The sites of a scene.
     ///
-    /// They are bodies where the families have one axis, no formula of the bracket, the motion or a definition names a
-    /// neighbour at an offset, `q[i+1]`, and two families are places x and y. These are called `x` and `y`, or are components
-    /// of a vector whose name is none of p, u and v. Components of a Lie algebra are no places. Elsewhere sites are
-    /// those of a lattice.
+    /// They are bodies where the families have one axis, no formula names a neighbour, `q[i+1]`, and two families are
+    /// places x and y. Formulas are those of the bracket, the motion and definitions. Places are called `x` and `y`, or
+    /// are components of a vector whose name is none of p, u and v. Components of a Lie algebra are no places.
+    /// Elsewhere sites are those of a lattice.
     pub(super) fn of(document: &SceneDocument) -> Self {
         let system = &document.system;
         let mut geometry = geometry(document);
