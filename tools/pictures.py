@@ -65,7 +65,7 @@ VIEWS: dict[str, tuple[str, list[str]]] = {
     "may_leonard": ("Orbit", ["run.steps=400", "run.record.every=1"]),
     "nambu": ("Orbit", ["run.steps=400", "run.record.every=1"]),
     "planets": ("Trajectories", ["run.record.every=1", "run.steps=400"]),
-    "point_vortices": ("Phase plane", ["run.steps=400", "run.record.every=1"]),
+    "point_vortices": ("Trajectories", ["run.steps=400", "run.record.every=1"]),
     "restricted_three_body": ("Phase plane", ['run.record.states=["x","y"]']),
     "rigid_body_ensemble": ("x1", []),
     "rigid_body_sweep": ("energy_drift", []),

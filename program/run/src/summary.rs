@@ -461,6 +461,9 @@ fn trajectory(
         return Some(along_families(sites, times, fields, spacing(sites)));
     }
     let names = run.plan.states.names();
+    if let Some(bodies) = single_bodies(&names, rows) {
+        return Some(bodies);
+    }
     if let Some(places) = first_body(&names) {
         let point = |row: &Vec<f64>| places.iter().map(|at| row[1 + at]).collect();
         return Some(Trajectory::Orbit {
@@ -512,6 +515,32 @@ fn along_families(
         bodies: (0..drawn).map(body).collect(),
         count,
     }
+}
+
+/// The paths of two bodies or more with coordinates such as x0, y0, x1, y1, …, in a plane: there is no z0.
+fn single_bodies(names: &[String], rows: &[Vec<f64>]) -> Option<Trajectory> {
+    let place = |name: String| names.iter().position(|known| *known == name);
+    let own = names.iter().enumerate().filter_map(|(x, name)| {
+        let body = name.strip_prefix('x').filter(|body| !body.is_empty())?;
+        let is_in_space = place(format!("z{body}")).is_some();
+        let y = place(format!("y{body}")).filter(|_| !is_in_space)?;
+        Some((body.trim_start_matches('_'), [x, y]))
+    });
+    let own: Vec<_> = own.collect();
+    let is_first = own.first().is_some_and(|(_, [x, _])| *x == 0);
+    (is_first && own.len() > 1).then(|| Trajectory::Bodies {
+        axes: ["x", "y"].map(str::to_owned),
+        count: own.len(),
+        bodies: (own.into_iter().enumerate())
+            .map(|(number, (body, places))| BodyPath {
+                name: format!("body {body}"),
+                number,
+                places: (rows.iter())
+                    .map(|row| places.map(|at| value(row, 1 + at)))
+                    .collect(),
+            })
+            .collect(),
+    })
 }
 
 /// Of several bodies with coordinates such as x0, x1, …, y0, y1, … those of the first: x0 and y0, and z0
