@@ -180,12 +180,11 @@ pub struct PlotArguments {
         long,
         value_name = "T",
         value_delimiter = ',',
-        requires = "map",
         allow_hyphen_values = true
     )]
     pub at: Vec<f64>,
     /// The plane of a lattice of three axes: the axis i, j or k that is cut, and the site [default: the middle of k]
-    #[arg(long, value_name = "AXIS=SITE", requires = "map")]
+    #[arg(long, value_name = "AXIS=SITE")]
     pub slice: Option<String>,
     /// The table of a run directory, as section.csv
     #[arg(long, value_name = "FILE", default_value = "samples.csv")]

@@ -82,6 +82,10 @@ pub fn execute(arguments: &PlotArguments, console: &mut Console<'_>) -> Result<u
         console.prose(&format!("wrote {}", out.display()));
         return Ok(exit::DONE);
     }
+    if !arguments.at.is_empty() || arguments.slice.is_some() {
+        let message = "--at and --slice choose maps, and there is no --map";
+        return Err(Failure::usage(message, "name the field: --map q"));
+    }
     for (name, scale) in [
         ("--x-scale", arguments.x_scale),
         ("--y-scale", arguments.y_scale),
