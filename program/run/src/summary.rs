@@ -443,7 +443,8 @@ fn trajectory(
     }
     // Long families whose states are no columns, but for a few that the scene asks for.
     let snapshots = session.snapshots();
-    if !snapshots.times.is_empty() && (is_lattice || width == 0) {
+    let has_few = width > 0 && run.plan.states.are_in_samples();
+    if !snapshots.times.is_empty() && (is_lattice || !has_few) {
         return Some(along_families(
             sites,
             snapshots.times.clone(),
@@ -524,7 +525,7 @@ fn single_bodies(names: &[String], rows: &[Vec<f64>]) -> Option<Trajectory> {
         let body = name.strip_prefix('x').filter(|body| !body.is_empty())?;
         let is_in_space = place(format!("z{body}")).is_some();
         let y = place(format!("y{body}")).filter(|_| !is_in_space)?;
-        Some((body.trim_start_matches('_'), [x, y]))
+        Some((body.trim_matches(['_', '[', ']']), [x, y]))
     });
     let own: Vec<_> = own.collect();
     let is_first = own.first().is_some_and(|(_, [x, _])| *x == 0);
