@@ -1,4 +1,4 @@
-//! Structure factors of recorded states.
+//! Structure factors of recorded states, for pictures alone: the sines of this transform are the platform's.
 
 use leafwise_core::lattice::LatticeGeometry;
 use leafwise_report::StructureFactor;
