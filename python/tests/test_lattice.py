@@ -204,7 +204,7 @@ def test_arrays_of_the_lattices_shape_are_its_values() -> None:
 def test_recorded_fields_are_arrays_and_maps() -> None:
     matplotlib = pytest.importorskip("matplotlib")
     matplotlib.use("agg")
-    run = plane().set(run={"initial": {"s.x[i,j]": "i", "s.y[i,j]": "j", "s.z[i,j]": 1}, "steps": 4, "record": {"states": "all"}}).run(advice=False)
+    run = plane().set(run={"initial": {"s.x[i,j]": "i/8", "s.y[i,j]": "j/32", "s.z[i,j]": 1}, "steps": 4, "record": {"states": "all"}}).run(advice=False)
     s = lattice.vectors(run.x, LENGTHS)
     for at, letter in enumerate("xyz"):
         np.testing.assert_array_equal(run.field(f"s.{letter}"), s[:, at])

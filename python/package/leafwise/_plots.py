@@ -107,7 +107,7 @@ def colours(ax: matplotlib.axes.Axes, planes: Sequence[tuple[Array, str]], name:
         every = -(-max(value.shape) // _MOST_ARROWS)
         places = [np.arange(every // 2, length, every) for length in value.shape]
         x, y = np.meshgrid(*places, indexing="ij")
-        ax.quiver(x, y, *(part[x, y] for part in arrows), pivot="middle", scale=most / every if most else None, scale_units="x", color="w")
+        ax.quiver(x, y, *(part[x, y] for part in arrows), pivot="middle", scale=most / every if most else None, scale_units="x", color="w", edgecolor="k", linewidth=0.4)
     ax.figure.colorbar(image, ax=ax, label=name)
     ax.set(title=title, xlabel=letters[0], ylabel=letters[1])
     return ax
