@@ -49,7 +49,7 @@ VIEWS: dict[str, tuple[str, list[str]]] = {
     "chaos_map": ("megno", []),
     "driven_oscillator": ("Phase plane", ["run.record.every=1"]),
     "gradient": ("Orbit", ["run.steps=300", "run.record.every=1"]),
-    "gravity": ("Phase plane", ['run.record.states=["q.x[0]","q.y[0]"]', "run.record.every=1"]),
+    "gravity": ("Trajectories", []),
     "guiding_centre": ("Phase plane", ['run.record.states=["R","Z"]', "run.steps=400", "run.record.every=1"]),
     "guiding_centre_cartesian": ("Orbit", ["run.steps=1000", "run.record.every=4"]),
     "heavy_top": ("Orbit", ['run.record.states=["gamma1","gamma2","gamma3"]', "run.steps=1000", "run.record.every=1"]),
@@ -64,8 +64,8 @@ VIEWS: dict[str, tuple[str, list[str]]] = {
     "maxwell_bloch": ("Orbit", ["run.steps=1500", "run.record.every=1"]),
     "may_leonard": ("Orbit", ["run.steps=400", "run.record.every=1"]),
     "nambu": ("Orbit", ["run.steps=400", "run.record.every=1"]),
-    "planets": ("Phase plane", ['run.record.states=["q.x[1]","q.y[1]"]', "run.record.every=1", "run.steps=400"]),
-    "point_vortices": ("Phase plane", ["run.steps=400", "run.record.every=1"]),
+    "planets": ("Trajectories", ["run.record.every=1", "run.steps=400"]),
+    "point_vortices": ("Trajectories", ["run.steps=400", "run.record.every=1"]),
     "restricted_three_body": ("Phase plane", ['run.record.states=["x","y"]']),
     "rigid_body_ensemble": ("x1", []),
     "rigid_body_sweep": ("energy_drift", []),
@@ -76,10 +76,10 @@ VIEWS: dict[str, tuple[str, list[str]]] = {
     "stellarator": ("Phase plane", ['run.record.states=["x","y"]', "run.record.every=2"]),
     "tokamak_losses": ("Stopped by", []),
     "toda": ("a over", ["run.steps=1000"]),
-    "solar_system": ("q.x over", ["run.record.every=10"]),
+    "solar_system": ("Trajectories", []),
     "volterra_lattice": ("x over", ["run.steps=4000", "run.record.every=200"]),
-    "vortex_ring": ("Phase plane", ['run.record.states=["x[0]","y[0]"]', "run.record.every=1"]),
-    "vortices": ("Phase plane", ['run.record.states=["x[0]","y[0]"]', "run.steps=200"]),
+    "vortex_ring": ("Trajectories", []),
+    "vortices": ("Trajectories", ["run.steps=200"]),
 }
 
 #: Scenes whose picture is the family of their periodic orbit, and options of `orbit`.
@@ -185,6 +185,8 @@ def smaller(picture: str, title: str) -> str:
             return ("rect", attributes["fill"], attributes["opacity"])
         if element.startswith("<circle") and attributes.get("stroke") == "none":
             return ("circle", attributes["fill"], attributes["r"], attributes["opacity"])
+        if element.startswith("<polygon"):
+            return ("polygon", attributes["fill"], attributes["opacity"])
         return ("other",)
 
     # Cells do not overlap, so their order is free.
@@ -201,6 +203,9 @@ def smaller(picture: str, title: str) -> str:
             path = "".join(f"M{a['cx']} {a['cy']}h0" for a in shapes)
             line = f'stroke="{group[1]}" stroke-width="{2 * float(group[2]):g}" stroke-linecap="round"'
             made.append(f'<path fill="none" opacity="{group[3]}" {line} d="{path}"/>')
+        elif group[0] == "polygon":
+            path = "".join(f"M{a['points'].strip()}z" for a in shapes)
+            made.append(f'<path fill="{group[1]}" opacity="{group[2]}" d="{path}"/>')
         else:
             made += [re.sub(r"\s*\n\s*", "", bent(element)) for element in shapes]
     text = "\n".join(made).replace(' opacity="1"', "")

@@ -199,3 +199,52 @@ def test_arrays_of_the_lattices_shape_are_its_values() -> None:
     table["run"]["initial"]["q[i,j]"] = numbers.T
     with pytest.raises(lw.SceneError, match="the numbers have the shape"):
         lw.Scene(**table).run(advice=False)
+
+
+def test_recorded_fields_are_arrays_and_maps() -> None:
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("agg")
+    run = plane().set(run={"initial": {"s.x[i,j]": "i/8", "s.y[i,j]": "j/32", "s.z[i,j]": 1}, "steps": 4, "record": {"states": "all"}}).run(advice=False)
+    s = lattice.vectors(run.x, LENGTHS)
+    for at, letter in enumerate("xyz"):
+        np.testing.assert_array_equal(run.field(f"s.{letter}"), s[:, at])
+    ax = run.plot_map("s", 0.11)
+    # The first axis lies across; the sample nearest to 0.11 is the third.
+    np.testing.assert_array_equal(ax.images[0].get_array(), s[2, 2].T)
+    assert ax.get_title() == "s at t = 0.1" and ax.get_xlabel() == "i"
+    arrows = ax.collections[0]
+    np.testing.assert_array_equal(arrows.U, s[2, 0].ravel())
+    assert not run.plot_map("s.x").collections
+    for name in ["s.q", "q"]:
+        with pytest.raises(KeyError, match="there are s.x, s.y, s.z"):
+            run.plot_map(name)
+    with pytest.raises(ValueError, match="no slices"):
+        run.plot_map("s", slice=("k", 0))
+    few = plane().set(run={"initial": {"s.z[i,j]": 1, "s.x[i,j]": 0, "s.y[i,j]": 0}, "steps": 4, "record": {"states": ["s.x[0,0]", "s.x[3,15]"]}})
+    with pytest.raises(KeyError, match="at every site"):
+        few.run(advice=False).field("s.x")
+
+
+def test_planes_are_cut_from_three_axes() -> None:
+    from leafwise._plots import plane_of
+
+    field = np.arange(24.0).reshape(2, 3, 4)
+    for cut, expected, letters in [(None, field[:, :, 2], "ij"), (("i", 1), field[1], "jk"), (("j", 0), field[:, 0], "ik")]:
+        plane_cut, named = plane_of(field, cut)
+        np.testing.assert_array_equal(plane_cut, expected)
+        assert named == letters
+    for cut in [("k", 4), ("k", -1), ("x", 0), ("ij", 0)]:
+        with pytest.raises(ValueError, match="2 × 3 × 4"):
+            plane_of(field, cut)
+    with pytest.raises(ValueError, match="one axis"):
+        plane_of(field[0, 0], None)
+
+
+def test_paths_of_bodies_have_a_line_each() -> None:
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("agg")
+    run = lw.Scene.load("scenes/vortices.toml" if Path("scenes").exists() else "../scenes/vortices.toml").set(run__steps=20).run(advice=False)
+    ax = run.plot_paths("x", "y")
+    assert len(ax.lines) == 12 and ax.get_aspect() == 1.0
+    np.testing.assert_array_equal(ax.lines[2].get_xdata(), run.field("x")[:, 1])
+    np.testing.assert_array_equal(ax.lines[3].get_ydata(), run.field("y")[-1:, 1])

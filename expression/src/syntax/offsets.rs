@@ -68,6 +68,20 @@ impl Formula {
         self.offsets_in(indices, self.root())
     }
 
+    /// Whether it names a member of a family at an offset from an index, as `x[i+1]` does and `x[i]`, `x[j]` and `x[3]`
+    /// do not.
+    ///
+    /// ```
+    /// use leafwise_expression::syntax::Formula;
+    ///
+    /// let pairs = Formula::parse("sum(i<j, 1/(x[i] - x[j])^2)").expect("a formula");
+    /// let chain = Formula::parse("sum(i, (x[i+1] - x[i])^2)").expect("a formula");
+    /// assert!(!pairs.names_neighbours() && chain.names_neighbours());
+    /// ```
+    pub fn names_neighbours(&self) -> bool {
+        has_neighbours(self.root())
+    }
+
     /// The offsets from `indices` of what `node` names, `None` where it names nothing.
     fn offsets_in(&self, indices: &[&str], node: &Node) -> Result<Option<Offsets>, SyntaxError> {
         match &node.kind {
@@ -90,6 +104,16 @@ impl Formula {
         }
         Ok(all)
     }
+}
+
+/// Whether a member of a family stands below this node at an offset from an index.
+fn has_neighbours(node: &Node) -> bool {
+    let is_beside = |reference: &Reference| {
+        let mut sites = reference.sites.iter();
+        sites.any(|site| matches!(site.anchor, Anchor::Name(_)) && site.offset != 0)
+    };
+    matches!(&node.kind, Kind::Reference(reference) if is_beside(reference))
+        || node.kind.children().iter().any(has_neighbours)
 }
 
 impl VariablePattern {

@@ -265,12 +265,12 @@ impl Frame {
         for (value, label) in &horizontal.labels {
             let (x, _) = self.point(*value, 0.0);
             canvas.path(&[(x, top), (x, bottom)], GRID, 1.0);
-            canvas.label(label, (x, bottom + 15.0), Anchor::Middle);
+            canvas.label_within(label, (x, bottom + 15.0), Anchor::Middle);
         }
         for (value, label) in &vertical.labels {
             let (_, y) = self.point(0.0, *value);
             canvas.path(&[(left, y), (right, y)], GRID, 1.0);
-            canvas.label(label, (left - 8.0, y), Anchor::End);
+            canvas.label_within(label, (left - 8.0, y), Anchor::End);
         }
         canvas.path(&[(left, top), (left, bottom), (right, bottom)], AXIS, 1.0);
         let titled = |title: &str, factor: &str| match factor {
@@ -290,6 +290,7 @@ impl Frame {
 
 #[cfg(test)]
 mod tests {
+    use super::super::canvas::{Piece, SCALE};
     use super::*;
 
     fn texts(axis: Axis, count: usize) -> Vec<String> {
@@ -341,6 +342,33 @@ mod tests {
     fn logarithmic_labels_skip_decades_when_there_are_many() {
         assert_eq!(texts(Axis::logarithmic([1e-16, 1e-4]), 6).len(), 7);
         assert_eq!(texts(Axis::logarithmic([2e-3, 3e-3]), 6), ["10⁻³", "10⁻²"]);
+    }
+
+    /// The label of the last tick lies within the picture, however many digits it has.
+    #[test]
+    fn labels_end_with_the_picture() {
+        for last in [20.0, 20_000.0, 200_000.0, 1_999_999.0] {
+            let axis = Axis::linear([0.0, last], 0.0);
+            let mut canvas = Canvas::new(480.0, 300.0);
+            Frame::new(480.0, 300.0, axis, axis).draw(&mut canvas, "t", "x");
+            for piece in &canvas.pieces {
+                let Piece::Label {
+                    text, at, anchor, ..
+                } = piece
+                else {
+                    continue;
+                };
+                // Digits of sans-serif fonts are at most 0.64 of their size wide (DejaVu Sans).
+                let width = 0.64 * 12.5 * text.chars().count() as f64;
+                let at = f64::from(at.0) / SCALE;
+                let [from, to] = match anchor {
+                    Anchor::Start => [at, at + width],
+                    Anchor::Middle => [at - width / 2.0, at + width / 2.0],
+                    Anchor::End => [at - width, at],
+                };
+                assert!(from >= -0.5 && to <= 480.5, "{text}: {from} to {to}");
+            }
+        }
     }
 
     #[test]

@@ -10,6 +10,13 @@ use plotters::style::{Color, RGBColor, ShapeStyle, TextStyle};
 
 use super::error::ReportError;
 use super::html::escaped;
+use super::pdf::width_of;
+
+/// The size of labels.
+const LETTERS: f64 = 12.5;
+
+/// The letters of a browser's font over those of Helvetica, at most.
+const WIDER: f64 = 1.16;
 
 /// How many SVG units make a logical pixel.
 pub(super) const SCALE: f64 = 4.0;
@@ -206,7 +213,19 @@ impl Canvas {
 
     /// A line of text, centered vertically on the point.
     pub fn label(&mut self, text: &str, at: (f64, f64), anchor: Anchor) {
-        self.label_in(text, at, anchor, TEXT, 12.5);
+        self.label_in(text, at, anchor, TEXT, LETTERS);
+    }
+
+    /// A line of text that is moved along where it would leave the picture.
+    pub fn label_within(&mut self, text: &str, (x, y): (f64, f64), anchor: Anchor) {
+        let width = WIDER * width_of(text, LETTERS);
+        let before = match anchor {
+            Anchor::Start => 0.0,
+            Anchor::Middle => width / 2.0,
+            Anchor::End => width,
+        };
+        let x = x.min(self.width - (width - before)).max(before);
+        self.label(text, (x, y), anchor);
     }
 
     /// A line of text of a given colour and size.

@@ -192,7 +192,7 @@ impl Chart {
 }
 
 /// Lengthens linear axes until a unit is as long along both in a frame: its height over its width.
-fn equal(x: &mut Axis, y: &mut Axis) -> f64 {
+pub(super) fn equal(x: &mut Axis, y: &mut Axis) -> f64 {
     let span = |axis: &Axis| match *axis {
         Axis::Linear { low, high } => Some((low, high)),
         Axis::Turn => Some((-PI, PI)),

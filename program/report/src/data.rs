@@ -45,6 +45,9 @@ pub struct ReportData {
     /// The recorded states to draw.
     #[serde(skip)]
     pub trajectory: Option<Trajectory>,
+    /// Structure factor of the recorded states.
+    #[serde(skip)]
+    pub structure: Option<StructureFactor>,
     /// The recorded samples, which a script turns and zooms.
     #[serde(skip)]
     pub recorded: Option<Recorded>,
@@ -161,13 +164,48 @@ pub enum Trajectory {
         /// One field for each time.
         fields: Vec<Vec<f64>>,
     },
+    /// Bodies in a plane.
+    Bodies {
+        /// The names of the places, across and up.
+        axes: [String; 2],
+        /// The bodies that are drawn.
+        bodies: Vec<BodyPath>,
+        /// How many bodies there are.
+        count: usize,
+    },
     /// Fields over two axes of a lattice.
     Planes {
         /// The maps, in the order in which they are drawn.
         maps: Vec<PlaneMap>,
+        /// The quantity in colour, as "s.z".
+        color: String,
         /// Which plane of a lattice of three axes they show.
         slice: Option<String>,
     },
+}
+
+/// S(q) = ⟨|Σ_r s(r) exp(−i q·r)|²⟩/N of a field s on N sites, summed over the components of a vector.
+#[derive(Clone, Debug)]
+pub struct StructureFactor {
+    /// The field, as "s".
+    pub name: String,
+    /// The numbers L of sites along one or two axes.
+    pub lengths: Vec<usize>,
+    /// S at q = 2πm/L, m from 0 to L − 1 along each axis, the last one first.
+    pub values: Vec<f64>,
+    /// How many states the mean is of, and how many were recorded.
+    pub states: [u64; 2],
+}
+
+/// The path of a body in a plane.
+#[derive(Clone, Debug)]
+pub struct BodyPath {
+    /// The body, as "q[3]".
+    pub name: String,
+    /// Its number among all bodies.
+    pub number: usize,
+    /// Its places, from the start on.
+    pub places: Vec<[f64; 2]>,
 }
 
 /// A field over two axes of a lattice at one time.
@@ -181,6 +219,8 @@ pub struct PlaneMap {
     pub columns: usize,
     /// The values at all sites, one row above the other.
     pub values: Vec<f64>,
+    /// A vector in the plane at each site, across and up; none of a field of numbers.
+    pub arrows: Vec<[f64; 2]>,
 }
 
 /// Σ ((x_i − c_i)/a_i)² = 1.

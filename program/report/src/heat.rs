@@ -1,5 +1,7 @@
 //! Values as colours.
 
+use std::ops::Range;
+
 use super::axis::Axis;
 use super::canvas::{ALARM, Anchor, Canvas, Ink};
 
@@ -52,12 +54,24 @@ pub(super) fn farthest<'a>(values: impl Iterator<Item = &'a f64>, mean: f64) -> 
 
 /// The bar of colours to the right of a frame, with labels and a name.
 pub(super) fn draw_scale(canvas: &mut Canvas, edges: [f64; 4], axis: Axis, name: &str) {
+    draw_scale_of(canvas, edges, axis, name, 0..LEVELS);
+}
+
+/// The bar of some of the colours.
+pub(super) fn draw_scale_of(
+    canvas: &mut Canvas,
+    edges: [f64; 4],
+    axis: Axis,
+    name: &str,
+    levels: Range<usize>,
+) {
     let [_, top, right, bottom] = edges;
     let at = |fraction: f64| bottom - fraction * (bottom - top);
-    for level in 0..LEVELS {
+    let (first, count) = (levels.start, levels.len() as f64);
+    for level in levels {
         let (low, high) = (
-            level as f64 / LEVELS as f64,
-            (level + 1) as f64 / LEVELS as f64,
+            (level - first) as f64 / count,
+            (level - first + 1) as f64 / count,
         );
         canvas.cell(
             (right + 18.0, at(high)),

@@ -9,13 +9,14 @@
 //! - `sweep`: one run for each of many settings, as a page of its own;
 //! - `reproduction`, `panel`: a paper's printed values beside measured ones, as a page of its own;
 //! - `survey`: declarations of parts beside measurements, as a page of its own;
-//! - `drift`, `history`, `orbit`, `space`, `lattice`: the figures;
+//! - `drift`, `history`, `orbit`, `space`, `bodies`, `lattice`, `planes`, `structure`: the figures;
 //! - `chart`: a figure of several runs for a paper, with labels of one's own; `pdf`: pictures as PDF;
 //! - `heat`: values as colours;
 //! - `axis`, `decimate`, `canvas`, `stroke`: axes, long series reduced to pixels, drawing, points of orbits;
 //! - `html`, `number`: text and numbers in HTML.
 
 mod axis;
+mod bodies;
 mod canvas;
 mod chart;
 mod comparison;
@@ -40,6 +41,7 @@ mod run;
 mod section;
 mod space;
 mod stroke;
+mod structure;
 mod survey;
 mod sweep;
 mod template;
@@ -50,12 +52,13 @@ mod work_precision;
 pub use chart::{Chart, ChartAxis, ChartScale};
 pub use comparison::{ComparisonData, render_comparison};
 pub use data::{
-    Ellipsoid, InvariantSeries, Outcome, PlaneMap, Recorded, ReportData, SectionPoints, TimeSeries,
-    Trajectory,
+    BodyPath, Ellipsoid, InvariantSeries, Outcome, PlaneMap, Recorded, ReportData, SectionPoints,
+    StructureFactor, TimeSeries, Trajectory,
 };
 pub use ensemble::{Band, EnsembleData, Losses, render_ensemble};
 pub use error::ReportError;
 pub use panel::{Panel, PanelAxis, PanelSeries, Stroke};
+pub use planes::FieldMaps;
 pub use reproduction::{Compared, ReproducedFigure, ReproductionData, render_reproduction};
 pub use run::render_report;
 pub use survey::{

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::bodies::bodies_figure;
 use super::data::{InvariantSeries, ReportData, Trajectory};
 use super::drift::drift_figure;
 use super::error::ReportError;
@@ -12,6 +13,7 @@ use super::lattice::lattice_figures;
 use super::orbit::orbit_figure;
 use super::planes::plane_figure;
 use super::section::section_figure;
+use super::structure::structure_figure;
 use super::template::render;
 
 /// Recorded formulas that are drawn.
@@ -147,11 +149,22 @@ impl Figures {
                 let fields = lattice_figures(name, times, *spacing, fields)?;
                 figures.wide.extend(fields);
             }
-            Some(Trajectory::Planes { maps, slice }) => {
-                figures.wide.push(plane_figure(maps, slice.as_deref())?);
+            Some(Trajectory::Bodies {
+                axes,
+                bodies,
+                count,
+            }) => {
+                figures.orbit = Some(bodies_figure(axes, bodies, *count)?);
+            }
+            Some(Trajectory::Planes { maps, color, slice }) => {
+                figures
+                    .wide
+                    .push(plane_figure(maps, color, slice.as_deref())?);
             }
             None => {}
         }
+        let structure = data.structure.as_ref().map(structure_figure).transpose()?;
+        figures.small.extend(structure.flatten());
         if let Some(section) = &data.section {
             figures.small.push(section_figure(section)?);
         }

@@ -303,12 +303,12 @@ fn map(
     for (place, label) in ticks(x, ((right - left) / 56.0) as usize) {
         let at = (across(place) + across(place + 1)) / 2.0;
         canvas.path(&[(at, bottom), (at, bottom + 4.0)], AXIS, 1.0);
-        canvas.label(&label, (at, bottom + 15.0), Anchor::Middle);
+        canvas.label_within(&label, (at, bottom + 15.0), Anchor::Middle);
     }
     for (place, label) in ticks(y, ((bottom - top) / 24.0) as usize) {
         let at = (up(place) + up(place + 1)) / 2.0;
         canvas.path(&[(left - 4.0, at), (left, at)], AXIS, 1.0);
-        canvas.label(&label, (left - 8.0, at), Anchor::End);
+        canvas.label_within(&label, (left - 8.0, at), Anchor::End);
     }
     canvas.label(
         &x.name,

@@ -476,18 +476,29 @@
     }
   }
 
+  // Where a label stands so that no part of it leaves the paper.
+  const measuring = made("canvas").getContext("2d");
+  const within = (paper, words, x, anchor) => {
+    measuring.font = `12.5px ${getComputedStyle(document.body).fontFamily}`;
+    const width = measuring.measureText(words).width + 2;
+    const before = { middle: width / 2, end: width }[anchor];
+    return Math.max(before, Math.min(x, paper.width - (width - before)));
+  };
+
   // A frame with lines at round numbers.
   const axesOf = (paper, [left, top, right, bottom], low, high, labels, most) => {
     const [grid, soft, dark] = [ink("--line"), ink("--soft"), ink("--ink")];
     for (const value of ticks(low[0], high[0], most)) {
       const x = left + (value - low[0]) / (high[0] - low[0]) * (right - left);
       paper.path([[x, top], [x, bottom]], grid, 1);
-      paper.text(shown(value, 6), [x, bottom + 13], "middle", soft);
+      const words = shown(value, 6);
+      paper.text(words, [within(paper, words, x, "middle"), bottom + 13], "middle", soft);
     }
     for (const value of ticks(low[1], high[1], 5)) {
       const y = bottom - (value - low[1]) / (high[1] - low[1]) * (bottom - top);
       paper.path([[left, y], [right, y]], grid, 1);
-      paper.text(shown(value, 6), [left - 8, y], "end", soft);
+      const words = shown(value, 6);
+      paper.text(words, [within(paper, words, left - 8, "end"), y], "end", soft);
     }
     paper.path([[left, top], [right, top], [right, bottom], [left, bottom], [left, top]], ink("--axis"), 1);
     paper.text(labels[0], [(left + right) / 2, bottom + 33], "middle", dark);

@@ -280,3 +280,41 @@ fn a_report_is_turned_zoomed_read_and_saved() {
         );
     }
 }
+
+/// Draws the quantities over time anew, and tells which words leave the canvas.
+const WORDS: &str = r##"
+drive(async () => {
+  await frames();
+  const [history] = document.querySelectorAll("canvas");
+  const drawn = [];
+  const pens = CanvasRenderingContext2D.prototype;
+  const own = pens.fillText;
+  pens.fillText = function (words, x, y) {
+    const width = this.measureText(words).width;
+    const left = x - { left: 0, center: width / 2, right: width }[this.textAlign];
+    if (this.canvas === history) drawn.push([words, left, left + width]);
+    own.call(this, words, x, y);
+  };
+  const quantity = history.closest("figure").querySelector("select");
+  quantity.dispatchEvent(new Event("change"));
+  await frames();
+  tell("last", drawn.some(([words]) => words === "200000"));
+  tell("cut", drawn.filter(([, left, right]) => left < 0 || right > history.clientWidth).map(([words]) => words).join(" "));
+});
+"##;
+
+#[test]
+fn labels_of_long_times_are_whole() {
+    let Some(browser) = browser() else {
+        return;
+    };
+    let mut data = data();
+    if let Some(recorded) = &mut data.recorded {
+        let last = recorded.rows.len() - 1;
+        for (k, row) in recorded.rows.iter_mut().enumerate() {
+            row[0] = 2e5 * k as f64 / last as f64;
+        }
+    }
+    let page = render_report(&data).expect("a page");
+    assert_eq!(told(&browser, &page, WORDS), "last: true\ncut: ");
+}

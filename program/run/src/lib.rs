@@ -16,7 +16,8 @@
 //! - `samples`: recorded states, appended to `samples.csv`;
 //! - `appended`: a file that only grows, with a digest;
 //! - `states`: recorded states too wide for `samples.csv`;
-//! - `snapshots`: fields of long lattices, thinned out for the report;
+//! - `snapshots`: long families over time, thinned out for the report; `whole_states`: whole states among the samples;
+//! - `structure`: structure factors of these;
 //! - `room`: memory for what is kept, or its want as an error;
 //! - `retraced`: states at any times, from the nearest one that was kept;
 //! - `replaced`: a file that is replaced as a whole;
@@ -47,6 +48,7 @@ mod execute;
 mod invariants;
 mod job;
 mod level_set;
+mod maps;
 mod ordered;
 mod outcome;
 mod perform;
@@ -66,11 +68,13 @@ mod snapshots;
 mod start;
 mod state_error;
 mod states;
+mod structure;
 mod summary;
 pub mod sweep;
 #[cfg(test)]
 mod tests;
 mod watch;
+mod whole_states;
 
 pub use advice::{Advice, AdviceKind, JudgedStates, advise};
 pub(crate) use appended::{Appended, Vouched};
@@ -86,6 +90,7 @@ pub use job::{
     default_directory, shards,
 };
 pub use leafwise_walk::Event;
+pub use maps::{MapRequest, NoMaps, maps};
 pub use outcome::{Failure, RunOutcome, RunReport, SolverFields};
 pub use perform::perform;
 pub use progress::{Progress, Quiet, Status};

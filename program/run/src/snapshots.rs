@@ -1,6 +1,6 @@
-//! A field over sites and times, thinned out to what a picture can show.
+//! States of long families over time, thinned out to what a picture can show.
 
-use leafwise_core::lattice::LatticeGeometry;
+use leafwise_scene::compose::Sites;
 use serde::{Deserialize, Serialize};
 
 /// The most snapshots that are kept; one more and every other is dropped.
@@ -9,7 +9,7 @@ const MOST_TIMES: usize = 256;
 /// The most sites of a snapshot.
 const MOST_SITES: usize = 512;
 
-/// Snapshots of the first family of a lattice whose states are too long for `samples.csv`:
+/// Snapshots of families whose states are too long for `samples.csv`:
 /// between 128 and 256 of them whatever the length of the run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Snapshots {
@@ -24,13 +24,29 @@ pub(super) struct Snapshots {
 }
 
 /// Sites from one value of a snapshot to the next.
-pub(super) fn spacing(geometry: &LatticeGeometry) -> usize {
-    length(geometry).div_ceil(MOST_SITES).max(1)
+pub(super) fn spacing(sites: &Sites) -> usize {
+    length(sites).div_ceil(MOST_SITES).max(1)
 }
 
-/// The length of the first family.
-fn length(geometry: &LatticeGeometry) -> usize {
-    geometry.families.first().map_or(0, |family| family.1)
+/// The length of the families that are shown.
+fn length(sites: &Sites) -> usize {
+    let shown = sites.plane.map_or(0, |[x, _]| x);
+    let families = &sites.geometry.families;
+    families.get(shown).map_or(0, |family| family.1)
+}
+
+/// The coordinates of a snapshot: the places x and then y of bodies, or the first family of a chain. Lattices of several
+/// axes have maps instead.
+pub(super) fn shown(sites: &Sites) -> Vec<usize> {
+    let families = match (sites.plane, &sites.geometry) {
+        (Some(plane), _) => plane.to_vec(),
+        (None, geometry) if geometry.axes.len() == 1 && !geometry.families.is_empty() => vec![0],
+        _ => Vec::new(),
+    };
+    let every = spacing(sites);
+    let coordinates = families.into_iter();
+    let coordinates = coordinates.flat_map(|family| sites.coordinates(family).step_by(every));
+    coordinates.collect()
 }
 
 impl Snapshots {
@@ -44,12 +60,11 @@ impl Snapshots {
         }
     }
 
-    /// Takes in one more sample of a lattice.
-    pub fn push(&mut self, geometry: &LatticeGeometry, time: f64, state: &[f64]) {
+    /// Takes in the coordinates `shown` of one more sample.
+    pub fn push(&mut self, shown: &[usize], time: f64, state: &[f64]) {
         if self.seen.is_multiple_of(self.every) {
             self.times.push(time);
-            let sites = (0..length(geometry)).step_by(spacing(geometry));
-            self.values.extend(sites.map(|site| state[site]));
+            self.values.extend(shown.iter().map(|at| state[*at]));
         }
         self.seen += 1;
         if self.times.len() == MOST_TIMES {
@@ -85,17 +100,45 @@ impl Snapshots {
 
 #[cfg(test)]
 mod tests {
+    use leafwise_core::lattice::LatticeGeometry;
+
     use super::*;
+
+    /// Families of these lengths along one axis.
+    fn sites(families: Vec<(&str, usize)>, plane: Option<[usize; 2]>) -> Sites {
+        let families = families.into_iter();
+        let families = families.map(|(name, length)| (name.to_owned(), length));
+        Sites {
+            geometry: LatticeGeometry::chain(families.collect(), true),
+            first: 0,
+            has_neighbours: plane.is_none(),
+            plane,
+            spins: None,
+        }
+    }
+
+    /// Of bodies both places are kept, of as many bodies as a picture has room for.
+    #[test]
+    fn a_snapshot_of_bodies_has_the_same_bodies_in_both_places() {
+        let mut bodies = sites(vec![("m", 1100), ("x", 1100), ("y", 1100)], Some([1, 2]));
+        bodies.first = 3;
+        let shown = shown(&bodies);
+        assert_eq!(shown.len(), 2 * 367);
+        for (k, (x, y)) in shown[..367].iter().zip(&shown[367..]).enumerate() {
+            assert_eq!((*x, *y), (3 + 1100 + 3 * k, 3 + 2200 + 3 * k));
+        }
+    }
 
     #[test]
     fn a_long_run_of_a_long_lattice_keeps_an_even_selection() {
-        let geometry = LatticeGeometry::chain(vec![("x".to_owned(), 2000)], true);
+        let sites = sites([("x", 2000)].to_vec(), None);
+        let shown = shown(&sites);
         let mut snapshots = Snapshots::new();
         for sample in 0..5000_u32 {
             let state: Vec<f64> = (0..2000)
                 .map(|i| f64::from(sample) + f64::from(i))
                 .collect();
-            snapshots.push(&geometry, f64::from(sample), &state);
+            snapshots.push(&shown, f64::from(sample), &state);
         }
         let fields = snapshots.fields();
         assert!(

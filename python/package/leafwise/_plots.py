@@ -1,12 +1,24 @@
-"""Axes to draw on, and lines over them."""
+"""Axes to draw on; lines, maps of lattices and paths of bodies over them."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 if TYPE_CHECKING:
     import matplotlib.axes
+
+Array = NDArray[np.float64]
+
+#: The letters of axes.
+_LETTERS = "ijk"
+
+#: The most arrows across and up, and the most bodies with names.
+_MOST_ARROWS = 20
+_MOST_NAMES = 10
 
 
 def axes(given: matplotlib.axes.Axes | None) -> matplotlib.axes.Axes:
@@ -47,4 +59,66 @@ def lines(
         other.set_ylabel(", ".join(name for name in columns if name in of_their_own))
     legend = [*(line for line in ax.lines if line not in drawn), *drawn]
     ax.legend(handles=legend, loc="lower left", bbox_to_anchor=(0, 1), ncols=4, frameon=False)
+    return ax
+
+
+def place_of(names: Sequence[str], family: str) -> tuple[slice, tuple[int, ...]]:
+    """Where the coordinates of a family stand among recorded ones, and the lengths of its axes.
+
+    Raises:
+        KeyError: not all of them are there.
+    """
+    own = [at for at, name in enumerate(names) if name.startswith(f"{family}[")]
+    if not own:
+        known = dict.fromkeys(name.partition("[")[0] for name in names if "[" in name)
+        raise KeyError(f"{family!r} was not recorded; there are {', '.join(known) or 'no families'}")
+    lengths = tuple(int(index) + 1 for index in names[own[-1]][len(family) + 1 : -1].split(","))
+    if len(own) != int(np.prod(lengths)) or own[-1] - own[0] + 1 != len(own):
+        raise KeyError(f'{family!r} was not recorded at every site: record = {{ states = "all" }}')
+    return slice(own[0], own[-1] + 1), lengths
+
+
+def plane_of(field: Array, cut: tuple[str, int] | None) -> tuple[Array, str]:
+    """A field of two axes, or a plane of one of three axes, and the letters of its axes.
+
+    Raises:
+        ValueError: it has one axis, or no such plane.
+    """
+    if field.ndim == 1:
+        raise ValueError("the lattice has one axis: plot `field` over the sites")
+    if field.ndim == len(_LETTERS):
+        letter, at = cut or ("k", field.shape[-1] // 2)
+        axis = _LETTERS.find(letter) if len(letter) == 1 else -1
+        if axis < 0 or not 0 <= at < field.shape[axis]:
+            raise ValueError(f"{letter} = {at} is no plane of a lattice of {' × '.join(map(str, field.shape))} sites")
+        return np.take(field, [at], axis=axis).squeeze(axis), _LETTERS.replace(letter, "")
+    if cut is not None:
+        raise ValueError("a lattice of two axes has no slices")
+    return field, _LETTERS[:2]
+
+
+def colours(ax: matplotlib.axes.Axes, planes: Sequence[tuple[Array, str]], name: str, title: str) -> matplotlib.axes.Axes:
+    """The first field in colour, its first axis across; two more as arrows, of some of the sites."""
+    fields, letters = [field for field, _ in planes], planes[0][1]
+    value, arrows = fields[0], fields[1:]
+    most = float(np.sqrt(sum(part**2 for part in fields)).max()) if arrows else None
+    image = ax.imshow(value.T, origin="lower", vmin=None if most is None else -most, vmax=most)
+    if arrows:
+        every = -(-max(value.shape) // _MOST_ARROWS)
+        places = [np.arange(every // 2, length, every) for length in value.shape]
+        x, y = np.meshgrid(*places, indexing="ij")
+        ax.quiver(x, y, *(part[x, y] for part in arrows), pivot="middle", scale=most / every if most else None, scale_units="x", color="w", edgecolor="k", linewidth=0.4)
+    ax.figure.colorbar(image, ax=ax, label=name)
+    ax.set(title=title, xlabel=letters[0], ylabel=letters[1])
+    return ax
+
+
+def paths(ax: matplotlib.axes.Axes, x: Array, y: Array, names: tuple[str, str]) -> matplotlib.axes.Axes:
+    """A line and a last place for each column."""
+    for body in range(x.shape[1]):
+        (line,) = ax.plot(x[:, body], y[:, body], linewidth=1, label=f"{body}")
+        ax.plot(x[-1:, body], y[-1:, body], "o", color=line.get_color(), markersize=4)
+    ax.set(xlabel=names[0], ylabel=names[1], aspect="equal")
+    if x.shape[1] <= _MOST_NAMES:
+        ax.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=5, frameon=False)
     return ax

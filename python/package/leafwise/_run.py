@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ._labelled import attributes, beside
 from ._leafwise import Recorded
-from ._plots import axes, chosen, lines
+from ._plots import axes, chosen, colours, lines, paths, place_of, plane_of
 from ._state_error import StateError
 from ._stored import reduced
 
@@ -158,6 +158,47 @@ class Run:
         asked = chosen(names, self.names, columns[1:])
         drawn = {name: table[:, columns.index(name)] for name in asked}
         return lines(axes(ax), self.t, drawn, self.drift)
+
+    def field(self, name: str) -> Array:
+        """A family ``q`` or a component ``s.z`` at the samples, recorded at every site: shape (n, sites), along several
+        axes one dimension each.
+
+        Raises:
+            KeyError: it was not recorded at every site.
+        """
+        at, lengths = place_of(self.names, name)
+        return self.x[:, at].reshape(-1, *lengths)
+
+    def plot_map(
+        self, name: str, t: float | None = None, *, slice: tuple[str, int] | None = None, ax: matplotlib.axes.Axes | None = None
+    ) -> matplotlib.axes.Axes:
+        """A field over a lattice of two or three axes in colour, at the sample nearest to t, the last where t is not given. Needs matplotlib.
+
+        Args:
+            name: a family ``q`` or a component ``s.z``; or a vector ``s``, with s.z in colour and s.x, s.y as arrows.
+            t: a time.
+            slice: of three axes the one that is cut, and the site, ``("k", 3)``; the middle of k where it is not given.
+            ax: the axes to draw on.
+
+        Raises:
+            KeyError: the field was not recorded at every site: ``record = { states = "all" }``.
+            ValueError: the lattice has one axis, or no such slice.
+        """
+        at = len(self.t) - 1 if t is None else int(np.argmin(np.abs(self.t - t)))
+        families = {known.partition("[")[0] for known in self.names}
+        is_vector = name not in families and f"{name}.z" in families
+        parts = [f"{name}.{letter}" for letter in "zxy"] if is_vector else [name]
+        planes = [plane_of(self.field(part)[at], slice) for part in parts]
+        return colours(axes(ax), planes, parts[0], f"{name} at t = {self.t[at]:.6g}")
+
+    def plot_paths(self, x: str = "q.x", y: str = "q.y", *, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
+        """The path of every body in the plane of two families, a unit as long along both axes; a dot is where it is last. Needs matplotlib.
+
+        Raises:
+            KeyError: a family was not recorded at every site.
+        """
+        across, up = self.field(x), self.field(y)
+        return paths(axes(ax), across, up, (x, y))
 
     def to_pandas(self) -> pandas.DataFrame:
         """A column for each coordinate and observable over the index t. Needs pandas."""

@@ -163,15 +163,29 @@ pub struct ImportArguments {
 /// Arguments of `plot`.
 #[derive(Args, Clone, Debug)]
 pub struct PlotArguments {
-    /// Run directories, or tables of numbers as CSV: a curve each, for each of the columns --y
+    /// Run directories, or tables of numbers as CSV: a curve each, for each of the columns --y; one directory for --map
     #[arg(required = true)]
     pub runs: Vec<PathBuf>,
-    /// The column along the horizontal axis [default: the first one, the time]
+    /// The column along the horizontal axis, one for all curves or one for each --y [default: the first one, the time]
     #[arg(long, value_name = "COLUMN")]
-    pub x: Option<String>,
+    pub x: Vec<String>,
     /// A column along the vertical axis; several times for several curves of each run
-    #[arg(long, value_name = "COLUMN", required = true)]
+    #[arg(long, value_name = "COLUMN", required_unless_present = "map")]
     pub y: Vec<String>,
+    /// Draw maps over a lattice of two or three axes: a family or component in colour, as q or s.z, or a vector s with arrows
+    #[arg(long, value_name = "FIELD", conflicts_with_all = ["x", "y", "table", "x_label", "y_label", "x_scale", "y_scale", "name", "log", "angle", "equal", "points"])]
+    pub map: Option<String>,
+    /// Times of the maps; of each the nearest recorded state is drawn [default: up to six recorded ones]
+    #[arg(
+        long,
+        value_name = "T",
+        value_delimiter = ',',
+        allow_hyphen_values = true
+    )]
+    pub at: Vec<f64>,
+    /// The plane of a lattice of three axes: the axis i, j or k that is cut, and the site [default: the middle of k]
+    #[arg(long, value_name = "AXIS=SITE")]
+    pub slice: Option<String>,
     /// The table of a run directory, as section.csv
     #[arg(long, value_name = "FILE", default_value = "samples.csv")]
     pub table: PathBuf,

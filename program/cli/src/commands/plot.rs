@@ -3,7 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use leafwise::report::{Chart, ChartAxis, ChartScale, PanelSeries, ReportError, Stroke};
+use leafwise::report::{Chart, ChartAxis, ChartScale, FieldMaps, PanelSeries, ReportError, Stroke};
+use leafwise::run::{MapRequest, NoMaps, maps};
 use leafwise::scene::document::nearest;
 use leafwise::scene::input::read_text;
 use leafwise::scene::table::{Table, place};
@@ -20,6 +21,15 @@ struct PlotJson<'a> {
     outcome: &'static str,
     file: &'a Path,
     curves: Vec<CurveJson<'a>>,
+}
+
+/// The object of `plot --map --json`.
+#[derive(Serialize)]
+struct MapsJson<'a> {
+    outcome: &'static str,
+    file: &'a Path,
+    /// The fields and times that are drawn, as "s at t = 2.5".
+    maps: Vec<&'a str>,
 }
 
 /// A curve of it.
@@ -53,6 +63,28 @@ pub fn execute(arguments: &PlotArguments, console: &mut Console<'_>) -> Result<u
     };
     if !arguments.force {
         refuse_existing(out, "name another file, --out FILE, or give --force")?;
+    }
+    if let Some(field) = &arguments.map {
+        let maps = maps_of(arguments, field)?;
+        let bytes = match is_pdf {
+            true => maps.pdf()?,
+            false => maps.svg()?.into_bytes(),
+        };
+        write(out, bytes)?;
+        if arguments.json {
+            let titles = maps.maps.iter().map(|map| map.title.as_str());
+            console.json(&MapsJson {
+                outcome: "written",
+                file: out,
+                maps: titles.collect(),
+            });
+        }
+        console.prose(&format!("wrote {}", out.display()));
+        return Ok(exit::DONE);
+    }
+    if !arguments.at.is_empty() || arguments.slice.is_some() {
+        let message = "--at and --slice choose maps, and there is no --map";
+        return Err(Failure::usage(message, "name the field: --map q"));
     }
     for (name, scale) in [
         ("--x-scale", arguments.x_scale),
@@ -112,11 +144,7 @@ pub fn execute(arguments: &PlotArguments, console: &mut Console<'_>) -> Result<u
         })?,
         false => chart.svg()?.into_bytes(),
     };
-    fs::write(out, bytes).map_err(|source| Failure::File {
-        action: "write",
-        file: out.clone(),
-        source,
-    })?;
+    write(out, bytes)?;
     if arguments.json {
         let curves = chart.series.iter().map(|series| CurveJson {
             name: &series.name,
@@ -133,6 +161,52 @@ pub fn execute(arguments: &PlotArguments, console: &mut Console<'_>) -> Result<u
     Ok(exit::DONE)
 }
 
+fn write(file: &Path, bytes: Vec<u8>) -> Result<(), Failure> {
+    fs::write(file, bytes).map_err(|source| Failure::File {
+        action: "write",
+        file: file.to_owned(),
+        source,
+    })
+}
+
+/// The maps of a field of one run.
+fn maps_of(arguments: &PlotArguments, field: &str) -> Result<FieldMaps, Failure> {
+    let [directory] = &arguments.runs[..] else {
+        let message = format!(
+            "--map draws one run, and {} are given",
+            arguments.runs.len()
+        );
+        return Err(Failure::usage(message, "give one run directory"));
+    };
+    let slice = arguments.slice.as_deref().map(|text| {
+        let (axis, site) = text.split_once('=')?;
+        Some((axis.trim().to_owned(), site.trim().parse().ok()?))
+    });
+    if slice == Some(None) {
+        let text = arguments.slice.as_deref().unwrap_or_default();
+        let message = format!("--slice {text} is no axis with a site");
+        return Err(Failure::usage(
+            message,
+            "write the axis and the site: --slice k=3",
+        ));
+    }
+    let request = MapRequest {
+        field: field.to_owned(),
+        at: arguments.at.clone(),
+        slice: slice.flatten(),
+    };
+    maps(directory, &request).map_err(|error| {
+        let help = match &error {
+            NoMaps::NoField { name, fields } => {
+                let near = nearest(name, fields.iter().map(String::as_str));
+                near.map(|near| format!("did you mean `{near}`?"))
+            }
+            _ => None,
+        };
+        Failure::usage(error.to_string(), help.unwrap_or_else(|| error.help()))
+    })
+}
+
 /// How many points of a curve have no place on the axes.
 fn left_out(chart: &Chart, series: &PanelSeries) -> usize {
     let points = series.points.iter();
@@ -143,11 +217,7 @@ fn left_out(chart: &Chart, series: &PanelSeries) -> usize {
 /// An axis with its label and scale.
 fn axis(arguments: &PlotArguments, which: AxisName) -> Result<ChartAxis, Failure> {
     let (letter, label, columns) = match which {
-        AxisName::X => (
-            "x",
-            &arguments.x_label,
-            arguments.x.clone().into_iter().collect(),
-        ),
+        AxisName::X => ("x", &arguments.x_label, arguments.x.clone()),
         AxisName::Y => ("y", &arguments.y_label, arguments.y.clone()),
     };
     let (is_log, is_angle) = (
@@ -185,6 +255,12 @@ fn curves(arguments: &PlotArguments) -> Result<Vec<PanelSeries>, Failure> {
         );
         return Err(Failure::usage(message, "give --name once for each curve"));
     }
+    let (across, up) = (arguments.x.len(), arguments.y.len());
+    if across > 1 && across != up {
+        let message = format!("{across} columns --x are given for {up} columns --y");
+        let help = "give --x once for all curves, or once for each --y: --x \"q.x[0]\" --y \"q.y[0]\" --x \"q.x[1]\" --y \"q.y[1]\"";
+        return Err(Failure::usage(message, help));
+    }
     let mut series = Vec::with_capacity(count);
     let runs = apart(&arguments.runs);
     for (run, label) in arguments.runs.iter().zip(&runs) {
@@ -193,11 +269,11 @@ fn curves(arguments: &PlotArguments) -> Result<Vec<PanelSeries>, Failure> {
             false => run.clone(),
         };
         let table = read(&file)?;
-        let x = match &arguments.x {
-            Some(name) => column(&file, &table, name)?,
-            None => 0,
-        };
-        for y in &arguments.y {
+        for (k, y) in arguments.y.iter().enumerate() {
+            let x = match arguments.x.get(k).or(arguments.x.last()) {
+                Some(name) => column(&file, &table, name)?,
+                None => 0,
+            };
             let at = column(&file, &table, y)?;
             let points = table
                 .rows

@@ -154,3 +154,91 @@ fn what_is_not_drawn_is_told() {
         .collect();
     assert_eq!(names, ["A/out", "B/out"]);
 }
+
+const ROTORS: &str = r#"
+[system]
+families    = { q = [6, 4], p = [6, 4] }
+bracket     = "canonical"
+hamiltonian = "sum(i, j, p[i,j]^2/2 - cos(q[i+1,j] - q[i,j]) - cos(q[i,j+1] - q[i,j]))"
+[method]
+stepper   = "splitting"
+time-step = 0.1
+[run]
+initial = { "q[i,j]" = "i + 10*j", "p[i,j]" = 0 }
+steps   = 20
+"#;
+
+/// A field over a lattice becomes maps at the recorded times nearest to those asked for; what there is none of is told.
+#[test]
+fn fields_become_maps() {
+    let here = Place::new();
+    here.write("rotors.toml", ROTORS);
+    let run = here.leafwise(&["run", "rotors.toml", "--out", "all"]);
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    let said = here.leafwise(&["plot", "all", "--map", "q", "--at", "0,1.04", "--json"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let maps = said.json()["maps"].clone();
+    assert_eq!(maps[0], "q at t = 0");
+    assert_eq!(maps[1], "q at t = 1");
+    let svg = here.read("plot.svg");
+    assert!(
+        svg.contains("q at t = 1 over j") && svg.contains("crispEdges"),
+        "{svg}"
+    );
+    let said = here.leafwise(&["plot", "all", "--map", "p", "--out", "p.pdf"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    assert!(
+        std::fs::read(here.path("p.pdf"))
+            .expect("a file")
+            .starts_with(b"%PDF-")
+    );
+    for (arguments, told) in [
+        (&["all", "--map", "Q"][..], "did you mean `q`?"),
+        (
+            &["all", "--map", "q", "--at", "3"],
+            "outside of the recorded times, 0 to 2",
+        ),
+        (
+            &["all", "--map", "q", "--slice", "k=1"],
+            "a plane has no slices",
+        ),
+        (
+            &["all", "--map", "q", "--slice", "k"],
+            "is no axis with a site",
+        ),
+        (
+            &["all", "all", "--map", "q"],
+            "--map draws one run, and 2 are given",
+        ),
+        (&["none", "--map", "q"], "none holds no run"),
+        (
+            &["all", "--map", "q", "--y", "q[0,0]"],
+            "cannot be used with",
+        ),
+        (&["all", "--y", "q[0,0]", "--at", "1"], "--map"),
+    ] {
+        let said = here.leafwise(&[&["plot"][..], arguments, &["--out", "a.svg"]].concat());
+        assert_eq!(said.code, Some(2), "{arguments:?}: {}", said.err);
+        said.says(&[told]);
+        assert!(!here.path("a.svg").exists(), "{arguments:?}");
+    }
+}
+
+/// Columns along the horizontal axis go with those of the vertical one, in their order.
+#[test]
+fn curves_have_columns_of_their_own_across() {
+    let here = Place::new();
+    here.write(
+        "two.csv",
+        "t,x0,y0,x1,y1\n0,1,0,5,0\n1,2,1,5,nan\n2,3,4,inf,5\n",
+    );
+    let pairs = ["--x", "x0", "--y", "y0", "--x", "x1", "--y", "y1"];
+    let said = here.leafwise(&[&["plot", "two.csv", "--json"][..], &pairs].concat());
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let json = said.json();
+    assert_eq!(json["curves"][0]["left_out"], 0);
+    assert_eq!(json["curves"][1]["left_out"], 2);
+    let said = here.leafwise(&[&["plot", "two.csv", "--y", "t", "--force"][..], &pairs].concat());
+    assert_eq!(said.code, Some(2), "{}", said.err);
+    said.says(&["2 columns --x are given for 3 columns --y"]);
+}

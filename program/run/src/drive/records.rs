@@ -7,7 +7,7 @@ use crate::crossing::Crossing;
 use crate::error::RunError;
 use crate::invariants::Windows;
 use crate::samples::Samples;
-use crate::snapshots::Snapshots;
+use crate::snapshots::{Snapshots, shown};
 use crate::states::StateTable;
 use crate::watch::Watch;
 
@@ -35,6 +35,8 @@ pub(super) struct Records<'a> {
     /// States that the method is judged at.
     pub watch: Watch,
     pub snapshots: Snapshots,
+    /// The coordinates of a snapshot; none where samples hold the state.
+    pictured: Vec<usize>,
     /// The number of steps to the last sample.
     pub last_sample: Option<u64>,
     /// For each formula, the samples at which it has no finite value.
@@ -94,6 +96,10 @@ impl<'a> Records<'a> {
             windows: Windows::new(initial),
             watch: Watch::new(&run.plan.initial),
             snapshots: Snapshots::new(),
+            pictured: match run.own(&run.plan.initial).len() > WIDEST_STATE {
+                true => shown(&run.plan.sites),
+                false => Vec::new(),
+            },
             last_sample: None,
             undefined: vec![0; formula],
             before: 0,
@@ -149,10 +155,9 @@ impl<'a> Records<'a> {
             states.push(recorded.map(|at| state[at]))?;
         }
         self.samples.push(time, &self.shown, &self.row)?;
-        if let Some(geometry) = self.run.method.lattice()
-            && state.len() > WIDEST_STATE
-        {
-            self.snapshots.push(geometry, time, state);
+        if !self.pictured.is_empty() {
+            self.snapshots
+                .push(&self.pictured, time, self.run.own(state));
         }
         Ok(())
     }

@@ -30,6 +30,8 @@ pub struct Beginning<'a> {
     library: Option<&'a str>,
     dimension: usize,
     variables: Variables<'a>,
+    /// The number of sites along each axis of the families.
+    axes: Vec<usize>,
     #[serde(serialize_with = "object")]
     parameters: Vec<(&'a str, Double)>,
     initial: Option<Vec<Double>>,
@@ -153,6 +155,10 @@ impl<'a> Beginning<'a> {
             variables: match is_short {
                 true => Variables::Names(run.names()),
                 false => Variables::Families(&run.plan.families),
+            },
+            axes: match run.plan.families.is_empty() {
+                true => Vec::new(),
+                false => run.plan.sites.geometry.lengths(),
             },
             parameters: parameters
                 .map(|parameter| (parameter.name.as_str(), Double(parameter.value)))

@@ -28,7 +28,7 @@ pub(crate) use due::Due;
 pub(crate) use files::{PART, remove_parts};
 pub use folder::Folder;
 pub(crate) use folder::SceneDigest;
-pub(crate) use manifest::{CHECKPOINT, REPORT, hexadecimal};
+pub(crate) use manifest::{CHECKPOINT, FILE as MANIFEST, REPORT, hexadecimal};
 pub use manifest::{FilesRecord, Kind, Manifest, PROGRAM_VERSION, PluginRecord, ShardRecord};
 pub use output::{Content, Output};
 pub use subject::{JobSubject, RunOptions};

@@ -8,6 +8,7 @@ mod directories;
 mod drifts;
 mod in_memory;
 mod indicators;
+mod pictured;
 mod recorded;
 mod resuming;
 

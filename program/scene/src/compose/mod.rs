@@ -25,7 +25,7 @@
 //! - `run`: [`compose`], all of it as a [`ComposedRun`];
 //! - `values`: a composed run at other values, with nothing compiled anew;
 //! - `motion`: ẋ as formulas to read;
-//! - `states`: the coordinates that a run records;
+//! - `states`: the coordinates that a run records; `sites`: whether families are those of a lattice or of bodies;
 //! - `path`: whether a run's numbers come from formulas or from calls;
 //! - `checks`: the Jacobi identity and the Casimirs;
 //! - `shape`: constant, linear, log-canonical, polynomial, general.
@@ -77,6 +77,7 @@ mod shadow;
 mod shape;
 mod site_forces;
 mod site_functions;
+mod sites;
 mod spin_temperature;
 mod states;
 mod stepping;
@@ -115,6 +116,7 @@ pub use parts::exact_realization;
 pub use run::{ComposedRun, RunPlan, compose};
 pub use shadow::{NoShadow, RecordedShadow, ShadowEnergy};
 pub use shape::{TensorShape, tensor_shape};
+pub use sites::Sites;
 pub use states::{RecordedStates, StateSlice, WIDEST_STATE};
 pub use stepping::{LatticeBase, LatticeStepping, Stepping};
 pub use system::{ComposedSystem, check_varied, compose_system};

@@ -26,6 +26,7 @@ use super::part_choice::PartChoice;
 use super::parts::{Base, parts, system_choice, what_fits};
 use super::sample_times::{check_given_times, sample_times};
 use super::shadow::{RecordedShadow, with_shadows};
+use super::sites::Sites;
 use super::states::{RecordedStates, recorded_states};
 use super::stepping::{LatticeStepping, Stepping};
 use super::system::{ComposedSystem, compose_system};
@@ -75,6 +76,8 @@ pub struct RunPlan {
     pub system: Option<PartChoice>,
     /// The scene's families with their lengths.
     pub families: Vec<(String, usize)>,
+    /// Their sites, as pictures show them.
+    pub sites: Sites,
 }
 
 /// A scene with its system and method built.
@@ -289,6 +292,7 @@ fn compose_at_its_values(
         indicators,
         events: composed.events,
         states,
+        sites: Sites::of(document),
         parts: choices,
         system: system_choice(document, registry),
         families: document

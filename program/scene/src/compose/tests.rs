@@ -1,6 +1,7 @@
 //! The ways to write a bracket agree, and what contradicts itself is refused where it stands.
 
 mod advice;
+mod bodies;
 mod definitions;
 mod forms;
 mod initial;

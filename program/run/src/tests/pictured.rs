@@ -1,0 +1,195 @@
+//! What reports draw of the states.
+
+use leafwise_report::{ReportData, Trajectory, render_report};
+
+use super::{Prepared, attempt};
+use crate::{Asked, MapRequest, Quiet, maps, run_in_memory};
+
+/// Vortices on a circle, each of which turns about the middle: as many as are asked for, without or with neighbours.
+fn vortices(count: usize, neighbours: bool, record: &str) -> String {
+    let bond = match neighbours {
+        true => " + sum(i, 0.01*x[i]*x[i+1])",
+        false => "",
+    };
+    format!(
+        r#"
+[system]
+families    = {{ x = {count}, y = {count} }}
+bracket     = {{ "x[i],y[i]" = "1" }}
+convention  = "{{x,H}}"
+hamiltonian = "sum(i, (x[i]^2 + y[i]^2)/2){bond}"
+[method]
+stepper   = {{ name = "gauss", stages = 1 }}
+time-step = 0.1
+[run]
+initial = {{ "x[i]" = "cos(2*pi*i/N)", "y[i]" = "sin(2*pi*i/N)" }}
+steps   = 20
+record  = {{ every = 2{record} }}
+"#
+    )
+}
+
+/// The report of a run in memory.
+fn page(text: &str) -> ReportData {
+    let Prepared {
+        document,
+        registry,
+        composed,
+    } = Prepared::new(text);
+    let run = run_in_memory(
+        &document,
+        &composed,
+        &registry,
+        Asked::default(),
+        &mut Quiet,
+    );
+    let page = run.expect("a run").page;
+    render_report(&page).expect("a page");
+    page
+}
+
+/// Few bodies have paths of columns, many of snapshots; either begins where the scene puts it.
+#[test]
+fn bodies_have_paths_in_a_plane() {
+    for (count, record) in [(3, ""), (40, ""), (40, ", states = \"all\"")] {
+        let page = page(&vortices(count, false, record));
+        let Some(Trajectory::Bodies {
+            axes,
+            bodies,
+            count: all,
+        }) = &page.trajectory
+        else {
+            panic!("{count}{record}: {:?}", page.trajectory);
+        };
+        assert_eq!(
+            (axes.join(","), bodies.len(), *all),
+            ("x,y".to_owned(), count, count)
+        );
+        for (number, body) in bodies.iter().enumerate() {
+            assert_eq!(
+                (body.number, body.name.as_str()),
+                (number, &*format!("body {number}"))
+            );
+            assert_eq!(body.places.len(), 11);
+            let turn = std::f64::consts::TAU * number as f64 / count as f64;
+            let (sine, cosine) = libm::sincos(turn);
+            let [x, y] = body.places[0];
+            // The scene's formulas and these round a few times each.
+            assert!(
+                (x - cosine).abs() < 1e-14 && (y - sine).abs() < 1e-14,
+                "{number}"
+            );
+        }
+        assert!(page.structure.is_none());
+    }
+}
+
+/// Neighbours make a chain of them, with a structure factor; chosen coordinates are an orbit.
+#[test]
+fn chains_and_chosen_coordinates_are_no_bodies() {
+    let chain = page(&vortices(8, true, ""));
+    assert!(matches!(&chain.trajectory, Some(Trajectory::Lattice { name, .. }) if name == "x"));
+    let factor = chain.structure.expect("a periodic chain");
+    assert_eq!((factor.name.as_str(), factor.lengths), ("x", vec![8]));
+    assert_eq!(factor.states, [11, 11]);
+    let chosen = page(&vortices(8, false, ", states = [\"x[1]\", \"y[1]\"]"));
+    let Some(Trajectory::Orbit { names, .. }) = &chosen.trajectory else {
+        panic!("{:?}", chosen.trajectory);
+    };
+    assert_eq!(names, &["x[1]", "y[1]"]);
+}
+
+/// Bodies may be single variables.
+#[test]
+fn single_variables_are_bodies_by_their_names() {
+    let text = r#"
+[system]
+variables   = ["x1", "y1", "x2", "y2"]
+bracket     = { "x1,y1" = "1", "x2,y2" = "1" }
+hamiltonian = "ln((x1 - x2)^2 + (y1 - y2)^2)"
+[method]
+stepper   = { name = "gauss", stages = 1 }
+time-step = 0.1
+[run]
+initial = [1, 2, -1, 0.5]
+steps   = 4
+"#;
+    let page = page(text);
+    let Some(Trajectory::Bodies { bodies, .. }) = &page.trajectory else {
+        panic!("{:?}", page.trajectory);
+    };
+    let begin: Vec<_> = bodies
+        .iter()
+        .map(|body| (body.name.as_str(), body.places[0]))
+        .collect();
+    assert_eq!(begin, [("body 1", [1.0, 2.0]), ("body 2", [-1.0, 0.5])]);
+}
+
+/// A run of a plane in a directory, whose states are in a file, has the maps and the structure factor of one in memory; `maps` reads
+/// the same from the directory.
+#[test]
+fn states_of_a_file_are_drawn_as_those_in_memory() {
+    let text = r#"
+[system]
+families    = { q = [8, 6], p = [8, 6] }
+bracket     = "canonical"
+hamiltonian = "sum(i, j, p[i,j]^2/2 - cos(q[i+1,j] - q[i,j]) - cos(q[i,j+1] - q[i,j]))"
+[method]
+stepper   = "splitting"
+time-step = 0.1
+[run]
+initial = { "q[i,j]" = "sin(i + 2*j)", "p[i,j]" = "i" }
+steps   = 20
+record  = { every = 2, states = "all", observables = ["energy"] }
+"#;
+    let page = page(text);
+    let Some(Trajectory::Planes {
+        maps: in_memory, ..
+    }) = &page.trajectory
+    else {
+        panic!("{:?}", page.trajectory);
+    };
+    let factor = page.structure.as_ref().expect("a periodic plane");
+    assert_eq!(factor.lengths, [8, 6]);
+    assert_eq!(factor.states, [11, 11]);
+    let root = tempfile::tempdir().expect("a directory");
+    let path = root.path().join("run");
+    attempt(text, &path, false, &mut Quiet).expect("a run");
+    assert!(path.join("states.npy").exists());
+    let report = std::fs::read_to_string(path.join("report.html")).expect("a page");
+    let request = MapRequest {
+        field: "q".to_owned(),
+        ..MapRequest::default()
+    };
+    let read = maps(&path, &request).expect("maps");
+    assert_eq!(read.maps.len(), 6);
+    for (ours, theirs) in read.maps.iter().zip(in_memory) {
+        assert_eq!(ours.title, theirs.title);
+        assert_eq!(ours.values, theirs.values);
+    }
+    let heading = |title: &str| format!("<h3>{title}</h3>");
+    assert!(report.contains(&heading("Structure factor of q")));
+    // The same pictures, to the letter.
+    let of_memory = render_report(&page).expect("a page");
+    let figures = |page: &str| -> Vec<String> {
+        let figures = page.split("<figure>").skip(1);
+        let own = figures.filter(|figure| {
+            [
+                heading("Structure factor of q"),
+                heading("The field over the lattice"),
+            ]
+            .iter()
+            .any(|heading| figure.contains(heading))
+        });
+        own.map(|figure| {
+            figure
+                .split("</figure>")
+                .next()
+                .unwrap_or_default()
+                .to_owned()
+        })
+        .collect()
+    };
+    assert_eq!(figures(&report), figures(&of_memory));
+    assert_eq!(figures(&report).len(), 2);
+}
