@@ -11,6 +11,7 @@
 //! - [`probe`]: Lie series in numbers, which rule out in microseconds that they end.
 //! - `body`: the free rigid body, with vectors that turn with it.
 //! - `kepler`: bodies that a centre attracts by the inverse square of the distance.
+//! - `turning`: two vectors that turn about one axis.
 //! - `sums`: sums of products as code.
 //! - [`pieces`]: the pieces of a system's Hamiltonian.
 //! - `rounding`: whether the flows round like the formulas; from code where they do not.
@@ -48,6 +49,7 @@ pub mod splitting;
 mod sublattices;
 mod sums;
 mod tensor;
+mod turning;
 
 pub use lattice::LatticeSplitting;
 pub use piece::Piece;

@@ -15,6 +15,7 @@ use crate::piece::{Atom, NAME, Piece, WholeMotion};
 use crate::probe::Probe;
 use crate::rounds::rounds;
 use crate::tensor::Tensor;
+use crate::turning::TurningPair;
 
 /// H = Σ H_i (up to Casimirs) with an exact flow of each H_i.
 ///
@@ -147,6 +148,7 @@ fn atom_of(ring: &mut Ring, tensor: &Tensor, energy: Polynomial) -> Result<Atom,
         field: tensor.field(ring, &energy)?,
         formula: ring.formula(&energy),
         hamiltonian: energy,
+        turning: None,
     })
 }
 
@@ -201,15 +203,20 @@ pub(crate) fn atoms(
     summand: Polynomial,
     formula: &Expression,
 ) -> Result<Vec<Atom>, BuildError> {
-    let whole = Atom {
+    let mut whole = Atom {
         field: tensor.field(ring, &summand)?,
         hamiltonian: summand,
         formula: formula.clone(),
+        turning: None,
     };
     if whole.field.is_empty() {
         return Ok(Vec::new());
     }
     if whole.flows(ring, probe)?.is_ok() {
+        return Ok(vec![whole]);
+    }
+    whole.turning = TurningPair::find(ring, tensor, &whole.field)?;
+    if whole.turning.is_some() {
         return Ok(vec![whole]);
     }
     let mut atoms = Vec::new();
@@ -219,6 +226,7 @@ pub(crate) fn atoms(
             field: tensor.field(ring, &term)?,
             formula: ring.formula(&term),
             hamiltonian: term,
+            turning: None,
         };
         if let Err(coordinate) = atom.flows(ring, probe)? {
             return Err(refusal(system, ring, &atom, coordinate)?);
