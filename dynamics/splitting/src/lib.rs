@@ -22,6 +22,7 @@
 //! - [`splitting`]: Strang's product as a step map.
 //! - `product`: its factors χ and χ*, the flows' product in one order and its adjoint, and products of both.
 //! - `shears`: the same of systems of numbers that name parts with flows x + tX(x).
+//! - `terms`: the flows of sites and of pairs of sites, for sums over pairs in a loop.
 //! - [`lattice`]: the same on long lattices, by sweeps.
 //! - `sublattices`: the same for damped spins, each in the field of the others.
 //! - `tensor`: fields of Hamiltonians in exact algebra.
@@ -49,6 +50,7 @@ pub mod splitting;
 mod sublattices;
 mod sums;
 mod tensor;
+mod terms;
 mod turning;
 
 pub use lattice::LatticeSplitting;

@@ -99,6 +99,7 @@ pub(super) fn many_bodies(
         forces: at_sites.forces.clone(),
         hamiltonian,
         casimirs,
+        near: initial_state(document).unwrap_or_default(),
     };
     let named = document.method.stepper.as_ref();
     let stepper = named.and_then(|spec| registry.stepper(&spec.name.value).ok());
