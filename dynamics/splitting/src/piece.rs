@@ -1,6 +1,6 @@
 //! A Hamiltonian with an exact flow.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use leafwise_expression::{
@@ -214,28 +214,41 @@ impl Piece {
         probe: &Probe,
         atom: &Atom,
     ) -> Result<Result<(), usize>, AlgebraError> {
-        let first = atom.field.keys().next().copied().unwrap_or(0);
-        if let Some(pair) = &atom.turning {
-            return Ok(if self.turns(pair) {
-                self.terms.push(atom.hamiltonian.clone());
-                self.formulas.push(atom.formula.clone());
-                self.field.extend(atom.field.clone());
-                Ok(())
-            } else {
-                Err(first)
-            });
+        if let Some(pair) = &atom.turning
+            && self.turns(pair)
+        {
+            self.terms.push(atom.hamiltonian.clone());
+            self.formulas.push(atom.formula.clone());
+            self.field.extend(atom.field.clone());
+            return Ok(Ok(()));
         }
-        if self.whole.is_some() {
-            return Ok(Err(first));
+        self.add_all(ring, probe, &[atom])
+    }
+
+    /// The same of several Hamiltonians at once, which move coordinates one by one.
+    pub(crate) fn add_all(
+        &mut self,
+        ring: &mut Ring,
+        probe: &Probe,
+        atoms: &[&Atom],
+    ) -> Result<Result<(), usize>, AlgebraError> {
+        let of_pairs = atoms.iter().find(|atom| atom.turning.is_some());
+        if let Some(atom) = of_pairs.or(atoms.first().filter(|_| self.whole.is_some())) {
+            return Ok(Err(atom.field.keys().next().copied().unwrap_or(0)));
         }
-        let field = &atom.field;
-        let mut before = Vec::with_capacity(field.len());
-        for (i, velocity) in field {
-            let present = self.field.entry(*i).or_insert_with(Polynomial::zero);
-            let sum = ring.add(present, velocity);
-            before.push((*i, std::mem::replace(present, sum)));
+        let mut parts: BTreeMap<usize, Vec<(Rational, Polynomial)>> = BTreeMap::new();
+        for (i, velocity) in atoms.iter().flat_map(|atom| &atom.field) {
+            let sum = parts.entry(*i).or_default();
+            sum.push((Rational::one(), velocity.clone()));
         }
-        let moved = |flow: &CoordinateFlow| field.keys().any(|i| flow.reads.contains(i));
+        let mut before = Vec::with_capacity(parts.len());
+        for (i, mut sum) in parts {
+            let present = self.field.entry(i).or_insert_with(Polynomial::zero);
+            sum.push((Rational::one(), present.clone()));
+            let sum = ring.combine(&sum);
+            before.push((i, std::mem::replace(present, sum)));
+        }
+        let moved = |flow: &CoordinateFlow| before.iter().any(|(i, _)| flow.reads.contains(i));
         let affected: Vec<usize> = (0..self.flows.len())
             .filter(|i| moved(&self.flows[*i]))
             .collect();
@@ -250,8 +263,10 @@ impl Piece {
         for (index, flow) in affected.into_iter().zip(flows) {
             self.flows[index] = flow;
         }
-        self.terms.push(atom.hamiltonian.clone());
-        self.formulas.push(atom.formula.clone());
+        for atom in atoms {
+            self.terms.push(atom.hamiltonian.clone());
+            self.formulas.push(atom.formula.clone());
+        }
         Ok(Ok(()))
     }
 }
