@@ -31,7 +31,7 @@ static INFO: PartInfo = PartInfo {
     summary: "Strang's product of exact flows of the Hamiltonian's pieces, found from the formulas",
     declares: "order 2; self-adjoint; exactly Poisson; explicit",
     domain: "Hamiltonians whose terms have flows that are polynomial, exponential or rotations, or free rigid bodies, \
-             or bodies about centres that attract them by the inverse square",
+             or bodies about centres that attract them by the inverse square, or pairs of vectors that turn about one axis",
     literature: "Strang, On the construction and comparison of difference schemes (1968); \
                  McLachlan, Quispel, Splitting methods, Acta Numerica 11 (2002); Hairer, Lubich, \
                  Wanner, Geometric Numerical Integration, section VII.4.2; bodies: van Zon, Schofield, J. Comput. Phys. 225 \

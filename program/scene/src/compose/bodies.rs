@@ -299,7 +299,10 @@ fn unless_too_long(
             "steppers that take pairs in a loop: {}{}",
             match splitting.is_empty() {
                 true => String::new(),
-                false => format!("{} where H = T + V, ", splitting.join(", ")),
+                false => format!(
+                    "{} where H = T + V or the terms of a pair have one exact flow, ",
+                    splitting.join(", ")
+                ),
             },
             names(serving.collect()).join(", ")
         )),
