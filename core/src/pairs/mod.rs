@@ -19,7 +19,7 @@
 //! - `rounding`: bounds on the rounding errors of a field.
 //! - `tangent`: products with the Jacobian of a field.
 //! - `shears`: H = T + V in which each part moves what it does not depend on.
-//! - [`terms`]: H as a sum of terms of one site and of two sites.
+//! - `terms`: H as a sum of terms of one site and of two sites.
 //! - [`system`]: Poisson systems of such functions.
 
 mod bracket;
@@ -34,7 +34,7 @@ mod shears;
 mod site_code;
 pub mod system;
 mod tangent;
-pub mod terms;
+mod terms;
 #[cfg(test)]
 mod tests;
 mod tiles;
@@ -43,7 +43,6 @@ mod values;
 pub use function::{BodyFunction, BodySum};
 pub use matrix::PairMatrix;
 pub use system::BodySystem;
-pub use terms::{BodyPlace, BodyTerms};
 pub use values::BodyObservables;
 
 use matrix::PairEntry;

@@ -1,59 +1,13 @@
-//! H as a sum of terms of one site and of two sites, each with the brackets of these sites.
+//! The terms of H, of one site and of two sites, each with the brackets of these sites.
 //!
-//! Flows of terms are those of all sites or pairs: what a splitting finds for one serves all.
+//! Flows of terms are those of all sites or pairs: one that a splitting finds serves all.
 
 use leafwise_expression::Expression;
 
-use super::BodyShape;
 use super::function::{BodySum, Weighted};
-use super::matrix::PairEntry;
 use super::system::BodySystem;
 use crate::error::BuildError;
-use crate::system::{Convention, SystemFormulas};
-
-/// H = Σ_i s(x_i) + Σ_{i<j} p(x_i, x_j) as the systems of one site with H = s and of two with H = p.
-///
-/// Coordinates of both systems are the variables of a pair's formula, as [`BodyShape`] says: entries of matrices rest, and so
-/// does the second site under s.
-#[derive(Clone, Debug)]
-pub struct BodyTerms {
-    /// The numbers of families and sites.
-    pub shape: BodyShape,
-    /// H = s, where there is such a term.
-    pub site: Option<SystemFormulas>,
-    /// H = p, where there is such a term.
-    pub pair: Option<SystemFormulas>,
-}
-
-impl BodyTerms {
-    /// The values of the systems' coordinates of the sites i and j, from a state of all sites; the place of each in the state,
-    /// or the entry of a matrix.
-    pub fn places(&self, [i, j]: [usize; 2]) -> impl Iterator<Item = BodyPlace> {
-        let BodyShape {
-            families,
-            sites,
-            ref matrices,
-        } = self.shape;
-        let coordinates = [i, j].into_iter();
-        let coordinates = coordinates.flat_map(move |site| {
-            (0..families).map(move |family| BodyPlace::Coordinate(family * sites + site))
-        });
-        let entries = matrices.iter().flat_map(move |matrix| {
-            (0..PairEntry::COUNT)
-                .map(move |entry| BodyPlace::Entry(PairEntry::numbered(entry).of(matrix, [i, j])))
-        });
-        coordinates.chain(entries)
-    }
-}
-
-/// Where a coordinate of one or two sites stands.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum BodyPlace {
-    /// In the state of all sites.
-    Coordinate(usize),
-    /// A number of a matrix.
-    Entry(f64),
-}
+use crate::system::{BodyTerms, Convention, SystemFormulas};
 
 impl BodySystem {
     /// The terms of H; `None` where H is another function of sums than a sum of them, or forces act.
@@ -66,7 +20,11 @@ impl BodySystem {
             return Ok(None);
         }
         Ok(Some(BodyTerms {
-            shape: self.shape.clone(),
+            families: self.shape.families,
+            sites: self.shape.sites,
+            matrices: (self.shape.matrices.iter())
+                .map(|matrix| matrix.numbers().clone())
+                .collect(),
             site: self.term(&weighted, 1, |sum| &sum.site)?,
             pair: self.term(&weighted, 2, |sum| &sum.pair)?,
         }))

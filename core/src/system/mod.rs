@@ -30,6 +30,7 @@ mod rounding;
 mod smoothness;
 mod summands;
 mod tensor_matrix;
+mod terms;
 mod written;
 
 use leafwise_expression::Expression;
@@ -50,6 +51,7 @@ pub use observables::{SystemInvariants, SystemObservables};
 pub use rounding::FieldRounding;
 pub use smoothness::TableUse;
 pub(crate) use tensor_matrix::{Entries, TensorMatrix};
+pub use terms::{BodyPlace, BodyTerms};
 
 use crate::error::BuildError;
 

@@ -5,10 +5,10 @@ use std::sync::Arc;
 use leafwise_solver::StepCheck;
 
 use super::rounding::FieldRounding;
+use super::terms::BodyTerms;
 use super::{MotionClass, Parameter};
 use crate::error::{BuildError, StepError};
 use crate::evaluator::Evaluator;
-use crate::pairs::BodyTerms;
 use crate::runge_kutta::SmoothMap;
 
 /// A Poisson system known by its values: (M ≅ ℝᵈ, π, H) as functions to call.

@@ -448,7 +448,14 @@ fn build(
         }
         let terms = system.numbers.terms();
         return match terms.filter(|_| system.numbers.shears().is_empty()) {
-            Some(terms) => Ok(Arc::new(FlowsOfTerms::new(&INFO, terms, parameters)?)),
+            Some(terms) => {
+                let flows = |system: &SystemFormulas| {
+                    Splitting::new(&PoissonSystem::from(system.clone()))?.flows()
+                };
+                Ok(Arc::new(FlowsOfTerms::new(
+                    &INFO, terms, parameters, flows,
+                )?))
+            }
             None => Ok(Arc::new(Shears::new(&INFO, system, parameters)?)),
         };
     }

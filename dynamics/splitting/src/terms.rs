@@ -5,20 +5,19 @@
 
 use std::sync::Arc;
 
-use leafwise_core::pairs::{BodyPlace, BodyTerms};
 use leafwise_core::part::{PartInfo, PartParameters};
 use leafwise_core::solver::{
     ExplicitMap, Factored, Inverse, Lanes, MapAbilities, MapProperties, Pieces, StepMap,
     StepReport, Stepper, Structure, Trajectories,
 };
-use leafwise_core::{BuildError, Differential, PoissonSystem, StepError, SystemFormulas};
+use leafwise_core::system::{BodyPlace, BodyTerms};
+use leafwise_core::{BuildError, Differential, StepError, SystemFormulas};
 
 use crate::arrangement::named_order;
 use crate::piece::NAME;
 use crate::product::{Product, Splits, evaluations};
 use crate::rounds::rounds_of_all;
 use crate::schedule::{Flow, STRANG, passes};
-use crate::splitting::Splitting;
 
 /// φ¹_{t/2} ∘ … ∘ φʳ_t ∘ … ∘ φ¹_{t/2}, a piece of H the terms of all sites, or those of the pairs of a round.
 #[derive(Clone)]
@@ -46,7 +45,7 @@ struct Commuting {
 }
 
 impl FlowsOfTerms {
-    /// The product for these terms.
+    /// The product for these terms, whose flows `flows_of` finds piece by piece.
     ///
     /// # Errors
     /// [`BuildError::DoesNotFit`] where a term has no exact flow, or that of a pair is a product of several.
@@ -54,8 +53,9 @@ impl FlowsOfTerms {
         info: &'static PartInfo,
         terms: Arc<BodyTerms>,
         parameters: &PartParameters,
+        flows_of: impl Fn(&SystemFormulas) -> Result<Vec<ExplicitMap>, BuildError>,
     ) -> Result<Self, BuildError> {
-        let sites = terms.shape.sites;
+        let sites = terms.sites;
         let (mut flows, mut pieces) = (Vec::new(), Vec::new());
         if let Some(site) = &terms.site {
             for flow in flows_of(site)? {
@@ -134,14 +134,9 @@ impl FlowsOfTerms {
     }
 }
 
-/// The flows of a system's pieces.
-fn flows_of(system: &SystemFormulas) -> Result<Vec<ExplicitMap>, BuildError> {
-    Splitting::new(&PoissonSystem::from(system.clone()))?.flows()
-}
-
 impl StepMap for FlowsOfTerms {
     fn dimension(&self) -> usize {
-        self.shared.terms.shape.dimension()
+        self.shared.terms.dimension()
     }
 
     fn properties(&self) -> MapProperties {
@@ -209,7 +204,7 @@ impl Splits for FlowsOfTerms {
         epsilon: f64,
         h: f64,
     ) -> Box<dyn Differential> {
-        let d = self.shared.terms.shape.variables();
+        let d = self.shared.terms.variables();
         Box::new(TermTangents {
             steps: self.flows(parts, |flow, _, part| {
                 flow.differential(parameters, (epsilon, part * h), Inverse::Opposite)
@@ -253,7 +248,7 @@ impl Rounds {
             let Commuting { moves, sites, .. } = &pieces[*piece];
             let count = sites.len();
             let [points, changes] = &mut self.room;
-            points.resize(count * terms.shape.variables(), 0.0);
+            points.resize(count * terms.variables(), 0.0);
             changes.resize(points.len(), 0.0);
             self.outcome.clear();
             self.outcome.resize(count, Ok(()));
@@ -266,7 +261,7 @@ impl Rounds {
                 }
             }
             made[*by].increment(points, points, changes, &mut self.outcome);
-            let moved = moves * terms.shape.families;
+            let moved = moves * terms.families;
             for (term, sites) in sites.iter().enumerate() {
                 std::mem::replace(&mut self.outcome[term], Ok(()))?;
                 for (c, place) in terms.places(*sites).take(moved).enumerate() {
@@ -338,7 +333,7 @@ impl TermTangents {
         let map = &self.steps.map;
         let Commuting { moves, sites, .. } = &map.pieces[self.steps.flows[at].0];
         let terms = &map.shared.terms;
-        let moved = moves * terms.shape.families;
+        let moved = moves * terms.families;
         let sites = sites.iter();
         sites
             .map(|sites| (terms.places(*sites).collect(), moved))
@@ -357,7 +352,7 @@ impl TermTangents {
         flow.step(&self.point, &vec![0.0; self.point.len()], &mut self.change)
     }
 
-    /// What `act` does to the part of a vector at the sites of each term of a flow.
+    /// Applies `act` to the part of a vector at the sites of each term of a flow.
     fn act(
         &mut self,
         at: usize,

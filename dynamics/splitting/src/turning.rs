@@ -1,10 +1,10 @@
 //! Two vectors that turn about one axis, as two vortices on a sphere do.
 //!
-//! The motion is x′ = a y × x, y′ = b x × y with constants of the motion a and b, such as those of a Hamiltonian of x·y in the
-//! brackets of so(3), each multiplied by a number. Ω = a y + b x is at rest, and both vectors turn about it:
-//! x′ = Ω × x, y′ = Ω × y. The flow is the rotation by |Ω|t about Ω. It keeps the lengths and x/a + y/b.
+//! The motion is x′ = a y × x, y′ = b x × y with constants of the motion a and b. A Hamiltonian of x·y has such a motion in
+//! the brackets of so(3), each multiplied by a number. The vector Ω = a y + b x is at rest. Both turn about it: x′ = Ω × x,
+//! y′ = Ω × y. The flow is the rotation by |Ω|t about Ω. It keeps the lengths and x/a + y/b.
 //!
-//! P. K. Newton, *The N-Vortex Problem* (2001), section 4.2: two vortices on a sphere turn about Γ₁x₁ + Γ₂x₂.
+//! Source: Newton, *The N-Vortex Problem* (2001), section 4.2.
 
 use std::collections::BTreeSet;
 
