@@ -4,6 +4,7 @@ mod beside;
 mod derivatives;
 mod shadow;
 mod taylor;
+mod turning;
 mod verified;
 
 use std::fmt::Write as _;

@@ -30,9 +30,9 @@ LARGEST = 60_000
 SUBJECTS = {
     "Bodies that turn": ["tennis_racket", "rigid_body", "slowing_body", "learned_body", "attitude", "heavy_top", "heavy_top_attitude", "se3", "so4"],
     "The sky": ["kepler", "restricted_three_body", "halo_orbits", "planets", "solar_system", "gravity", "henon_heiles"],
-    "Charges and magnetic fields": ["magnetic", "guiding_centre", "guiding_centre_cartesian", "tokamak_losses", "stellarator", "magnetic_field_line"],
+    "Charges and magnetic fields": ["charges", "magnetic", "guiding_centre", "guiding_centre_cartesian", "tokamak_losses", "stellarator", "magnetic_field_line"],
     "Driven motion, forces in pieces": ["driven_oscillator", "driven_pendulum", "damped_pendulum", "bouncing_ball"],
-    "Vortices and fluids": ["point_vortices", "vortices", "vortex_ring", "sphere_vortices", "camassa_holm", "nambu"],
+    "Vortices and fluids": ["point_vortices", "vortices", "vortex_ring", "sphere_vortices", "vortices_on_sphere", "camassa_holm", "nambu"],
     "Waves and light": ["three_wave", "maxwell_bloch"],
     "Species": ["lotka_volterra", "lotka_volterra_periodic", "may_leonard", "epidemic"],
     "Spins": ["damped_spin", "langevin_spin", "spin_chain", "heisenberg_chain", "hot_spin_chain", "spin_waves_2d", "hot_ferromagnet"],
@@ -47,6 +47,7 @@ VIEWS: dict[str, tuple[str, list[str]]] = {
     "attitude": ("Orbit", ["run.steps=300", "run.record.every=1"]),
     "camassa_holm": ("Phase plane", ['run.record.states=["q1","p1"]']),
     "chaos_map": ("megno", []),
+    "charges": ("Orbit", ['run.record.states=["q.x[1]","q.y[1]","q.z[1]"]', "run.steps=600", "run.record.every=1"]),
     "driven_oscillator": ("Phase plane", ["run.record.every=1"]),
     "gradient": ("Orbit", ["run.steps=300", "run.record.every=1"]),
     "gravity": ("Trajectories", []),
@@ -80,6 +81,7 @@ VIEWS: dict[str, tuple[str, list[str]]] = {
     "volterra_lattice": ("x over", ["run.steps=4000", "run.record.every=200"]),
     "vortex_ring": ("Trajectories", []),
     "vortices": ("Trajectories", ["run.steps=200"]),
+    "vortices_on_sphere": ("Orbit", ['run.record.states=["r.x[1]","r.y[1]","r.z[1]"]', "run.steps=500", "run.record.every=1"]),
 }
 
 #: Scenes whose picture is the family of their periodic orbit, and options of `orbit`.

@@ -7,6 +7,7 @@ macro_rules! of_each_system {
             "ablowitz-ladik",
             "attitude",
             "camassa-holm",
+            "charges",
             "driven-oscillator",
             "driven-pendulum",
             "gradient",
@@ -34,7 +35,8 @@ macro_rules! of_each_system {
             "three-wave",
             "toda",
             "volterra-lattice",
-            "vortices"
+            "vortices",
+            "vortices-on-sphere"
         );
     };
 }

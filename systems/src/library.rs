@@ -87,7 +87,7 @@ impl LibrarySystem {
 
 macro_rules! library {
     ($($id:literal),*) => {
-        static LIBRARY: [LibrarySystem; 31] = [$(
+        static LIBRARY: [LibrarySystem; 33] = [$(
             LibrarySystem { id: $id, text: include_str!(concat!("../library/", $id, ".toml")) }
         ),*];
     };

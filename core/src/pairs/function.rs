@@ -102,6 +102,14 @@ impl<'a> Weighted<'a> {
             .collect()
     }
 
+    /// Σ_k ∂F/∂S_k `part`(S_k) as a formula, of sums without weights.
+    pub(super) fn sum(&self, part: impl Fn(&BodySum) -> &Expression) -> Expression {
+        let terms = self.function.sums.iter().zip(&self.slopes);
+        let terms =
+            terms.map(|(sum, slope)| Expression::Product(vec![slope.clone(), part(sum).clone()]));
+        Expression::Sum(terms.collect())
+    }
+
     /// Σ_k ∂F/∂S_k `part`(S_k) as code, of coordinates and weights.
     ///
     /// # Errors

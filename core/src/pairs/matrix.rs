@@ -32,6 +32,11 @@ impl PairMatrix {
         })
     }
 
+    /// All numbers, row after row.
+    pub(super) fn numbers(&self) -> &Arc<[f64]> {
+        &self.numbers
+    }
+
     /// J_ij.
     pub fn entry(&self, i: usize, j: usize) -> f64 {
         self.numbers[i * self.sites + j]

@@ -19,6 +19,7 @@
 //! - `rounding`: bounds on the rounding errors of a field.
 //! - `tangent`: products with the Jacobian of a field.
 //! - `shears`: H = T + V in which each part moves what it does not depend on.
+//! - `terms`: H as a sum of terms of one site and of two sites.
 //! - [`system`]: Poisson systems of such functions.
 
 mod bracket;
@@ -33,6 +34,7 @@ mod shears;
 mod site_code;
 pub mod system;
 mod tangent;
+mod terms;
 #[cfg(test)]
 mod tests;
 mod tiles;

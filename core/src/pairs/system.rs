@@ -33,6 +33,8 @@ pub struct BodySystem {
     pub hamiltonian: BodyFunction,
     /// The Casimirs by name.
     pub casimirs: Vec<(String, BodyFunction)>,
+    /// A state near which it moves; no numbers where none is known.
+    pub near: Vec<f64>,
 }
 
 impl BodySystem {
@@ -114,6 +116,9 @@ impl BodySystem {
                 [Box::new(made(false)), Box::new(made(true))]
             });
         }
+        if let Some(terms) = self.terms()? {
+            numbers = numbers.with_terms(terms);
+        }
         if self.rests(&moving) {
             numbers = numbers.with_resting_tensor();
             if !has_forces {
@@ -152,6 +157,7 @@ impl BodySystem {
         let further = names.len();
         self.hamiltonian = self.hamiltonian.with_families(&self.shape, further);
         self.casimirs.clear();
+        self.near.clear();
         for name in names {
             let sites = 0..self.shape.sites;
             self.variables.extend(sites.map(|i| format!("{name}[{i}]")));

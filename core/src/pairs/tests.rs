@@ -85,6 +85,7 @@ fn system_with(text: &str, sites: usize, forces: Forces) -> OpaqueSystem {
         forces,
         hamiltonian: function(text, sites),
         casimirs: Vec::new(),
+        near: Vec::new(),
     };
     system.compile().expect("code")
 }

@@ -32,6 +32,7 @@ mod smoothness;
 pub mod spins;
 mod summands;
 mod tensor_matrix;
+mod terms;
 mod written;
 
 use leafwise_expression::Expression;
@@ -52,6 +53,7 @@ pub use observables::{SystemInvariants, SystemObservables};
 pub use rounding::FieldRounding;
 pub use smoothness::TableUse;
 pub(crate) use tensor_matrix::{Entries, TensorMatrix};
+pub use terms::{BodyPlace, BodyTerms};
 
 use crate::error::BuildError;
 

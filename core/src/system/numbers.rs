@@ -5,6 +5,7 @@ use std::sync::Arc;
 use leafwise_solver::StepCheck;
 
 use super::rounding::FieldRounding;
+use super::terms::BodyTerms;
 use super::{MotionClass, Parameter};
 use crate::error::{BuildError, StepError};
 use crate::evaluator::Evaluator;
@@ -48,6 +49,7 @@ pub struct SystemNumbers {
     has_resting_tensor: bool,
     is_derived: bool,
     shears: Vec<Shear>,
+    terms: Option<Arc<BodyTerms>>,
     tangent: Option<Arc<MakeFieldTangent>>,
     jets: Option<Arc<MakeJet>>,
     poles: Option<Arc<MakePoles>>,
@@ -138,6 +140,7 @@ impl SystemNumbers {
             has_resting_tensor: false,
             is_derived: false,
             shears: Vec::new(),
+            terms: None,
             tangent: None,
             jets: None,
             poles: None,
@@ -240,6 +243,18 @@ impl SystemNumbers {
     /// The parts of H whose flows are shears, where H is known to be a sum of such.
     pub fn shears(&self) -> &[Shear] {
         &self.shears
+    }
+
+    /// The same with H as a sum of terms of sites and of pairs of sites.
+    #[must_use]
+    pub fn with_terms(mut self, terms: BodyTerms) -> Self {
+        self.terms = Some(Arc::new(terms));
+        self
+    }
+
+    /// The terms of H of sites and of pairs, where H is known to be a sum of such.
+    pub fn terms(&self) -> Option<Arc<BodyTerms>> {
+        self.terms.clone()
     }
 
     /// Whether the tensor is known to be constant, or to depend on coordinates alone that rest.

@@ -11,6 +11,7 @@
 //! - [`probe`]: Lie series in numbers, which rule out in microseconds that they end.
 //! - `body`: the free rigid body, with vectors that turn with it.
 //! - `kepler`: bodies that a centre attracts by the inverse square of the distance.
+//! - `turning`: two vectors that turn about one axis.
 //! - `sums`: sums of products as code.
 //! - [`pieces`]: the pieces of a system's Hamiltonian.
 //! - `rounding`: whether the flows round like the formulas; from code where they do not.
@@ -21,6 +22,7 @@
 //! - [`splitting`]: Strang's product as a step map.
 //! - `product`: its factors χ and χ*, the flows' product in one order and its adjoint, and products of both.
 //! - `shears`: the same of systems of numbers that name parts with flows x + tX(x).
+//! - `terms`: the flows of sites and of pairs of sites, for sums over pairs in a loop.
 //! - [`lattice`]: the same on long lattices, by sweeps.
 //! - `sublattices`: the same for damped spins, each in the field of the others.
 //! - `tensor`: fields of Hamiltonians in exact algebra.
@@ -48,6 +50,8 @@ pub mod splitting;
 mod sublattices;
 mod sums;
 mod tensor;
+mod terms;
+mod turning;
 
 pub use lattice::LatticeSplitting;
 pub use piece::Piece;

@@ -1,6 +1,6 @@
 //! A Hamiltonian with an exact flow.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use leafwise_expression::{
@@ -12,6 +12,7 @@ use crate::field::Field;
 use crate::flow::{CoordinateFlow, Motion, coordinate_flow};
 use crate::kepler::KeplerMotions;
 use crate::probe::Probe;
+use crate::turning::{TurningPair, TurningPairs};
 
 /// The part's name.
 pub(crate) const NAME: &str = "splitting";
@@ -22,6 +23,8 @@ pub(crate) struct Atom {
     /// The same as it is written.
     pub(crate) formula: Expression,
     pub(crate) field: Field,
+    /// The two vectors that it turns, where no motion of a coordinate is one of [`Motion`].
+    pub(crate) turning: Option<TurningPair>,
 }
 
 impl Atom {
@@ -56,6 +59,8 @@ pub(crate) enum WholeMotion {
     Body(FreeBody),
     /// Bodies about centres.
     Kepler(KeplerMotions),
+    /// Pairs of vectors.
+    Turning(TurningPairs),
 }
 
 impl WholeMotion {
@@ -73,6 +78,7 @@ impl WholeMotion {
         match self {
             Self::Body(body) => body.increment(graph, ring, time, x),
             Self::Kepler(bodies) => bodies.increment(graph, ring, time, x),
+            Self::Turning(pairs) => pairs.increment(graph, ring, time, x),
         }
     }
 
@@ -89,6 +95,7 @@ impl WholeMotion {
         match self {
             Self::Body(body) => body.field(graph, ring, x),
             Self::Kepler(bodies) => bodies.field(graph, ring, x),
+            Self::Turning(pairs) => pairs.field(graph, ring, x),
         }
     }
 }
@@ -185,6 +192,20 @@ impl Piece {
         self.flows.iter().map(|flow| &flow.motion)
     }
 
+    /// Turns two vectors more, where the piece turns pairs alone, and none of these vectors; whether it does.
+    fn turns(&mut self, pair: &TurningPair) -> bool {
+        match self.whole.as_mut().map(Arc::make_mut) {
+            None if self.terms.is_empty() => {
+                let pairs = TurningPairs::of(pair.clone());
+                self.whole = Some(Arc::new(WholeMotion::Turning(pairs)));
+                self.flows.clear();
+                true
+            }
+            Some(WholeMotion::Turning(pairs)) => pairs.add(pair),
+            _ => false,
+        }
+    }
+
     /// Adds a Hamiltonian with its field, where the sum still has an exact flow; the coordinate
     /// whose motion is none of [`Motion`] otherwise, the piece being unchanged.
     pub(crate) fn add(
@@ -193,14 +214,41 @@ impl Piece {
         probe: &Probe,
         atom: &Atom,
     ) -> Result<Result<(), usize>, AlgebraError> {
-        let field = &atom.field;
-        let mut before = Vec::with_capacity(field.len());
-        for (i, velocity) in field {
-            let present = self.field.entry(*i).or_insert_with(Polynomial::zero);
-            let sum = ring.add(present, velocity);
-            before.push((*i, std::mem::replace(present, sum)));
+        if let Some(pair) = &atom.turning
+            && self.turns(pair)
+        {
+            self.terms.push(atom.hamiltonian.clone());
+            self.formulas.push(atom.formula.clone());
+            self.field.extend(atom.field.clone());
+            return Ok(Ok(()));
         }
-        let moved = |flow: &CoordinateFlow| field.keys().any(|i| flow.reads.contains(i));
+        self.add_all(ring, probe, &[atom])
+    }
+
+    /// The same of several Hamiltonians at once, which move coordinates one by one.
+    pub(crate) fn add_all(
+        &mut self,
+        ring: &mut Ring,
+        probe: &Probe,
+        atoms: &[&Atom],
+    ) -> Result<Result<(), usize>, AlgebraError> {
+        let of_pairs = atoms.iter().find(|atom| atom.turning.is_some());
+        if let Some(atom) = of_pairs.or(atoms.first().filter(|_| self.whole.is_some())) {
+            return Ok(Err(atom.field.keys().next().copied().unwrap_or(0)));
+        }
+        let mut parts: BTreeMap<usize, Vec<(Rational, Polynomial)>> = BTreeMap::new();
+        for (i, velocity) in atoms.iter().flat_map(|atom| &atom.field) {
+            let sum = parts.entry(*i).or_default();
+            sum.push((Rational::one(), velocity.clone()));
+        }
+        let mut before = Vec::with_capacity(parts.len());
+        for (i, mut sum) in parts {
+            let present = self.field.entry(i).or_insert_with(Polynomial::zero);
+            sum.push((Rational::one(), present.clone()));
+            let sum = ring.combine(&sum);
+            before.push((i, std::mem::replace(present, sum)));
+        }
+        let moved = |flow: &CoordinateFlow| before.iter().any(|(i, _)| flow.reads.contains(i));
         let affected: Vec<usize> = (0..self.flows.len())
             .filter(|i| moved(&self.flows[*i]))
             .collect();
@@ -215,8 +263,10 @@ impl Piece {
         for (index, flow) in affected.into_iter().zip(flows) {
             self.flows[index] = flow;
         }
-        self.terms.push(atom.hamiltonian.clone());
-        self.formulas.push(atom.formula.clone());
+        for atom in atoms {
+            self.terms.push(atom.hamiltonian.clone());
+            self.formulas.push(atom.formula.clone());
+        }
         Ok(Ok(()))
     }
 }

@@ -15,6 +15,7 @@ use crate::piece::{Atom, NAME, Piece, WholeMotion};
 use crate::probe::Probe;
 use crate::rounds::rounds;
 use crate::tensor::Tensor;
+use crate::turning::TurningPair;
 
 /// H = Σ H_i (up to Casimirs) with an exact flow of each H_i.
 ///
@@ -147,12 +148,16 @@ fn atom_of(ring: &mut Ring, tensor: &Tensor, energy: Polynomial) -> Result<Atom,
         field: tensor.field(ring, &energy)?,
         formula: ring.formula(&energy),
         hamiltonian: energy,
+        turning: None,
     })
 }
 
 fn polynomial(ring: &mut Ring, formula: &Expression) -> Result<Polynomial, BuildError> {
     Ok(formula.evaluate_in(ring, &mut |ring: &mut Ring, at| Ok(ring.variable(at)))?)
 }
+
+/// So many atoms that went to the first piece one after the other are followed by as many at once.
+const STREAK: usize = 8;
 
 /// The pieces of a sum; `None` where they are more than `most`.
 fn split(
@@ -171,7 +176,22 @@ fn split(
     let mut pieces: Vec<Piece> = Vec::new();
     // The round that each piece is of.
     let mut of_pieces: Vec<Option<usize>> = Vec::new();
-    for (atom, round) in all.iter().zip(rounds) {
+    // How many of the last atoms one after the other went to the first piece, and before which all are placed.
+    let (mut streak, mut placed) = (0_usize, 0);
+    for (k, (atom, &round)) in all.iter().zip(&rounds).enumerate() {
+        if k < placed {
+            continue;
+        }
+        if streak >= STREAK {
+            let end = all.len().min(k + streak);
+            let next: Vec<&Atom> = all[k..end].iter().collect();
+            let are_free = rounds[k..end].iter().all(Option::is_none);
+            if are_free && pieces[0].add_all(ring, probe, &next)?.is_ok() {
+                (streak, placed) = (streak + next.len(), end);
+                continue;
+            }
+            streak = 0;
+        }
         let own = of_pieces
             .iter()
             .position(|of| round.is_some() && *of == round);
@@ -185,6 +205,7 @@ fn split(
         let at = place(ring, probe, &mut pieces, &free, atom, dimension)?;
         of_pieces.resize(pieces.len(), None);
         of_pieces[at] = of_pieces[at].or(round);
+        streak = if at == 0 { streak + 1 } else { 0 };
         if pieces.len() > most {
             return Ok(None);
         }
@@ -201,15 +222,20 @@ pub(crate) fn atoms(
     summand: Polynomial,
     formula: &Expression,
 ) -> Result<Vec<Atom>, BuildError> {
-    let whole = Atom {
+    let mut whole = Atom {
         field: tensor.field(ring, &summand)?,
         hamiltonian: summand,
         formula: formula.clone(),
+        turning: None,
     };
     if whole.field.is_empty() {
         return Ok(Vec::new());
     }
     if whole.flows(ring, probe)?.is_ok() {
+        return Ok(vec![whole]);
+    }
+    whole.turning = TurningPair::find(ring, tensor, &whole.field)?;
+    if whole.turning.is_some() {
         return Ok(vec![whole]);
     }
     let mut atoms = Vec::new();
@@ -219,6 +245,7 @@ pub(crate) fn atoms(
             field: tensor.field(ring, &term)?,
             formula: ring.formula(&term),
             hamiltonian: term,
+            turning: None,
         };
         if let Err(coordinate) = atom.flows(ring, probe)? {
             return Err(refusal(system, ring, &atom, coordinate)?);

@@ -68,6 +68,20 @@ pub(crate) fn rounds(
     Ok(of_atoms)
 }
 
+/// All pairs of so many sites in rounds, i < j.
+pub(crate) fn rounds_of_all(sites: usize) -> Vec<Vec<[usize; 2]>> {
+    let pairs = (0..sites).flat_map(|i| (i + 1..sites).map(move |j| [i, j]));
+    let pairs: Vec<[usize; 2]> = pairs.collect();
+    let mut rounds = Vec::new();
+    for (pair, round) in pairs.iter().zip(circle(&pairs, sites)) {
+        if rounds.len() <= round {
+            rounds.resize(round + 1, Vec::new());
+        }
+        rounds[round].push(*pair);
+    }
+    rounds
+}
+
 /// A round for each pair of so many sites: by first fit, or by the circle method where it takes fewer.
 fn coloured(pairs: &[[usize; 2]], sites: usize) -> Vec<usize> {
     let count = |rounds: &[usize]| rounds.iter().max().map_or(0, |most| most + 1);

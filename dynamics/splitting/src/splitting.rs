@@ -24,13 +24,14 @@ use crate::product::{Product, Splits, evaluations, is_symmetric};
 use crate::rounding::settled;
 use crate::schedule::{STRANG, passes};
 use crate::shears::Shears;
+use crate::terms::FlowsOfTerms;
 
 static INFO: PartInfo = PartInfo {
     name: NAME,
     summary: "Strang's product of exact flows of the Hamiltonian's pieces, found from the formulas",
     declares: "order 2; self-adjoint; exactly Poisson; explicit",
     domain: "Hamiltonians whose terms have flows that are polynomial, exponential or rotations, or free rigid bodies, \
-             or bodies about centres that attract them by the inverse square",
+             or bodies about centres that attract them by the inverse square, or pairs of vectors that turn about one axis",
     literature: "Strang, On the construction and comparison of difference schemes (1968); \
                  McLachlan, Quispel, Splitting methods, Acta Numerica 11 (2002); Hairer, Lubich, \
                  Wanner, Geometric Numerical Integration, section VII.4.2; bodies: van Zon, Schofield, J. Comput. Phys. 225 \
@@ -168,6 +169,27 @@ impl Splitting {
     /// The pieces, in the order of the first half of a step.
     pub fn pieces(&self) -> &[Piece] {
         &self.shared.pieces
+    }
+
+    /// The flow of each piece over the time εh.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where a function has no code.
+    pub(crate) fn flows(&self) -> Result<Vec<ExplicitMap>, BuildError> {
+        let Shared {
+            system,
+            ring,
+            pieces,
+            ..
+        } = self.shared.as_ref();
+        let flow = |piece| {
+            let mut graph = Graph::new();
+            let piece = std::slice::from_ref(piece);
+            let increment = increment_code(&mut graph, system, ring, piece, &[1.0])?;
+            let parameters = system.parameters().len();
+            Ok(ExplicitMap::compile(graph, increment, parameters))
+        };
+        pieces.iter().map(flow).collect()
     }
 
     /// The pieces' Hamiltonians as formulas.
@@ -424,7 +446,18 @@ fn build(
                         .to_owned(),
             });
         }
-        return Ok(Arc::new(Shears::new(&INFO, system, parameters)?));
+        let terms = system.numbers.terms();
+        return match terms.filter(|_| system.numbers.shears().is_empty()) {
+            Some(terms) => {
+                let flows = |system: &SystemFormulas| {
+                    Splitting::new(&PoissonSystem::from(system.clone()))?.flows()
+                };
+                Ok(Arc::new(FlowsOfTerms::new(
+                    &INFO, terms, parameters, flows,
+                )?))
+            }
+            None => Ok(Arc::new(Shears::new(&INFO, system, parameters)?)),
+        };
     }
     Ok(Arc::new(Splitting::with_parameters(system, parameters)?))
 }

@@ -28,6 +28,11 @@ impl Tensor {
         Ok(Self { columns })
     }
 
+    /// Whether two coordinates have a bracket.
+    pub(crate) fn are_joined(&self, one: usize, other: usize) -> bool {
+        self.columns[one].iter().any(|(at, _)| *at == other)
+    }
+
     /// Whether a coordinate commutes with all others: nothing moves it.
     pub(crate) fn rests(&self, at: usize) -> bool {
         self.columns[at].is_empty()

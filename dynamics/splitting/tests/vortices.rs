@@ -1,4 +1,4 @@
-//! Pairs of point vortices, and quadratic pieces: motions that turn.
+//! Pairs of point vortices in the plane and on the sphere, and quadratic pieces: motions that turn.
 
 #![allow(
     clippy::print_stdout,
@@ -237,5 +237,152 @@ fn oscillators_turn_and_saddles_grow_by_their_closed_forms() {
                 "{hamiltonian} {time}: {error:e}"
             );
         }
+    }
+}
+
+/// Of the distance of two vortices on a sphere.
+#[derive(Clone, Copy)]
+enum Distance {
+    /// 1 − x·y, half its square.
+    ByProduct,
+    /// |x − y|².
+    OfChord,
+}
+
+/// N point vortices on the unit sphere, x₀, y₀, z₀, x₁, …; the circulations are coordinates at rest behind these.
+fn on_a_sphere(circulations: &[f64], positions: Vec<f64>, distance: Distance) -> Problem {
+    let n = circulations.len();
+    let mut terms = Vec::new();
+    for i in 0..n {
+        terms.extend((0..i).map(|j| {
+            let square = match distance {
+                Distance::ByProduct => format!("1 - x{i}*x{j} - y{i}*y{j} - z{i}*z{j}"),
+                Distance::OfChord => {
+                    format!("(x{i} - x{j})^2 + (y{i} - y{j})^2 + (z{i} - z{j})^2")
+                }
+            };
+            format!("g{i}*g{j}*ln({square})")
+        }));
+    }
+    let names = |i: usize| ["x", "y", "z"].map(|c| format!("{c}{i}"));
+    let entries = |i: usize| {
+        [0, 1, 2].map(|k| {
+            let [one, other, third] = [0, 1, 2].map(|by| names(i)[(k + by) % 3].clone());
+            (one, other, format!("{third}/g{i}"))
+        })
+    };
+    let circulation = |i: usize| format!("g{i}");
+    Problem {
+        id: "sphere-vortices",
+        variables: (0..n)
+            .flat_map(names)
+            .chain((0..n).map(circulation))
+            .collect(),
+        parameters: Vec::new(),
+        bracket: (0..n).flat_map(entries).collect(),
+        hamiltonian: format!("-({})/(4*pi)", terms.join(" + ")),
+        casimirs: (0..n)
+            .map(|i| format!("x{i}^2 + y{i}^2 + z{i}^2"))
+            .collect(),
+        convention: Convention::HamiltonianSecond,
+        initial: [&positions[..], circulations].concat(),
+        time_step: 0.1,
+    }
+}
+
+/// Σ Γ x and the |x|² of vortices on a sphere.
+fn moment_and_lengths(state: &[f64], n: usize) -> Vec<f64> {
+    let (positions, circulations) = state.split_at(3 * n);
+    let sites = || positions.chunks(3).zip(circulations);
+    let moment = (0..3).map(|k| sites().map(|(x, g)| g * x[k]).sum());
+    let lengths = positions.chunks(3).map(|x| x.iter().map(|x| x * x).sum());
+    moment.chain(lengths).collect()
+}
+
+/// v turned about an axis by an angle: O. Rodrigues' formula (1840).
+fn turned(v: [f64; 3], axis: [f64; 3], angle: f64) -> [f64; 3] {
+    let (sin, cos) = (libm::sin(angle), libm::cos(angle));
+    let along = (0..3).map(|k| axis[k] * v[k]).sum::<f64>();
+    [0, 1, 2].map(|k| {
+        let [next, other] = [(k + 1) % 3, (k + 2) % 3];
+        let cross = axis[next] * v[other] - axis[other] * v[next];
+        cos * v[k] + sin * cross + (1.0 - cos) * along * axis[k]
+    })
+}
+
+/// Both turn about M = Γ₁x₁ + Γ₂x₂ by |M|t/(4π(1 − x₁·x₂)) (Newton, *The N-Vortex Problem*, section 4.2), or rest where M = 0: a few
+/// units, and those of the angle. Lengths and M are kept to a few units, far turns and all.
+#[test]
+fn a_pair_on_a_sphere_turns_about_its_centre_of_vorticity() {
+    let (x, y) = ([0.8, 0.0, 0.6], [0.0, -0.6, 0.8]);
+    let opposite = [-0.8, 0.0, -0.6];
+    for (circulations, y) in [
+        ([1.0, 1.0], y),
+        ([1.0, 0.25], y),
+        ([2.0, -0.5], y),
+        ([1.5, -1.5], y),
+        ([1.0, 1.0], opposite),
+    ] {
+        let moment = [0, 1, 2].map(|k| circulations[0] * x[k] + circulations[1] * y[k]);
+        let length = libm::sqrt(moment.iter().map(|m| m * m).sum());
+        let inner: f64 = (0..3).map(|k| x[k] * y[k]).sum();
+        let rate = length / (4.0 * PI * (1.0 - inner));
+        let axis = moment.map(|m| if length == 0.0 { 0.0 } else { m / length });
+        for distance in [Distance::ByProduct, Distance::OfChord] {
+            let problem = on_a_sphere(&circulations, [x, y].concat(), distance);
+            let map = map_of(&problem);
+            assert_eq!(map.pieces(), 1);
+            for time in [0.1, 3.0, -20.0, 300.0] {
+                let end = run(&problem.system(), map.as_ref(), &problem.initial, time, 1);
+                let end = end.expect("finite");
+                let exact = [x, y].map(|v| match length == 0.0 {
+                    true => v,
+                    false => turned(v, axis, rate * time),
+                });
+                let error = self::distance(&end[..6], &exact.concat());
+                let bound = 8.0 * f64::EPSILON * (1.0 + (rate * time).abs());
+                assert!(error <= bound, "{circulations:?} {time}: {error:e}");
+                let kept = [&end, &problem.initial].map(|state| moment_and_lengths(state, 2));
+                let drift = self::distance(&kept[0], &kept[1]);
+                assert!(
+                    drift <= 16.0 * f64::EPSILON,
+                    "{circulations:?} {time}: {drift:e}"
+                );
+            }
+        }
+    }
+}
+
+/// A ring of N equal vortices at colatitude θ turns at (N − 1)Γ cos θ/(4π sin² θ) (L. M. Polvani, D. G. Dritschel, J. Fluid Mech. 255
+/// (1993)), in as few rounds as all pairs have; to the order of the composition and the roundings of its steps.
+#[test]
+fn rings_on_a_sphere_turn_at_their_rate() {
+    for (n, pieces) in [(2, 1), (3, 3), (4, 3), (5, 5), (6, 5)] {
+        let (gamma, theta) = (1.5, 0.7);
+        let (sin, cos) = (libm::sin(theta), libm::cos(theta));
+        let ring = |turn: f64| -> Vec<f64> {
+            let at = |i: usize| turn + 2.0 * PI * i as f64 / n as f64;
+            (0..n)
+                .flat_map(|i| [sin * libm::cos(at(i)), sin * libm::sin(at(i)), cos])
+                .collect()
+        };
+        let problem = on_a_sphere(&vec![gamma; n], ring(0.0), Distance::OfChord);
+        let map = map_of(&problem);
+        assert_eq!(map.pieces(), pieces, "{n}");
+        let scheme = Scheme::find("suzuki-umeno-8").expect("a scheme");
+        let composed = Composed::new(map, scheme).expect("self-adjoint");
+        let rate = (n - 1) as f64 * gamma * cos / (4.0 * PI * sin * sin);
+        // A quarter of a turn.
+        let steps = 200;
+        let time = PI / 2.0 / rate;
+        let end = run(&problem.system(), &composed, &problem.initial, time, steps).expect("finite");
+        let error = distance(&end[..3 * n], &ring(PI / 2.0));
+        let kept = [&end, &problem.initial].map(|state| moment_and_lengths(state, n));
+        let drift = distance(&kept[0], &kept[1]);
+        println!("{n}: off by {error:.1e}, kept to {drift:.1e}");
+        assert!(error <= 1e-11, "{n}: {error:e}");
+        // Angles of a hundredth or so: units of them, in 30 flows a step of N − 1 pairs each.
+        let flows = steps as f64 * 30.0 * (n - 1) as f64;
+        assert!(drift <= flows * f64::EPSILON * 0.1, "{n}: {drift:e}");
     }
 }

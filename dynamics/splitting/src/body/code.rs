@@ -30,7 +30,7 @@ impl Code<'_> {
         }
     }
 
-    pub(super) fn cross(&mut self, a: &[Term], b: &[Term]) -> Vec<Term> {
+    pub(crate) fn cross(&mut self, a: &[Term], b: &[Term]) -> Vec<Term> {
         let component = |l: usize| {
             let (next, other) = ((l + 1) % 3, (l + 2) % 3);
             self.sum(&[(1, &[&a[next], &b[other]]), (-1, &[&a[other], &b[next]])])
@@ -58,7 +58,7 @@ impl Code<'_> {
     }
 
     /// 2(q₀ q×n + q×(q×n))/(q₀² + |q|²): the change of n by the rotation of the quaternion (q₀, q), of any length.
-    pub(super) fn turned(&mut self, turn: &[Term], n: &[Term; 3]) -> Vec<Term> {
+    pub(crate) fn turned(&mut self, turn: &[Term], n: &[Term; 3]) -> Vec<Term> {
         let (scalar, vector) = turn.split_first().expect("four components");
         let square = self.sum(&[
             (1, &[scalar, scalar]),

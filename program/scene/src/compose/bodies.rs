@@ -100,6 +100,7 @@ pub(super) fn many_bodies(
         forces: at_sites.forces.clone(),
         hamiltonian,
         casimirs,
+        near: initial_state(document).unwrap_or_default(),
     };
     let named = document.method.stepper.as_ref();
     let stepper = named.and_then(|spec| registry.stepper(&spec.name.value).ok());
@@ -296,7 +297,10 @@ fn unless_too_long(
             "steppers that take pairs in a loop: {}{}",
             match splitting.is_empty() {
                 true => String::new(),
-                false => format!("{} where H = T + V, ", splitting.join(", ")),
+                false => format!(
+                    "{} where H = T + V or the terms of a pair have one exact flow, ",
+                    splitting.join(", ")
+                ),
             },
             names(serving).join(", ")
         )),
