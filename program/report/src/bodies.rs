@@ -152,7 +152,9 @@ pub(super) fn bodies_figure(
 
 /// Draws every `stride`-th point of a line and the last.
 fn draw_line(canvas: &mut Canvas, path: &[(f64, f64)], stride: usize, (ink, width): (Ink, f64)) {
-    let last = path.last().filter(|_| !(path.len() - 1).is_multiple_of(stride));
+    let last = path
+        .last()
+        .filter(|_| !(path.len() - 1).is_multiple_of(stride));
     let kept: Vec<_> = path.iter().step_by(stride).chain(last).copied().collect();
     if kept.len() > 1 {
         draw_orbit(canvas, &kept, |_| Stroke { ink, width });
