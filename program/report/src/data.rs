@@ -200,7 +200,7 @@ pub struct StructureFactor {
 /// The path of a body in a plane.
 #[derive(Clone, Debug)]
 pub struct BodyPath {
-    /// The body, as "q[3]".
+    /// The body, as `q[3]`.
     pub name: String,
     /// Its number among all bodies.
     pub number: usize,

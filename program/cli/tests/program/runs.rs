@@ -213,7 +213,7 @@ fn explain_counts_the_operations_of_every_kernel() {
 
 /// Recorded formulas are drawn under their names; of several bodies, the orbit of the first.
 #[test]
-fn recorded_formulas_and_the_first_body_are_drawn() {
+fn recorded_formulas_and_all_bodies_are_drawn() {
     let here = Place::new();
     let vortices = include_str!("../../../../scenes/point_vortices.toml");
     let (before, _) = vortices.split_once("record").expect("a record");
@@ -224,7 +224,7 @@ fn recorded_formulas_and_the_first_body_are_drawn() {
     assert_eq!(said.code, Some(0), "{}", said.err);
     let page = here.read("runs/scene/report.html");
     assert!(page.contains("radius at the recorded states."));
-    assert!(page.contains("Phase plane (x1, y1)"));
+    assert!(page.contains("Trajectories in (x, y)") && page.contains("body 4"));
     let samples = here.read("runs/scene/samples.csv");
     assert!(
         samples
