@@ -252,8 +252,18 @@ impl Piece {
         let affected: Vec<usize> = (0..self.flows.len())
             .filter(|i| moved(&self.flows[*i]))
             .collect();
-        let mut flows = Vec::with_capacity(affected.len());
+        let mut flows: Vec<CoordinateFlow> = Vec::with_capacity(affected.len());
         for &index in &affected {
+            // Coordinates of one velocity have one motion, as those of all bodies under the square of their momentum.
+            let own = self.field.get(&index);
+            let mut known = affected.iter().zip(&flows);
+            let known = known.find(|(other, _)| own.is_some() && self.field.get(other) == own);
+            if let Some((_, flow)) = known {
+                let mut flow = flow.clone();
+                flow.reads.insert(index);
+                flows.push(flow);
+                continue;
+            }
             let Some(flow) = coordinate_flow(ring, probe, &self.field, index)? else {
                 self.field.extend(before);
                 return Ok(Err(index));
