@@ -51,10 +51,7 @@ impl LatticeNumbers {
             geometry: &proxy,
             width,
         };
-        let sweep =
-            |of: &dyn Fn(&mut StageBuilder, &[Term], &[Term]) -> Result<Vec<Term>, BuildError>| {
-                Sweep::compile(&geometry, at, system.parameters().len(), of)
-            };
+        let sweep = |of: &OfField<'_>| Sweep::compile(&geometry, at, system.parameters().len(), of);
         let field = sweep(&|builder, x, _| system.vector_field(&mut builder.graph, x))?;
         let gradient = sweep(&|builder, x, _| system.gradient(&mut builder.graph, x))?;
         let tensor = sweep(&|builder, x, v| tensor_times(system, builder, x, v))?;
@@ -133,6 +130,10 @@ fn rests(system: &SystemFormulas) -> bool {
     entries.all(|entry| entry.variables().into_iter().all(|at| !moves[at]))
 }
 
+/// Writes a field of the lattice as code of the state and of a covector.
+type OfField<'a> =
+    dyn Fn(&mut StageBuilder, &[Term], &[Term]) -> Result<Vec<Term>, BuildError> + 'a;
+
 /// A field of the lattice as code of the state and of a covector.
 struct Sweep {
     program: LatticeProgram,
@@ -147,7 +148,7 @@ impl Sweep {
         geometry: &LatticeGeometry,
         proxy: Proxy<'_>,
         parameters: usize,
-        of: &dyn Fn(&mut StageBuilder, &[Term], &[Term]) -> Result<Vec<Term>, BuildError>,
+        of: &OfField<'_>,
     ) -> Result<Self, BuildError> {
         let mut builder = StageBuilder::new(proxy.geometry.dimension());
         let (state, x) = builder.unwritten();

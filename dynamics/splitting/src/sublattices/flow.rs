@@ -8,11 +8,12 @@
 //! dz/dt = −λ a κ² |g| (S² − z²), whose solution is a hyperbolic tangent. With q = κ t g, b = λ a κ, n = |q| and N = |b| S n
 //! this is
 //!
-//! - s(t) − s = (sin n/n q × s + (cosh N − cos n)/n² q × (q × s) + b sinh N/N (q × s) × s) / (1 + E),
+//! - p = q × s;
+//! - s(t) − s = (sin n/n p + (cosh N − cos n)/n² q × p + b sinh N/N p × s)/(1 + E);
 //! - E = cosh N − 1 − b (q·s) sinh N/N.
 //!
-//! Everything is even in n and N: nothing is divided by a field. Every summand is a product with q × s. So a spin along its
-//! field rests to the last bit, and no error of S², whose roundings about 1 all go one way, enters along s.
+//! Everything is even in n and N: nothing is divided by a field. Every summand is a product with p. So a spin along its
+//! field rests to the last bit. No error of S² enters along s, where its roundings about 1 would all go one way.
 
 use leafwise_expression::pairs::{EXPONENTIAL_MINUS_1, SINE, VERSINE};
 use leafwise_expression::{AlgebraError, Arithmetic, Function, Graph, Rational, Term};
