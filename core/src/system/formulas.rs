@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use leafwise_expression::{AlgebraError, Arithmetic, Expression, Graph, Kernel, Rational, Term};
 
 use super::forces::Forces;
-use super::observables;
+use super::formula_kernel::kernel;
 use super::{Casimir, Convention, Parameter};
 use crate::error::BuildError;
 
@@ -410,7 +410,7 @@ impl SystemFormulas {
     /// # Errors
     /// [`BuildError::Algebra`] where a formula has no code.
     pub fn observable_kernel(&self, formulas: &[&Expression]) -> Result<Kernel, BuildError> {
-        observables::kernel(formulas, self.dimension(), self.parameters.len())
+        kernel(formulas, self.dimension(), self.parameters.len())
     }
 
     /// ∇H(x) as code; `x` are the graph's first inputs.

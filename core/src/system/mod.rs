@@ -20,6 +20,7 @@ pub mod energy_casimir;
 mod field;
 pub mod forces;
 pub mod forms;
+mod formula_kernel;
 pub mod formulas;
 mod jet;
 mod leaf_directions;

@@ -2,27 +2,13 @@
 
 use std::sync::Arc;
 
-use leafwise_expression::{Expression, Graph, Kernel, Term, Workspace};
+use leafwise_expression::{Expression, Kernel, Workspace};
 
+use super::formula_kernel::kernel;
 use super::numbers::SystemEvaluator;
 use super::{Definition, PoissonSystem};
 use crate::error::BuildError;
 use crate::observer::Observer;
-
-/// The kernel x ↦ (f₁(x), …) of formulas in `dimension` variables.
-pub(super) fn kernel(
-    formulas: &[&Expression],
-    dimension: usize,
-    parameters: usize,
-) -> Result<Kernel, BuildError> {
-    let mut graph = Graph::new();
-    let x: Vec<Term> = (0..dimension).map(|i| graph.input(i)).collect();
-    let mut outputs = Vec::with_capacity(formulas.len());
-    for formula in formulas {
-        outputs.push(formula.evaluate_in(&mut graph, &mut |_, at| Ok(x[at].clone()))?);
-    }
-    Ok(Kernel::compile(&graph, &outputs, parameters, dimension))
-}
 
 /// Formulas in a system's variables, compiled for one set of parameters.
 #[derive(Clone, Debug)]

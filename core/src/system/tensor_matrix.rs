@@ -3,8 +3,9 @@
 use leafwise_expression::{Kernel, Workspace};
 use nalgebra::DMatrix;
 
+use super::formula_kernel::kernel;
 use super::numbers::SystemEvaluator;
-use super::{Definition, PoissonSystem, observables};
+use super::{Definition, PoissonSystem};
 use crate::error::{BuildError, StepError};
 
 /// Π_ij by columns j, each with its rows i.
@@ -36,7 +37,7 @@ impl TensorMatrix {
             Definition::Numbers(system) => Source::Numbers(system.numbers.evaluator(parameters)),
             Definition::Formulas(system) => {
                 let formulas: Vec<_> = system.tensor().values().collect();
-                let kernel = observables::kernel(&formulas, dimension, parameters.len())?;
+                let kernel = kernel(&formulas, dimension, parameters.len())?;
                 let mut workspace = kernel.workspace(1);
                 kernel.prepare(&mut workspace, parameters, &[1.0], &[1.0]);
                 Source::Formulas {

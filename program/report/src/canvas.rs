@@ -10,7 +10,7 @@ use plotters::style::{Color, RGBColor, ShapeStyle, TextStyle};
 
 use super::error::ReportError;
 use super::html::escaped;
-use super::pdf::width_of;
+use super::letters::width_of;
 
 /// The size of labels.
 const LETTERS: f64 = 12.5;

@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use super::axis::{Axis, Frame};
 use super::canvas::{Anchor, Canvas, PAPER, SERIES};
 use super::error::ReportError;
+use super::letters::width_of;
 use super::panel::{PanelSeries, Stroke};
-use super::pdf::width_of;
 
 /// How values stand along an axis of a chart.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -31,6 +31,7 @@ mod heat;
 mod history;
 mod html;
 mod lattice;
+mod letters;
 mod number;
 mod orbit;
 mod panel;
