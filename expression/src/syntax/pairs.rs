@@ -189,6 +189,10 @@ impl<'a> SummandTerms<'a> {
         sites: [usize; 2],
     ) -> Result<Expression, Stop> {
         let names = [i, j].map(|span| span.of(self.text));
+        if i != j && names[0] == names[1] {
+            let name = names[0].to_owned();
+            return Err(SyntaxError::new(j, SyntaxErrorKind::DuplicateIndex { name }).into());
+        }
         check_sites(self.text, node, &names)?;
         let mut outer = inner_index(self.text, i, None)?;
         outer.value = sites[0];
