@@ -1,4 +1,4 @@
-//! Steppers that take fields alone, on lattices that are too long to be written out.
+//! Steppers that take fields alone, on lattices that are too long to be written out and on sums over pairs.
 
 use leafwise_tests::numbers::distance;
 use leafwise_tests::scenes::{composed, end, until};
@@ -125,5 +125,54 @@ fn a_plane_steps_as_its_field_written_by_hand() {
         // Twenty steps of some ten roundings each, in numbers of order 1.
         let off = distance(&end(&run), &x);
         assert!(off < 200.0 * f64::EPSILON * 2.0, "{boundary}: {off:e}");
+    }
+}
+
+/// Sixteen vortices about one in the middle turn at (N − 1)Γ/4πR² + Γ/2πR², and the one in the middle stays there. Round-off is
+/// all that it has, and no tolerance relative to itself can be met.
+#[test]
+fn adaptive_steps_take_bodies_at_rest_in_the_middle() {
+    let system = "library = \"vortices\"\nfamilies = { x = 17, y = 17 }";
+    for radius in [1.0, 1e6] {
+        let place = |of: &str| format!("\"{radius}*min(i,1)*{of}(2*pi*i/(N-1))\"");
+        let initial = format!(
+            "{{ \"x[i]\" = {}, \"y[i]\" = {} }}",
+            place("cos"),
+            place("sin")
+        );
+        let time = 2.0 * radius * radius;
+        for method in ["stepper = \"dop853\"", "stepper = \"dormand-prince45\""] {
+            let run = until(system, method, &initial, (time, 10));
+            let state = end(&run);
+            let rate = (15.0 / 4.0 + 0.5) / std::f64::consts::PI / (radius * radius);
+            let expected = (0..17).map(|i| {
+                let angle = 2.0 * std::f64::consts::PI * f64::from(i) / 16.0 + rate * time;
+                let size = if i == 0 { 0.0 } else { radius };
+                [size * libm::cos(angle), size * libm::sin(angle)]
+            });
+            let expected: Vec<[f64; 2]> = expected.collect();
+            for (i, [x, y]) in expected.iter().enumerate() {
+                let off = libm::hypot(state[i] - x, state[17 + i] - y);
+                assert!(off < 1e-10 * radius, "{method} {radius} {i}: {off:e}");
+            }
+        }
+    }
+}
+
+/// A plane of pendulums of which all but one wave are at 0 up to round-off.
+#[test]
+fn adaptive_steps_take_coordinates_of_round_off_on_lattices() {
+    let system = "families = { q = [30, 30], p = [30, 30] }\nbracket = \"canonical\"\nconvention = \"{x,H}\"\n\
+                  hamiltonian = \"sum(i, j, p[i,j]^2/2 + (q[i+1,j] - q[i,j])^2/2 + (q[i,j+1] - q[i,j])^2/2)\"";
+    let initial = "{ \"q[i,j]\" = \"sin(2*pi*i/3)\", \"p[i,j]\" = 0 }";
+    let time = 3.0;
+    for method in ["stepper = \"dop853\"", "stepper = \"dormand-prince45\""] {
+        let state = end(&until(system, method, initial, (time, 6)));
+        // ω² = 2(1 − cos k) of k = 2π/3.
+        let now = libm::cos(libm::sqrt(3.0) * time);
+        for (at, q) in state[..900].iter().enumerate() {
+            let begin = libm::sin(2.0 * std::f64::consts::PI * (at / 30) as f64 / 3.0);
+            assert!((q - begin * now).abs() < 1e-10, "{method} {at}: {q:e}");
+        }
     }
 }

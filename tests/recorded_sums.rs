@@ -204,3 +204,40 @@ fn what_has_no_such_sum_is_refused_where_it_stands() {
         assert!(found.contains(message), "{observables}: {found}");
     }
 }
+
+/// Σ_i cos q_i M with M = Σ_i cos q_i: energies, motion and records are those of M with an index of another name.
+#[test]
+fn a_mean_field_by_a_name_is_that_of_its_formula() {
+    let of = |sites: usize, energy: &str, m: &str| {
+        let run = composed(&format!(
+            "[system]\nfamilies = {{ q = {sites}, p = {sites} }}\nbracket = \"canonical\"\nconvention = \"{{x,H}}\"\n\
+             define = {{ M = \"sum(i, cos(q[i]))\" }}\nhamiltonian = \"sum(i, p[i]^2/2) - {energy}/N\"\n\
+             [method]\nstepper = \"rk4\"\ntime-step = 0.1\n[run]\nsteps = 10\n\
+             record = {{ observables = [\"energy\", {{ m = \"{m}\" }}] }}\n\
+             initial = {{ \"q[i]\" = \"sin(0.3*i^2)\", \"p[i]\" = \"cos(i)\" }}\n"
+        ));
+        let mut walk = run.walk();
+        walk.advance(10).expect("every step");
+        (walk.state().to_vec(), recorded(&run))
+    };
+    let mut found = 0;
+    for sites in [12, 20, 600] {
+        let by_name = of(sites, "sum(i, cos(q[i])*M)", "sum(i, q[i]*M)");
+        let written = "sum(j, cos(q[j]))";
+        let expected = of(
+            sites,
+            &format!("sum(i, cos(q[i])*{written})"),
+            &format!("sum(i, q[i]*{written})"),
+        );
+        let pairs = by_name.0.iter().zip(&expected.0);
+        let off = pairs.fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+        assert!(off < 1e-12, "{sites}: {off:e}");
+        let [m, expected] = [by_name.1[0], expected.1[0]];
+        assert!(
+            (m - expected).abs() < 1e-12 * (sites * sites) as f64,
+            "{m} for {expected}"
+        );
+        found += 1;
+    }
+    assert_eq!(found, 3);
+}

@@ -13,7 +13,7 @@ use super::stages::{Field, StageBuilder};
 use crate::error::{BuildError, StepError};
 use crate::evaluator::Evaluator;
 use crate::system::numbers::{Derivatives, SystemEvaluator, SystemFunction, vector};
-use crate::system::{OpaqueSystem, SystemFormulas, SystemNumbers};
+use crate::system::{FieldRounding, OpaqueSystem, SystemFormulas, SystemNumbers};
 
 /// A long lattice as a system of numbers, for steppers that take fields alone.
 ///
@@ -62,6 +62,7 @@ impl LatticeNumbers {
         let casimirs =
             LatticeObservables::new(source, &parameters, 1..1 + system.casimirs().len())?;
         let [of_field, gradient, tensor] = [field, gradient, tensor].map(Arc::new);
+        let (of_rounding, families) = (Arc::clone(&of_field), geometry.families.clone());
         let mut numbers = SystemNumbers::new(Derivatives::default(), move |parameters| {
             Box::new(LatticeValues {
                 gradient: gradient.at(parameters),
@@ -77,6 +78,13 @@ impl LatticeNumbers {
                 points,
                 operations: 0,
             })
+        })
+        .with_rounding(move || {
+            let (field, families) = (Arc::clone(&of_rounding), families.clone());
+            Ok(FieldRounding::new(move |parameters, x, errors, out| {
+                moved_by_errors(&mut field.at(parameters), &families, (x, errors), out);
+                Ok(())
+            }))
         })
         .with_motion(system.forces().motion())
         .with_derived_gradient();
@@ -102,6 +110,36 @@ impl LatticeNumbers {
             work,
             fields,
         })
+    }
+}
+
+/// The field of a family may move by so many times its largest change under errors of either sign.
+const UNSEEN: f64 = 8.0;
+
+/// How far errors of the coordinates move the field: by family, from one evaluation with errors of scattered signs.
+fn moved_by_errors(
+    field: &mut SweepAt,
+    families: &[(String, usize)],
+    (x, errors): (&[f64], &[f64]),
+    out: &mut [f64],
+) {
+    let signs = (0..x.len()).map(|at| {
+        let scattered = (at as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        if scattered >> 63 == 0 { 1.0 } else { -1.0 }
+    });
+    let moved = x.iter().zip(errors).zip(signs);
+    let moved = moved.map(|((x, error), sign)| x + sign * error);
+    out.copy_from_slice(field.evaluate(moved, None));
+    let here = field.evaluate(x.iter().copied(), None);
+    let (mut out, mut here) = (out, here);
+    for (_, sites) in families {
+        let (own, rest) = std::mem::take(&mut out).split_at_mut(*sites);
+        let (at, beyond) = here.split_at(*sites);
+        let bound = own.iter().zip(at).fold(0.0_f64, |most, (moved, here)| {
+            most.max((moved - here).abs() + f64::EPSILON * here.abs())
+        });
+        own.fill(UNSEEN * bound);
+        (out, here) = (rest, beyond);
     }
 }
 

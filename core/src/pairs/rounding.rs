@@ -24,38 +24,40 @@ struct BoundedField {
     families: Vec<usize>,
 }
 
-/// Bounds for a system. They take N² evaluations by interpreted code, and are asked for where a step meets round-off.
-///
-/// # Errors
-/// [`BuildError::Algebra`] where a formula or derivative has no code.
-pub(super) fn bounds(system: &BodySystem) -> Result<FieldRounding, BuildError> {
-    let (shape, moving) = (&system.shape, system.moving());
-    let weighted = Weighted::of(&system.hamiltonian)?;
-    let weights: Vec<Expression> = weighted.of_sums().into_iter().cloned().collect();
-    let inputs = |graph: &mut Graph, count: usize| -> Vec<Term> {
-        (0..count).map(|at| graph.input(at)).collect()
-    };
-    let mut pair = Graph::compilable();
-    let of_pair = inputs(&mut pair, shape.variables() + weights.len());
-    let slopes = slopes_of_a_pair(&weighted, shape, &mut pair, &of_pair, None)?;
-    let mut site = Graph::compilable();
-    let count = 2 * shape.families + weights.len() + shape.matrices.len();
-    let of_site = inputs(&mut site, count);
-    let write =
-        |graph: &mut Graph, x: &[Term], gradient: &[Term]| system.velocities(graph, x, gradient);
-    let results = at_a_site(&weighted, shape, &moving, &mut site, &of_site, write)?;
-    let (families, terms) = results.into_iter().unzip();
-    let field = BoundedField {
-        shape: shape.clone(),
-        sums: system.hamiltonian.sums.clone(),
-        weights,
-        pair: (pair, slopes),
-        site: (site, terms),
-        families,
-    };
-    Ok(FieldRounding::new(move |parameters, x, errors, out| {
-        field.write(parameters, x, errors, out)
-    }))
+impl BodySystem {
+    /// Bounds on the rounding errors of the field. They take N² evaluations by interpreted code, and are asked for where a step meets round-off.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where a formula or derivative has no code.
+    pub(super) fn bounds(&self) -> Result<FieldRounding, BuildError> {
+        let (shape, moving) = (&self.shape, self.moving());
+        let weighted = Weighted::of(&self.hamiltonian)?;
+        let weights: Vec<Expression> = weighted.of_sums().into_iter().cloned().collect();
+        let inputs = |graph: &mut Graph, count: usize| -> Vec<Term> {
+            (0..count).map(|at| graph.input(at)).collect()
+        };
+        let mut pair = Graph::compilable();
+        let of_pair = inputs(&mut pair, shape.variables() + weights.len());
+        let slopes = slopes_of_a_pair(&weighted, shape, &mut pair, &of_pair, None)?;
+        let mut site = Graph::compilable();
+        let count = 2 * shape.families + weights.len() + shape.matrices.len();
+        let of_site = inputs(&mut site, count);
+        let write =
+            |graph: &mut Graph, x: &[Term], gradient: &[Term]| self.velocities(graph, x, gradient);
+        let results = at_a_site(&weighted, shape, &moving, &mut site, &of_site, write)?;
+        let (families, terms) = results.into_iter().unzip();
+        let field = BoundedField {
+            shape: shape.clone(),
+            sums: self.hamiltonian.sums.clone(),
+            weights,
+            pair: (pair, slopes),
+            site: (site, terms),
+            families,
+        };
+        Ok(FieldRounding::new(move |parameters, x, errors, out| {
+            field.write(parameters, x, errors, out)
+        }))
+    }
 }
 
 impl BoundedField {

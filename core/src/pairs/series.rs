@@ -10,7 +10,6 @@ use std::sync::Arc;
 use leafwise_expression::Expression;
 
 use super::curve::CurveOfSites;
-use super::rounding::bounds;
 use super::system::BodySystem;
 use super::values::{Slopes, SlopesCode};
 use crate::error::{BuildError, StepError};
@@ -50,7 +49,7 @@ impl BodySystem {
             .chain([&self.hamiltonian.outer]);
         Ok(Jet {
             has_seams: formulas.any(Expression::has_seams),
-            rounding: bounds(self)?,
+            rounding: self.bounds()?,
             map: SmoothMap::from_numbers(d, order * d, false, move |parameters, epsilon, h| {
                 let slopes = orders.iter().map(|code| Slopes::new(code, 1, parameters));
                 Box::new(JetOfBodies {

@@ -108,8 +108,10 @@ impl BodySystem {
         if let Some(poles) = self.poles()? {
             numbers = numbers.with_poles(poles);
         }
-        let of_series = self.clone();
-        numbers = numbers.with_jets(move |order| of_series.jet(order));
+        let [of_series, of_rounding] = [self.clone(), self.clone()];
+        numbers = numbers
+            .with_jets(move |order| of_series.jet(order))
+            .with_rounding(move || of_rounding.bounds());
         if let Some(tangent) = tangent {
             numbers = numbers.with_field_tangent(move |parameters| {
                 let made = |is_pulled| Tangents::new(&tangent, parameters, is_pulled);

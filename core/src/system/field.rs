@@ -36,13 +36,16 @@ impl PoissonSystem {
         self.field_and_rounding().map(|(field, _)| field)
     }
 
-    /// The same with bounds on its rounding errors; none of a system of numbers.
+    /// The same with bounds on its rounding errors; of a system of numbers where these are offered.
     ///
     /// # Errors
     /// [`BuildError::Algebra`] where a formula has no code.
     pub fn field_and_rounding(&self) -> Result<(SmoothMap, Option<FieldRounding>), BuildError> {
-        let Definition::Formulas(system) = &self.definition else {
-            return Ok((self.field_map()?, None));
+        let system = match &self.definition {
+            Definition::Formulas(system) => system,
+            Definition::Numbers(system) => {
+                return Ok((self.field_map()?, system.numbers.rounding()?));
+            }
         };
         let (mut graph, x) = inputs(system.dimension());
         let field = system.vector_field(&mut graph, &x)?;

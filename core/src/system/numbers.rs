@@ -53,7 +53,11 @@ pub struct SystemNumbers {
     tangent: Option<Arc<MakeFieldTangent>>,
     jets: Option<Arc<MakeJet>>,
     poles: Option<Arc<MakePoles>>,
+    rounding: Option<Arc<MakeRounding>>,
 }
+
+/// Maker of bounds on the rounding errors of the field. It fails where a formula has no code.
+pub type MakeRounding = dyn Fn() -> Result<FieldRounding, BuildError> + Send + Sync;
 
 /// Maker of the check that steps cross no pole, of a number of lanes and their parameters, a structure of arrays.
 pub type MakePoles = dyn Fn(usize, &[f64]) -> Box<dyn StepCheck> + Send + Sync;
@@ -144,7 +148,26 @@ impl SystemNumbers {
             tangent: None,
             jets: None,
             poles: None,
+            rounding: None,
         }
+    }
+
+    /// The same with bounds on the rounding errors of the field.
+    #[must_use]
+    pub fn with_rounding(
+        mut self,
+        make: impl Fn() -> Result<FieldRounding, BuildError> + Send + Sync + 'static,
+    ) -> Self {
+        self.rounding = Some(Arc::new(make));
+        self
+    }
+
+    /// Bounds on the rounding errors of the field, where they are known.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where a formula has no code.
+    pub(crate) fn rounding(&self) -> Result<Option<FieldRounding>, BuildError> {
+        self.rounding.as_ref().map(|make| make()).transpose()
     }
 
     /// The same with poles of the equations of motion, which no step crosses.
