@@ -51,7 +51,8 @@ impl LatticeNumbers {
             geometry: &proxy,
             width,
         };
-        let sweep = |of: &OfField<'_>| Sweep::compile(&geometry, at, system.parameters().len(), of);
+        let sweep =
+            |of: &OfField<'_>| FieldSweep::compile(&geometry, at, system.parameters().len(), of);
         let field = sweep(&|builder, x, _| system.vector_field(&mut builder.graph, x))?;
         let gradient = sweep(&|builder, x, _| system.gradient(&mut builder.graph, x))?;
         let tensor = sweep(&|builder, x, v| tensor_times(system, builder, x, v))?;
@@ -173,7 +174,7 @@ type OfField<'a> =
     dyn Fn(&mut StageBuilder, &[Term], &[Term]) -> Result<Vec<Term>, BuildError> + 'a;
 
 /// A field of the lattice as code of the state and of a covector.
-struct Sweep {
+struct FieldSweep {
     program: LatticeProgram,
     state: Field,
     covector: Field,
@@ -181,7 +182,7 @@ struct Sweep {
     dimension: usize,
 }
 
-impl Sweep {
+impl FieldSweep {
     fn compile(
         geometry: &LatticeGeometry,
         proxy: Proxy<'_>,
@@ -213,7 +214,7 @@ impl Sweep {
 
 /// A sweep with its fields, at values of the parameters.
 struct SweepAt {
-    sweep: Arc<Sweep>,
+    sweep: Arc<FieldSweep>,
     evaluator: LatticeEvaluator,
 }
 

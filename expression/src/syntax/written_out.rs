@@ -34,7 +34,7 @@ impl Formula {
                 let end = text.len();
                 (index, Span { start, end })
             });
-            Definition {
+            NamedFormula {
                 name,
                 fresh: fresh.collect(),
                 formula,
@@ -53,7 +53,7 @@ impl Formula {
 }
 
 /// A formula that a name stands for.
-struct Definition<'a> {
+struct NamedFormula<'a> {
     name: &'a str,
     formula: &'a Formula,
     /// Where its text begins.
@@ -75,7 +75,7 @@ fn own_indices<'a>(formula: &'a Formula, node: &Node, found: &mut Vec<&'a str>) 
 }
 
 struct Writer<'a> {
-    named: Vec<Definition<'a>>,
+    named: Vec<NamedFormula<'a>>,
     text: &'a str,
     /// Indices of sums around.
     bound: Vec<&'a str>,
@@ -120,7 +120,7 @@ impl Writer<'_> {
     }
 }
 
-impl Definition<'_> {
+impl NamedFormula<'_> {
     /// A part of the formula at another place, within the sums over the indices `bound`. It stands at `shown`, and its names so
     /// many bytes further on.
     fn moved(&self, of: &Node, shown: Span, bound: &[&str]) -> Parsed {
