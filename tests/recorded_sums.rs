@@ -140,6 +140,38 @@ fn the_temperature_of_spins_is_that_of_their_fields() {
     }
 }
 
+/// Factors of the brackets, a number or one of each site, leave the temperature as it is.
+#[test]
+fn the_temperature_of_spins_knows_no_factor_of_their_brackets() {
+    let of = |sites: usize, factor: &str| {
+        let entry = |pair: [&str; 3]| {
+            let [a, b, c] = pair;
+            format!("\"s.{a}[i],s.{b}[i]\" = \"{factor}*s.{c}[i]\"")
+        };
+        let entries = [["x", "y", "z"], ["y", "z", "x"], ["z", "x", "y"]].map(entry);
+        let run = composed(&format!(
+            "[system]\nfamilies = {{ s = {{ components = [\"x\", \"y\", \"z\"], length = {sites} }} }}\n\
+             bracket = {{ {} }}\nparameters = {{ c = 1.7, \"g[i]\" = \"1 + 0.5*sin(i)\" }}\n\
+             hamiltonian = \"-sum(i, dot(s[i], s[i+1])) - 0.2*sum(i, s.z[i]^2)\"\n\
+             [method]\nstepper = \"rk4\"\ntime-step = 0.01\n[run]\nsteps = 1\nrecord = {{ observables = [\"spin-temperature\"] }}\n\
+             initial = {{ \"s.x[i]\" = \"sin(i)\", \"s.y[i]\" = \"cos(2*i)\", \"s.z[i]\" = \"0.4\" }}\n",
+            entries.join(", ")
+        ));
+        recorded(&run)[0]
+    };
+    for sites in [4, 20, 400] {
+        let expected = of(sites, "-1");
+        for factor in ["2", "c", "1/g[i]"] {
+            let found = of(sites, factor);
+            let off = (found - expected).abs();
+            assert!(
+                off <= 1e-13 * expected.abs(),
+                "{sites} {factor}: {found} for {expected}"
+            );
+        }
+    }
+}
+
 /// Coordinates of single sites beside sums, and an anisotropy by a parameter of sites, on more than 1024 coordinates.
 #[test]
 fn single_sites_stand_beside_sums() {

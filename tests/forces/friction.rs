@@ -221,13 +221,22 @@ fn scenes_say_that_casimirs_change_and_what_friction_does_not_stand_beside() {
     let refusal = compose(&document(ring, &[]), &registry)
         .err()
         .expect("refused");
-    assert!(
-        refusal.message.contains("the steppers dop853"),
-        "{}",
-        refusal.message
-    );
-    let taken = ring.replace("[method]\n", "[method]\nstepper = \"dop853\"\n");
-    compose(&document(&taken, &[]), &registry).expect("what serves it serves it");
+    let sweeps = ring.replace("[method]\n", "[method]\nstepper = \"splitting\"\n");
+    let second = compose(&document(&sweeps, &[]), &registry)
+        .err()
+        .expect("refused");
+    for refusal in [refusal, second] {
+        let help = refusal.help.expect("a help");
+        let (_, names) = help.rsplit_once(": ").expect("names");
+        let names: Vec<&str> = names.split(", ").collect();
+        assert!(names.len() >= 5, "{help}");
+        for name in names {
+            let method = format!("[method]\nstepper = \"{name}\"\n");
+            let taken = ring.replace("[method]\n", &method);
+            let refusal = compose(&document(&taken, &[]), &registry).err();
+            assert!(refusal.is_none(), "{name}: {refusal:?}");
+        }
+    }
 }
 
 /// The account of the energy names both kinds of work, and that a bracket without Casimirs has no leaf to leave.

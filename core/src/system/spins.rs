@@ -1,5 +1,7 @@
 //! Spins: summands of a tensor that are so(3)*.
 
+use std::collections::BTreeSet;
+
 use leafwise_expression::{AlgebraError, Arithmetic, Expression, Graph, Polynomial, Ring, Term};
 
 use super::SystemFormulas;
@@ -10,6 +12,16 @@ impl SystemFormulas {
     /// # Errors
     /// [`AlgebraError`] where an entry has no value in the ring.
     pub fn spin_factor(
+        &self,
+        ring: &mut Ring,
+        places: [usize; 3],
+    ) -> Result<Option<Polynomial>, AlgebraError> {
+        let factor = self.factor(ring, places)?;
+        Ok(factor.filter(|factor| factor.as_constant().is_some()))
+    }
+
+    /// κ, whatever it depends on.
+    fn factor(
         &self,
         ring: &mut Ring,
         places: [usize; 3],
@@ -30,7 +42,7 @@ impl SystemFormulas {
             match &known {
                 None => {
                     let ratio = ring.divide(&entry, &x[k])?;
-                    if ratio.is_zero() || ratio.as_constant().is_none() {
+                    if ratio.is_zero() {
                         return Ok(None);
                     }
                     known = Some(ratio);
@@ -46,13 +58,35 @@ impl SystemFormulas {
         Ok(known)
     }
 
-    /// The coordinates of each spin: summands of the tensor with {s1,s2} = −κ s3 and cyclic.
+    /// The coordinates of each spin: three that have brackets with each other alone, {s1,s2} = −κ s3 and cyclic. κ may depend on
+    /// coordinates that rest.
     pub fn spins(&self) -> Vec<[usize; 3]> {
         let mut ring = Ring::new(self.dimension());
-        let blocks = self.summands().into_iter();
-        let triples = blocks.filter_map(|block| <[usize; 3]>::try_from(block).ok());
+        let mut beside = vec![BTreeSet::new(); self.dimension()];
+        for &(i, j) in self.tensor().keys() {
+            beside[i].extend([i, j]);
+            beside[j].extend([i, j]);
+        }
+        let rests = |at: &usize| beside[*at].is_empty();
+        let is_spin = |places: &[usize; 3]| {
+            let [a, b, c] = *places;
+            let own = BTreeSet::from(*places);
+            let entries = [(a, b, c), (b, c, a), (a, c, b)];
+            // Entries that name their third coordinate alone have a factor of none of the three.
+            let is_of_third = entries.iter().all(|(i, j, k)| {
+                let entry = self.tensor().get(&(*i, *j));
+                entry.is_some_and(|entry| entry.variables().iter().all(|at| at == k || rests(at)))
+            });
+            places.iter().all(|at| beside[*at] == own) && is_of_third
+        };
+        let all = (0..self.dimension()).filter(|at| beside[*at].first() == Some(at));
+        let triples = all.filter_map(|at| {
+            let places: Vec<usize> = beside[at].iter().copied().collect();
+            <[usize; 3]>::try_from(places).ok()
+        });
         triples
-            .filter(|places| matches!(self.spin_factor(&mut ring, *places), Ok(Some(_))))
+            .filter(is_spin)
+            .filter(|places| matches!(self.factor(&mut ring, *places), Ok(Some(_))))
             .collect()
     }
 }

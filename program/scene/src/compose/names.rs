@@ -359,6 +359,8 @@ fn about_a_long_lattice(
 ) -> Option<(String, Option<String>)> {
     const RECORDED: &str = "single coordinates are recorded by their names, one as observables = [\"q[500]\"], \
                             many as states = [\"q[::100]\"]";
+    const RECORDED_OF_AXES: &str = "parts are recorded as they are, states = [\"q[2,:]\"], and single coordinates also by formulas, \
+                                    observables = [\"q[3,4]^2\"]";
     match kind {
         SyntaxErrorKind::IndexOutOfRange {
             name,
@@ -422,11 +424,19 @@ fn about_a_long_lattice(
             let mut recorded = document.run.record.observables.iter();
             let is_recorded = recorded.any(|observable| observable.formula == *formula);
             let coordinates = document.system.coordinates();
+            let kind_of = match kind {
+                SyntaxErrorKind::SumInATemplate if is_recorded => {
+                    "this sum does not run over all sites, or it couples every site with all others"
+                        .to_owned()
+                }
+                kind => kind.to_string(),
+            };
             let message = format!(
-                "{kind}; such formulas are written out on lattices of at most {WRITTEN_LIMIT} coordinates, and this one has \
+                "{kind_of}; such formulas are written out on lattices of at most {WRITTEN_LIMIT} coordinates, and this one has \
                  {coordinates}"
             );
             let help = match kind {
+                _ if is_recorded && !document.system.axes.is_empty() => RECORDED_OF_AXES,
                 _ if is_recorded => RECORDED,
                 SyntaxErrorKind::SumInATemplate => {
                     "shorten the lattice, or couple sites at fixed distances, as q[i+5]"

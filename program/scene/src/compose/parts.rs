@@ -174,19 +174,25 @@ fn stepper(
             }
             Err(error) => {
                 let mut refusal = request.refused(&error);
-                if matches!(error, BuildError::DoesNotFit { .. }) {
-                    refusal.help = Some(match lattice.has_noise() {
-                        true => "noise moves sites by sweeps: name a stepper that sweeps, or a realization and dynamics".to_owned(),
-                        false => format!(
+                match error {
+                    BuildError::DoesNotFit { .. } if lattice.has_noise() => {
+                        refusal.help = Some("noise moves sites by sweeps: name a stepper that sweeps, or a realization and dynamics".to_owned());
+                    }
+                    BuildError::DoesNotFit { .. } => {
+                        refusal.help = Some(format!(
                             "a lattice of at most {WRITTEN_LIMIT} coordinates is written out for any stepper; for longer ones name \
-                             one that sweeps or takes fields alone, such as {}, or a realization and dynamics",
-                            steppers_of_fields(registry, system.motion())
-                                .iter()
-                                .map(|info| info.name)
-                                .collect::<Vec<_>>()
-                                .join(", ")
-                        ),
-                    });
+                             one that sweeps, or a realization and dynamics; {}",
+                            of_this_length(registry, system)
+                        ));
+                    }
+                    // Of all that serve such a motion, those that a lattice of this length takes.
+                    BuildError::Friction { .. } | BuildError::Forces { .. }
+                        if !lattice.is_written_for_any() =>
+                    {
+                        refusal.message = error.to_string();
+                        refusal.help = Some(of_this_length(registry, system));
+                    }
+                    _ => {}
                 }
                 return Err(refusal);
             }
@@ -194,6 +200,16 @@ fn stepper(
     };
     choices.push(request.choice(part.info, &given, part.info.path(&given)));
     Ok(base)
+}
+
+/// Steppers that step lattices of any length, as a piece of advice.
+fn of_this_length(registry: &Registry, system: &PoissonSystem) -> String {
+    let serving = steppers_of_fields(registry, system.motion()).into_iter();
+    let names: Vec<&str> = serving.map(|info| info.name).collect();
+    format!(
+        "these take fields alone, on lattices of any length: {}",
+        names.join(", ")
+    )
 }
 
 /// Steppers that take fields alone, of such a motion.
@@ -253,10 +269,14 @@ fn pair(
     let is_open = document.method.dynamics.is_none() || is_lattice;
     if let (Some(friction), true) = (&document.system.forces.friction, is_open) {
         let part = "a realization with a dynamics".to_owned();
-        let message = registry.explain(&BuildError::Friction { part });
+        let error = BuildError::Friction { part };
+        let (message, help) = match is_lattice && document.system.coordinates() > WRITTEN_LIMIT {
+            true => (error.to_string(), Some(of_this_length(registry, system))),
+            false => (registry.explain(&error), None),
+        };
         let place = friction.place();
         return Err(Box::new(
-            document.diagnostic(&place, message, "friction", None),
+            document.diagnostic(&place, message, "friction", help),
         ));
     }
     let (default, order) = if system.has_forces() {

@@ -231,9 +231,14 @@ fn slice(
     for ((first, end, _), length) in ranges.iter().zip(&whole.axes) {
         if end > length || first >= end {
             let last: Vec<String> = whole.axes.iter().map(|n| (n - 1).to_string()).collect();
-            let [first, last] = [vec!["0"; last.len()].join(","), last.join(",")];
+            let [from, last] = [vec!["0"; last.len()].join(","), last.join(",")];
+            let names = if first < length && first >= end {
+                "none"
+            } else {
+                "others"
+            };
             return Err(refuse(
-                format!("`{name}` has the sites {first} to {last}, and `{text}` names others"),
+                format!("`{name}` has the sites {from} to {last}, and `{text}` names {names}"),
                 match whole.axes.len() {
                     1 => {
                         format!("the end of a slice is exclusive: {name}[0..{length}] is all of it")
@@ -289,17 +294,21 @@ fn ranges(text: &str, axes: &[usize]) -> Option<Vec<Range>> {
     (parts.len() == axes.len()).then(|| ranges.collect())?
 }
 
-/// First site, the one behind the last, and the step of `5`, `0..10`, `0:10`, `::100`, `10:500:7`.
+/// First site, the one behind the last, and the step of `5`, `N-1`, `0..10`, `0:10`, `::100`, `10:N-1:7`; N is the length.
 fn range(text: &str, length: usize) -> Option<Range> {
     let text = text.replace("..", ":");
     let number = |text: &str, otherwise: usize| match text.trim() {
         "" => Some(otherwise),
-        digits => digits.parse().ok(),
+        text => match text.strip_prefix('N').map(str::trim_start) {
+            None => text.parse().ok(),
+            Some("") => Some(length),
+            Some(less) => length.checked_sub(less.strip_prefix('-')?.trim().parse().ok()?),
+        },
     };
     let parts: Vec<&str> = text.split(':').collect();
     match parts.as_slice() {
-        [one] => {
-            let site = one.trim().parse::<usize>().ok()?;
+        [one] if !one.trim().is_empty() => {
+            let site = number(one, 0)?;
             Some((site, site.checked_add(1)?, 1))
         }
         [first, end] => Some((number(first, 0)?, number(end, length)?, 1)),
@@ -360,7 +369,11 @@ mod tests {
             .flat_map(|row| (0..row.count).map(|k| row.name_of(k)));
         let sites: Vec<String> = sites.collect();
         assert_eq!(sites, ["q[0,1,2]", "q[0,3,2]", "q[3,1,2]", "q[3,3,2]"]);
-        for none in [":,:", "1,2,3,4", "a,:,:", ":,:,::0"] {
+        let last = ranges("N-1, 1..N-2, ::N", &whole.axes);
+        assert_eq!(last, Some(vec![(3, 4, 1), (1, 3, 1), (0, 6, 6)]));
+        for none in [
+            ":,:", "1,2,3,4", "a,:,:", ":,:,::0", "N-5,:,:", ",:,:", "N+1,:,:",
+        ] {
             assert!(ranges(none, &whole.axes).is_none(), "{none}");
         }
     }
