@@ -41,6 +41,7 @@ mod columns;
 mod crossing;
 pub mod csv;
 mod drive;
+mod ellipsoid;
 mod ending;
 pub mod ensemble;
 mod error;
