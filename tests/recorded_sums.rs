@@ -85,7 +85,9 @@ fn functions_of_sums_are_those_of_sums_added_one_by_one() {
         let norm = libm::sqrt(x * x + y * y + z * z);
         let expected = [z * z / 3.0, norm, x * xy / (1.0 + zz), c, y];
         let size = spins.len() as f64;
-        for (found, expected) in recorded(&run).iter().zip(expected) {
+        let found = recorded(&run);
+        assert_eq!(found.len(), expected.len());
+        for (found, expected) in found.iter().zip(expected) {
             // Sums of so many numbers of order 1, one after the other, at most squared.
             let bound = f64::EPSILON * size * (1.0 + expected.abs());
             assert!(
@@ -183,7 +185,9 @@ fn single_sites_stand_beside_sums() {
     let spins = vectors(&run.plan.initial);
     let z: f64 = spins.iter().map(|s| s[2]).sum();
     let expected = [spins[399][0] * z * z, spins[3][0] * spins[3][0] + 0.7];
-    for (found, expected) in recorded(&run).iter().zip(expected) {
+    let found = recorded(&run);
+    assert_eq!(found.len(), expected.len());
+    for (found, expected) in found.iter().zip(expected) {
         assert!(
             (found - expected).abs() <= 1e-13 * (1.0 + expected.abs()),
             "{found} for {expected}"
@@ -235,6 +239,34 @@ fn what_has_no_such_sum_is_refused_where_it_stands() {
         let found = refused(observables, with);
         assert!(found.contains(message), "{observables}: {found}");
     }
+}
+
+/// A row of a long plane is no sum over sites; it is recorded as the coordinates that it is.
+#[test]
+fn rows_of_planes_are_recorded_as_they_are() {
+    let plane = |record: &str| {
+        format!(
+            "[system]\nfamilies = {{ q = [25, 24], p = [25, 24] }}\nbracket = \"canonical\"\n\
+             hamiltonian = \"sum(i, j, p[i,j]^2/2 + q[i,j]*q[i+1,j])\"\n[method]\nstepper = \"splitting\"\ntime-step = 0.1\n\
+             [run]\nsteps = 1\nrecord = {{ {record} }}\ninitial = {{ \"q[i,j]\" = \"i + 100*j\", \"p[i,j]\" = 0 }}\n"
+        )
+    };
+    let registry = Registry::with_builtin();
+    let refused = document(&plane("observables = [\"sum(j, q[2,j])\"]"), &[]);
+    let refusal = compose(&refused, &registry).err().expect("refused");
+    assert!(
+        refusal
+            .message
+            .starts_with("this sum does not run over all sites"),
+        "{}",
+        refusal.message
+    );
+    let help = refusal.help.expect("a help");
+    let (_, cure) = help.split_once("states = ").expect("a key");
+    let (cure, _) = cure.split_once(']').expect("a list");
+    let run = composed(&plane(&format!("states = {cure}]\"]")));
+    assert_eq!(run.plan.states.names()[..2], ["q[2,0]", "q[2,1]"]);
+    assert_eq!(run.plan.states.width(), 24);
 }
 
 /// Σ_i cos q_i M with M = Σ_i cos q_i: energies, motion and records are those of M with an index of another name.
