@@ -52,6 +52,7 @@ mod rest;
 mod runs;
 mod schema;
 mod shadow;
+mod site_names;
 mod sources;
 mod spins;
 mod starts;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use leafwise_expression::syntax::AXES;
+use leafwise_expression::syntax::{AXES, SiteNames};
 
 /// Lattices of no more sites are written out as they are.
 pub(super) const SHORTEST: usize = 9;
@@ -26,6 +26,8 @@ pub struct LatticeGeometry {
     pub families: Vec<(String, usize)>,
     /// The axes, from 1 to [`AXES`]; sites are numbered along the last one first.
     pub axes: Vec<Axis>,
+    /// Names of the sites of a chain; none where they are numbers.
+    pub site_names: SiteNames,
 }
 
 impl LatticeGeometry {
@@ -35,7 +37,13 @@ impl LatticeGeometry {
         Self {
             families,
             axes: vec![Axis { length, periodic }],
+            site_names: SiteNames::default(),
         }
+    }
+
+    /// The same lattice with names of its sites.
+    pub fn with_site_names(self, site_names: SiteNames) -> Self {
+        Self { site_names, ..self }
     }
 
     /// Families of these names with a member at each site of the axes.
@@ -44,6 +52,7 @@ impl LatticeGeometry {
         Self {
             families: names.into_iter().map(|name| (name, sites)).collect(),
             axes,
+            site_names: SiteNames::default(),
         }
     }
 
@@ -84,7 +93,7 @@ impl LatticeGeometry {
             .collect()
     }
 
-    /// The same lattice with axes of other lengths. Along one axis families that were shorter by some sites stay so.
+    /// The same lattice with axes of other lengths, its sites without names. Along one axis families that were shorter by some sites stay so.
     pub fn resized(&self, lengths: &[usize]) -> Self {
         let mut axes = self.axes.clone();
         for (axis, length) in axes.iter_mut().zip(lengths) {
@@ -101,6 +110,7 @@ impl LatticeGeometry {
                 .map(|(name, sites)| (name.clone(), own(*sites)))
                 .collect(),
             axes,
+            site_names: SiteNames::default(),
         }
     }
 
@@ -108,10 +118,13 @@ impl LatticeGeometry {
     pub fn of_families(&self, families: impl IntoIterator<Item = usize>) -> Self {
         let families = families.into_iter().map(|at| self.families[at].clone());
         match self.axes[..] {
-            [axis] => Self::chain(families.collect(), axis.periodic),
+            [axis] => {
+                let chain = Self::chain(families.collect(), axis.periodic);
+                chain.with_site_names(self.site_names.clone())
+            }
             _ => Self {
                 families: families.collect(),
-                axes: self.axes.clone(),
+                ..self.clone()
             },
         }
     }
@@ -211,8 +224,11 @@ impl LatticeGeometry {
         format!("{}[{}]", self.families[family].0, self.site_name(site))
     }
 
-    /// The place of a site as it is written in brackets: `3`, or `0,7`.
+    /// The place of a site as it is written in brackets: `3`, `0,7` or the site's name.
     pub fn site_name(&self, site: usize) -> String {
+        if !self.site_names.is_empty() {
+            return self.site_names.name(site);
+        }
         let place = &self.place(site)[..self.axes.len()];
         let place: Vec<String> = place.iter().map(usize::to_string).collect();
         place.join(",")

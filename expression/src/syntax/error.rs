@@ -125,6 +125,20 @@ pub enum SyntaxErrorKind {
         /// The name.
         name: String,
     },
+    /// A name in brackets that no site of the chain has, where sites have names.
+    #[error("no site is called `{name}`")]
+    UnknownSite {
+        /// The name.
+        name: String,
+        /// The names of all sites.
+        names: Vec<String>,
+    },
+    /// A sum over an index that is called as a site.
+    #[error("`{name}` is the name of a site; give the sum another index, as i")]
+    SiteAsIndex {
+        /// The name.
+        name: String,
+    },
     /// An index behind the name of a scalar variable or of a parameter.
     #[error("`{name}` is not a family and takes no index")]
     NotAFamily {

@@ -43,6 +43,7 @@ mod pattern;
 mod place;
 mod resolve;
 mod scope;
+mod site_names;
 mod suggestion;
 mod sums;
 #[cfg(test)]
@@ -64,5 +65,6 @@ pub use parser::{AXES, DEPTH_LIMIT};
 pub use pattern::VariablePattern;
 pub use resolve::{POWER_LIMIT, TERM_LIMIT};
 pub use scope::{Boundary, Scope};
+pub use site_names::{INDEX_NAMES, SiteNames};
 pub use vectors::{PART_LIMIT, Vector};
 pub use vocabulary::{VECTOR_FUNCTIONS, function_names};

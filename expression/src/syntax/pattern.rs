@@ -78,6 +78,11 @@ impl VariablePattern {
         self.reference.sites.iter().any(|site| site.offset != 0)
     }
 
+    /// The same text as another member.
+    pub(super) fn at(self, reference: Reference) -> Self {
+        Self { reference, ..self }
+    }
+
     /// The variable or member as it is written.
     pub(super) fn reference(&self) -> (&str, &Reference) {
         (&self.text, &self.reference)

@@ -3,11 +3,12 @@
 use std::ops::Range;
 
 use leafwise_core::lattice::LatticeGeometry;
-use leafwise_expression::syntax::{Offsets, VariablePattern};
+use leafwise_expression::syntax::Offsets;
 
 use super::Refusal;
 use super::definitions::scope;
 use super::geometry::geometry;
+use super::keys::variable;
 use super::names::{parse, refusal};
 use crate::document::{ByCoordinate, ComponentsSpec, Located, MetricSpec, SceneDocument};
 
@@ -104,8 +105,7 @@ fn templates(document: &SceneDocument) -> Result<Vec<Template<'_>>, Refusal> {
         ("metric", metric),
     ] {
         for (coordinate, formula) in entries.into_iter().flatten() {
-            let pattern = VariablePattern::parse_one(&coordinate.value);
-            let pattern = pattern.map_err(|error| refusal(document, coordinate, &error))?;
+            let pattern = variable(document, coordinate)?;
             let names: Vec<String> = pattern
                 .index_names()
                 .into_iter()

@@ -223,6 +223,7 @@ fn margin(
     }
     let vectors = document.system.named_vectors();
     let condition = Formula::parse_condition(&text.value)
+        .and_then(|parsed| parsed.with_sites(&document.system.site_names))
         .and_then(|parsed| parsed.in_components(&vectors))
         .and_then(|parsed| with_families(document, parsed));
     let condition = condition.map_err(|error| match error.kind {

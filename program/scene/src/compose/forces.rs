@@ -4,11 +4,12 @@ use leafwise_core::PoissonSystem;
 use leafwise_core::lattice::LatticeGeometry;
 use leafwise_core::system::{Damping, Forces, Metric};
 use leafwise_expression::Expression;
-use leafwise_expression::syntax::{AXES, Scope, VariablePattern};
+use leafwise_expression::syntax::{AXES, Scope};
 use nalgebra::{DMatrix, SymmetricEigen};
 
 use super::Refusal;
 use super::domain::OutOfDomain;
+use super::keys::variable;
 use super::names::{check_code, function, parse, refusal, sites_of};
 use super::torque::{add_torque, check_torque};
 use crate::document::{ByCoordinate, ComponentsSpec, Located, MetricSpec, SceneDocument};
@@ -137,8 +138,7 @@ pub(super) fn for_each_coordinate(
 ) -> Result<(), Refusal> {
     for indices in (0..=AXES).rev() {
         for (key, formula) in entries {
-            let pattern = VariablePattern::parse_one(&key.value)
-                .map_err(|error| refusal(document, key, &error))?;
+            let pattern = variable(document, key)?;
             let names = pattern.index_names();
             if names.iter().filter(|name| !name.is_empty()).count() != indices {
                 continue;

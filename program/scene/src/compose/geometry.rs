@@ -21,6 +21,7 @@ pub(super) fn geometry(document: &SceneDocument) -> LatticeGeometry {
         [] => {
             let families = families.map(|(name, length)| (name.value.clone(), length.value));
             LatticeGeometry::chain(families.collect(), periodic(0))
+                .with_site_names(system.site_names.clone())
         }
         _ => {
             let axes = system.axes.iter().enumerate();

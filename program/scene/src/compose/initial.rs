@@ -6,6 +6,7 @@ use leafwise_expression::syntax::{AXES, At, Formula, Scope, VariablePattern};
 use super::Refusal;
 use super::definitions::scope;
 use super::geometry::geometry;
+use super::keys::variable;
 use super::names::{parse, refusal, sites_of};
 use crate::document::{FieldSpec, InitialSpec, Located, Place, SceneDocument};
 use crate::npy::read_npy;
@@ -69,8 +70,7 @@ fn parameters_of_sites(document: &SceneDocument) -> Result<Vec<Vec<&Field>>, Ref
     let mut families: Vec<SiteFamily<'_>> = Vec::new();
     for field in &document.system.sites {
         let (key, given) = field;
-        let pattern = VariablePattern::parse_one(&key.value)
-            .map_err(|error| refusal(document, key, &error))?;
+        let pattern = variable(document, key)?;
         let mut names = Vec::new();
         if let FieldSpec::Formula(formula) = given {
             let parsed = parse(document, formula)?;
@@ -206,8 +206,7 @@ impl State<'_> {
     /// Parameters of sites have their values in `[system]`.
     fn check_moving(&self, fields: &[(Located<String>, FieldSpec)]) -> Result<(), Refusal> {
         for (key, _) in fields {
-            let pattern = VariablePattern::parse_one(&key.value)
-                .map_err(|error| refusal(self.document, key, &error))?;
+            let pattern = variable(self.document, key)?;
             if self.document.system.is_at_rest(pattern.name()) {
                 return Err(Box::new(self.document.diagnostic(
                     &key.place(),
@@ -225,8 +224,7 @@ impl State<'_> {
     fn assign_all(&mut self, fields: &[&Field]) -> Result<(), Refusal> {
         let mut keys = Vec::with_capacity(fields.len());
         for ((key, field), number) in fields.iter().zip(1..) {
-            let pattern = VariablePattern::parse_one(&key.value)
-                .map_err(|error| refusal(self.document, key, &error))?;
+            let pattern = variable(self.document, key)?;
             let names = pattern.index_names();
             let indices = names.iter().filter(|name| !name.is_empty()).count();
             keys.push((indices, number, key, pattern, field));

@@ -54,6 +54,7 @@ mod geometry;
 mod indicators;
 mod initial;
 mod instantiate;
+mod keys;
 mod kicks;
 mod lattice;
 mod lattice_functions;

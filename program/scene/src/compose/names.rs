@@ -3,7 +3,8 @@
 use leafwise_core::BuildError;
 use leafwise_core::lattice::LatticeGeometry;
 use leafwise_expression::syntax::{
-    Boundary, Formula, Scope, SyntaxError, SyntaxErrorKind, VECTOR_FUNCTIONS, function_names,
+    Boundary, Formula, Scope, SiteNames, SyntaxError, SyntaxErrorKind, VECTOR_FUNCTIONS,
+    function_names,
 };
 use leafwise_expression::{AlgebraError, Expression, Graph, Rational};
 
@@ -141,7 +142,8 @@ pub(super) fn parse(
 
 /// Parses a formula in the components of the scene's vectors, definitions of families written out in it.
 pub(super) fn parse_text(document: &SceneDocument, text: &str) -> Result<Formula, SyntaxError> {
-    let formula = in_components(document, Formula::parse(text)?)?;
+    let formula = Formula::parse(text)?.with_sites(&document.system.site_names)?;
+    let formula = in_components(document, formula)?;
     with_families(document, formula)
 }
 
@@ -172,6 +174,7 @@ fn definitions_of_families(document: &SceneDocument) -> Vec<(String, Formula)> {
     let mut others: Vec<(String, Formula)> = (system.define.iter())
         .filter_map(|(name, formula)| {
             let parsed = Formula::parse(&formula.value);
+            let parsed = parsed.and_then(|formula| formula.with_sites(&system.site_names));
             let parsed = parsed.and_then(|formula| in_components(document, formula));
             Some((name.value.clone(), parsed.ok()?))
         })
@@ -265,6 +268,7 @@ pub(super) fn refusal(
         SyntaxErrorKind::UnknownName { .. } => "neither a variable nor a parameter of this scene",
         SyntaxErrorKind::UnknownFunction { .. } => "not a function",
         SyntaxErrorKind::UnexpectedEnd { .. } => "something is missing here",
+        SyntaxErrorKind::UnknownSite { .. } => "no site of this name",
         _ => "here",
     };
     let of_vectors = about_vectors(document, &error.kind);
@@ -295,6 +299,10 @@ pub(super) fn refusal(
                 .join(" or ")
         )),
         (None, SyntaxErrorKind::UnknownFunction { .. }) => Some(vocabulary(document)),
+        (None, SyntaxErrorKind::UnknownSite { .. }) => Some(format!(
+            "{}; an index of all sites is i, j, k, l, m or n",
+            sites_by_name(&document.system.site_names)
+        )),
         (None, _) => None,
     };
     Box::new(document.diagnostic(&place, error.kind.to_string(), label, help))
@@ -464,6 +472,17 @@ fn vocabulary(document: &SceneDocument) -> String {
     format!("functions: {}; {tables}", names.join(", "))
 }
 
+/// The names of sites, of many the first.
+pub(super) fn sites_by_name(names: &SiteNames) -> String {
+    const SHOWN: usize = 12;
+    let shown: Vec<&str> = names.iter().take(SHOWN).collect();
+    let more = names.iter().count() - shown.len();
+    match more {
+        0 => format!("sites of this scene: {}", shown.join(", ")),
+        _ => format!("sites of this scene: {} and {more} more", shown.join(", ")),
+    }
+}
+
 fn unknown_name_help(document: &SceneDocument, name: &str) -> String {
     let system = &document.system;
     let known: Vec<&str> = system
@@ -475,6 +494,14 @@ fn unknown_name_help(document: &SceneDocument, name: &str) -> String {
         .chain(system.matrices.iter().map(|matrix| &matrix.name))
         .map(|name| name.value.as_str())
         .collect();
+    if let (Some(_), Some((family, _))) =
+        (system.site_names.position(name), system.families.first())
+    {
+        return format!(
+            "`{name}` is the name of a site, and stands in brackets: {}[{name}]",
+            family.value
+        );
+    }
     match nearest(name, known.iter().copied()) {
         Some(near) => format!("did you mean `{near}`?"),
         None => format!("names of this scene: {}", known.join(", ")),

@@ -232,12 +232,14 @@ pub(super) fn check_spins(
     )))
 }
 
-/// The coordinate that a text such as `q[500]` names.
+/// The coordinate that a text such as `q[500]` or `q[Sun]` names.
 pub(super) fn coordinate(lattice: &LatticeGeometry, text: &str) -> Option<usize> {
     let (family, rest) = text.trim().split_once('[')?;
     let sites = rest.strip_suffix(']')?.split(',');
+    let names = &lattice.site_names;
+    let number = |site: &str| names.position(site).or_else(|| site.parse().ok());
     let sites: Vec<usize> = sites
-        .map(|site| site.trim().parse().ok())
+        .map(|site| number(site.trim()))
         .collect::<Option<_>>()?;
     let at = lattice
         .families

@@ -1,12 +1,12 @@
 //! How far the templates of a scene look from a site.
 
 use leafwise_core::lattice::TemplateReach;
-use leafwise_expression::syntax::VariablePattern;
 
 use super::Refusal;
 use super::definitions::scope;
 use super::dense::WRITTEN_LIMIT;
 use super::geometry::one_site;
+use super::keys::{pair, variable};
 use super::names::{function, parse, refusal};
 use super::sum::summands;
 use crate::document::{BracketSpec, ComponentsSpec, Located, MetricSpec, Place, SceneDocument};
@@ -115,8 +115,7 @@ pub(super) fn entries_reach<'a>(
     entries: impl IntoIterator<Item = &'a (Located<String>, Located<String>)>,
 ) -> Result<TemplateReach, Refusal> {
     for (key, formula) in entries {
-        let pattern = VariablePattern::parse_one(&key.value)
-            .map_err(|error| refusal(document, key, &error))?;
+        let pattern = variable(document, key)?;
         pattern
             .offsets_from(&pattern.index_names())
             .map_err(|error| refusal(document, key, &error))?;
@@ -136,8 +135,7 @@ pub(super) fn bracket_reach(
     match &bracket.value {
         BracketSpec::Entries(written) | BracketSpec::Contact(written) => {
             for (key, formula) in written {
-                let (a, b) = VariablePattern::parse_pair(&key.value)
-                    .map_err(|error| refusal(document, key, &error))?;
+                let (a, b) = pair(document, key)?;
                 let names = [a.index_names(), b.index_names()];
                 let names = names.into_iter().find(|names| !names.is_empty());
                 let names = names.unwrap_or_default();

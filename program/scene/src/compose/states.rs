@@ -1,9 +1,11 @@
 //! The coordinates that a run records.
 
+use leafwise_expression::syntax::SiteNames;
 use serde::Serialize;
 
 use super::Refusal;
-use crate::document::{ALL_STATES, Located, SceneDocument};
+use super::names::sites_by_name;
+use crate::document::{ALL_STATES, Located, SceneDocument, nearest};
 
 /// The most coordinates that stand as columns in `samples.csv`; more are recorded as `states.npy`. Where a
 /// scene does not say which, all of at most so many are recorded, and none of more.
@@ -26,6 +28,9 @@ pub struct StateSlice {
     /// The lengths of the family's axes; none of a single variable.
     #[serde(skip)]
     axes: Vec<usize>,
+    /// Names of the sites of a chain.
+    #[serde(skip)]
+    site_names: SiteNames,
 }
 
 impl StateSlice {
@@ -34,6 +39,10 @@ impl StateSlice {
         let Some(first) = self.first else {
             return self.name.clone();
         };
+        if !self.site_names.is_empty() {
+            let site = self.site_names.name(first + k * self.step);
+            return format!("{}[{site}]", self.name);
+        }
         let (mut rest, mut place) = (first + k * self.step, Vec::new());
         for length in self.axes.iter().skip(1).rev() {
             place.push((rest % length).to_string());
@@ -169,6 +178,7 @@ fn variables(document: &SceneDocument) -> Vec<StateSlice> {
                 (Some(length), []) => vec![length],
                 (Some(_), axes) => axes.to_vec(),
             },
+            site_names: system.site_names.clone(),
         });
         offset += count;
     }
@@ -210,8 +220,16 @@ fn slice(
         ));
     }
     let inner = sites.strip_suffix(']');
-    let Some(ranges) = inner.and_then(|inner| ranges(inner, &whole.axes)) else {
+    let Some(ranges) = inner.and_then(|inner| ranges(inner, whole)) else {
         let help = match &whole.axes[..] {
+            [_] if !whole.site_names.is_empty() => {
+                let inner = inner.unwrap_or_default().trim();
+                let near = nearest(inner, whole.site_names.iter());
+                match near {
+                    Some(near) => format!("did you mean {name}[{near}]?"),
+                    None => format!("{}; {name} is all of it", sites_by_name(&whole.site_names)),
+                }
+            }
             [_] => format!(
                 "write {name} for all of it, {name}[5] for one site, {name}[0..10] for ten, {name}[::100] for \
                  every hundredth"
@@ -287,20 +305,26 @@ fn rows(whole: &StateSlice, ranges: &[Range]) -> Vec<StateSlice> {
 }
 
 /// The range along each axis, of `0..10,5` or `:,:,8`.
-fn ranges(text: &str, axes: &[usize]) -> Option<Vec<Range>> {
+fn ranges(text: &str, whole: &StateSlice) -> Option<Vec<Range>> {
     let parts: Vec<&str> = text.split(',').collect();
-    let ranges = parts.iter().zip(axes);
-    let ranges = ranges.map(|(part, length)| range(part, *length));
-    (parts.len() == axes.len()).then(|| ranges.collect())?
+    let ranges = parts.iter().zip(&whole.axes);
+    let ranges = ranges.map(|(part, length)| range(part, *length, &whole.site_names));
+    (parts.len() == whole.axes.len()).then(|| ranges.collect())?
 }
 
-/// First site, the one behind the last, and the step of `5`, `N-1`, `0..10`, `0:10`, `::100`, `10:N-1:7`; N is the length.
-fn range(text: &str, length: usize) -> Option<Range> {
+/// First site, the one behind the last, and the step of `5`, `Sun`, `N-1`, `0..10`, `0:10`, `::100`, `10:N-1:7`; N is the length.
+fn range(text: &str, length: usize, names: &SiteNames) -> Option<Range> {
     let text = text.replace("..", ":");
+    // Names of sites may begin with N too.
+    let is_length = |rest: &&str| !rest.starts_with(|c: char| c.is_alphanumeric() || c == '_');
     let number = |text: &str, otherwise: usize| match text.trim() {
         "" => Some(otherwise),
-        text => match text.strip_prefix('N').map(str::trim_start) {
-            None => text.parse().ok(),
+        text => match text
+            .strip_prefix('N')
+            .filter(is_length)
+            .map(str::trim_start)
+        {
+            None => names.position(text).or_else(|| text.parse().ok()),
             Some("") => Some(length),
             Some(less) => length.checked_sub(less.strip_prefix('-')?.trim().parse().ok()?),
         },
@@ -334,6 +358,7 @@ mod tests {
             count: 120,
             offset: 7,
             axes: vec![4, 5, 6],
+            site_names: SiteNames::default(),
         };
         for (text, is_there) in [
             (":,:,:", [true; 3].map(|_| None)),
@@ -354,27 +379,24 @@ mod tests {
                     expected.push((7 + at, format!("q[{},{},{}]", place[0], place[1], place[2])));
                 }
             }
-            let found = rows(&whole, &ranges(text, &whole.axes).expect(text));
+            let found = rows(&whole, &ranges(text, &whole).expect(text));
             let found = found.iter().flat_map(|row| {
                 (0..row.count).map(|k| (row.offset + k * row.step, row.name_of(k)))
             });
             assert_eq!(found.collect::<Vec<_>>(), expected, "{text}");
         }
-        let every_other = rows(
-            &whole,
-            &ranges("::3,1..5:2,2", &whole.axes).expect("ranges"),
-        );
+        let every_other = rows(&whole, &ranges("::3,1..5:2,2", &whole).expect("ranges"));
         let sites = every_other
             .iter()
             .flat_map(|row| (0..row.count).map(|k| row.name_of(k)));
         let sites: Vec<String> = sites.collect();
         assert_eq!(sites, ["q[0,1,2]", "q[0,3,2]", "q[3,1,2]", "q[3,3,2]"]);
-        let last = ranges("N-1, 1..N-2, ::N", &whole.axes);
+        let last = ranges("N-1, 1..N-2, ::N", &whole);
         assert_eq!(last, Some(vec![(3, 4, 1), (1, 3, 1), (0, 6, 6)]));
         for none in [
             ":,:", "1,2,3,4", "a,:,:", ":,:,::0", "N-5,:,:", ",:,:", "N+1,:,:",
         ] {
-            assert!(ranges(none, &whole.axes).is_none(), "{none}");
+            assert!(ranges(none, &whole).is_none(), "{none}");
         }
     }
 }

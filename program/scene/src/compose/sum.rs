@@ -3,10 +3,11 @@
 use leafwise_core::lattice::LatticeGeometry;
 use std::collections::BTreeSet;
 
-use leafwise_expression::syntax::{Scope, VariablePattern};
+use leafwise_expression::syntax::Scope;
 
 use super::Refusal;
 use super::definitions::scope;
+use super::keys::pair;
 use super::names::{coordinate_names, parse_text};
 use crate::document::{BracketSpec, ForcesSpec, Located, Place, SceneDocument, SummandSpec};
 
@@ -167,8 +168,8 @@ fn check_formulas(
     | BracketSpec::TwoForm(entries) = &spec.bracket.value
     {
         for (key, _) in entries {
-            let pair = VariablePattern::parse_pair(&key.value);
-            let named = pair.iter().flat_map(|(a, b)| [a.name(), b.name()]);
+            let named = pair(document, key).ok();
+            let named = named.iter().flat_map(|(a, b)| [a.name(), b.name()]);
             if let Some(name) = named.into_iter().find(|name| foreign.contains(name)) {
                 return couples(&key.place(), "an entry", name);
             }

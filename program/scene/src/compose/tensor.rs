@@ -8,6 +8,7 @@ use leafwise_expression::{Arithmetic, Expression, Rational, Ring};
 
 use super::Refusal;
 use super::geometry::moving;
+use super::keys::pair;
 use super::lie_algebra;
 use super::names::{algebra_refusal, exact, parse, refusal, sites_of};
 use super::sum::summands;
@@ -181,8 +182,7 @@ impl<'a> Collector<'a> {
         key: &'a Located<String>,
         formula: &'a Located<String>,
     ) -> Result<(), Refusal> {
-        let (left, right) = VariablePattern::parse_pair(&key.value)
-            .map_err(|error| refusal(self.document, key, &error))?;
+        let (left, right) = pair(self.document, key)?;
         let parsed = parse(self.document, formula)?;
         let names = joined(left.index_names(), right.index_names());
         let sites: Vec<Option<At<'_>>> = match names.is_empty() {

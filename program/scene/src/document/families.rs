@@ -5,6 +5,7 @@ use leafwise_expression::syntax::AXES;
 use super::error::SceneProblemCause;
 use super::located::Located;
 use super::reader::{Item, Problems};
+use super::site_names::NamedSites;
 use super::system_schema::VECTORS;
 use super::system_section::{Boundary, SystemSection, VectorFamily};
 
@@ -19,9 +20,13 @@ fn length(item: &Item<'_>, problems: &mut Problems) -> Option<Located<usize>> {
     Some(length.map(|length| usize::try_from(length).unwrap_or(usize::MAX)))
 }
 
-/// The length of a chain: `64`, or `[64]`.
-pub(super) fn chain_length(item: &Item<'_>, problems: &mut Problems) -> Option<Located<usize>> {
-    let lengths = lengths(item, problems)?;
+/// The length of a chain: `64`, `[64]` or the names of its sites, which are added to `names`.
+pub(super) fn chain_length(
+    item: &Item<'_>,
+    names: &mut Vec<NamedSites>,
+    problems: &mut Problems,
+) -> Option<Located<usize>> {
+    let lengths = lengths(item, names, problems)?;
     if let [length] = lengths.value[..] {
         return Some(lengths.map(|_| length));
     }
@@ -36,10 +41,20 @@ pub(super) fn chain_length(item: &Item<'_>, problems: &mut Problems) -> Option<L
     None
 }
 
-/// The lengths of a family's axes: `64`, or `[64, 64]`.
-fn lengths(item: &Item<'_>, problems: &mut Problems) -> Option<Located<Vec<usize>>> {
+/// The lengths of a family's axes: `64`, `[64, 64]` or `["Sun", "Earth"]`, names that are added to `names`.
+fn lengths(
+    item: &Item<'_>,
+    names: &mut Vec<NamedSites>,
+    problems: &mut Problems,
+) -> Option<Located<Vec<usize>>> {
     if !item.is_list() {
         return Some(length(item, problems)?.map(|length| vec![length]));
+    }
+    if item.has_texts() {
+        let own = item.list_of("a list of names", problems, Item::string)?;
+        let length = Located::new(vec![own.len()], item.place());
+        names.push(Located::new(own, item.place()));
+        return Some(length);
     }
     let lengths = item.list_of("a list of lengths, one an axis", problems, length)?;
     let lengths: Vec<usize> = lengths.into_iter().map(|length| length.value).collect();
@@ -151,22 +166,24 @@ pub(super) fn check_boundaries(system: &SystemSection, problems: &mut Problems) 
 pub(super) struct Families {
     pub scalars: Named<Vec<usize>>,
     pub vectors: Vec<VectorFamily>,
+    /// Lists of names of sites.
+    pub names: Vec<NamedSites>,
 }
 
-/// `{ x = 100, s = { components = ["x", "y", "z"], length = 100 } }`.
+/// `{ x = 100, q = ["Sun", "Earth"], s = { components = ["x", "y", "z"], length = 100 } }`.
 pub(super) fn read_families(item: &Item<'_>, problems: &mut Problems) -> Option<Families> {
     let table = item.table(&item.title, "a table of lengths", problems)?;
     let mut families = Families::default();
     let mut is_whole = true;
     for entry in &table.items {
         if !entry.is_table() {
-            match lengths(entry, problems) {
+            match lengths(entry, &mut families.names, problems) {
                 Some(length) => families.scalars.push((entry.key.clone(), length)),
                 None => is_whole = false,
             }
             continue;
         }
-        let Some((vector, length)) = vectors(entry, problems) else {
+        let Some((vector, length)) = vectors(entry, &mut families.names, problems) else {
             is_whole = false;
             continue;
         };
@@ -182,6 +199,7 @@ pub(super) fn read_families(item: &Item<'_>, problems: &mut Problems) -> Option<
 /// `{ components = ["x", "y", "z"], length = 100 }`.
 fn vectors(
     item: &Item<'_>,
+    names: &mut Vec<NamedSites>,
     problems: &mut Problems,
 ) -> Option<(VectorFamily, Located<Vec<usize>>)> {
     let table = item.table(&item.title, "a table", problems)?;
@@ -204,7 +222,7 @@ fn vectors(
         });
     let length = table
         .require("length", "length = 100", problems)
-        .and_then(|item| lengths(item, problems));
+        .and_then(|item| lengths(item, names, problems));
     let vector = VectorFamily {
         name: item.key.clone(),
         components: components?,

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use leafwise_expression::syntax::VariablePattern;
+use leafwise_expression::syntax::{INDEX_NAMES, VariablePattern};
 
 use super::error::SceneProblemCause;
 use super::field::FieldSpec;
@@ -107,6 +107,16 @@ pub(super) fn take_matrices(
         }
     }
     (of_sites, matrices)
+}
+
+/// Where sites have names, a matrix is given by two indices that are none of them.
+pub(super) fn check_indices(matrices: &[MatrixSpec], problems: &mut Problems) {
+    for matrix in matrices {
+        let mut indices = matrix.indices.iter();
+        if !indices.all(|index| INDEX_NAMES.contains(&index.as_str())) {
+            refuse(&matrix.key, "single entries", problems);
+        }
+    }
 }
 
 /// Records a key that does not stand for all entries.

@@ -10,6 +10,7 @@
 //! - `variables`: single variables, and vectors of them;
 //! - `families`: lengths of axes and ends of a lattice;
 //! - `field`: values that variables, sites of families and parameters of sites begin with;
+//! - `site_names`: names of the sites of a chain;
 //! - `numbers`: systems that have no formulas;
 //! - `method_table`: a method as a value, written into a scene's text;
 //! - `overrides`: `--set path=value`, applied by rewriting the text;
@@ -49,6 +50,7 @@ mod run;
 mod scene;
 mod schema;
 mod shape;
+mod site_names;
 mod slips;
 mod suggest;
 mod sweep;

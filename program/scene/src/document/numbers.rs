@@ -6,6 +6,7 @@ use std::sync::Arc;
 use leafwise_core::part::{PATH, ParameterDefault, PartInfo};
 use leafwise_core::registry::SystemPart;
 use leafwise_core::{BuildError, PartParameters, PoissonSystem};
+use leafwise_expression::syntax::SiteNames;
 
 use super::bracket::BracketSpec;
 use super::error::SceneProblemCause;
@@ -155,6 +156,7 @@ fn section(id: &Located<String>, system: PoissonSystem, given: PartParameters) -
         variables,
         families: Vec::new(),
         axes: Vec::new(),
+        site_names: SiteNames::default(),
         sites: Vec::new(),
         matrices: Vec::new(),
         vectors: Vec::new(),

@@ -202,6 +202,13 @@ impl<'a> Item<'a> {
         first.is_some_and(|first| first.get_ref().is_array())
     }
 
+    /// Whether the value is a list that begins with a text.
+    pub fn has_texts(&self) -> bool {
+        let entries = self.value.as_array();
+        let first = entries.and_then(|entries| entries.first());
+        first.is_some_and(|first| first.get_ref().is_str())
+    }
+
     /// Whether the value is a table.
     pub fn is_table(&self) -> bool {
         self.value.is_table()
@@ -457,7 +464,7 @@ impl<'a> Item<'a> {
         &self,
         expected: &str,
         problems: &mut Problems,
-        read: impl Fn(&Item<'a>, &mut Problems) -> Option<T>,
+        mut read: impl FnMut(&Item<'a>, &mut Problems) -> Option<T>,
     ) -> Option<Vec<T>> {
         let entries = self.list(expected, problems)?;
         let values: Vec<_> = entries.iter().map(|entry| read(entry, problems)).collect();
@@ -512,7 +519,7 @@ impl<'a> Item<'a> {
         &self,
         expected: &str,
         problems: &mut Problems,
-        read: impl Fn(&Item<'a>, &mut Problems) -> Option<T>,
+        mut read: impl FnMut(&Item<'a>, &mut Problems) -> Option<T>,
     ) -> Option<Vec<(Located<String>, T)>> {
         let table = self.table(&self.title, expected, problems)?;
         let values: Vec<_> = table

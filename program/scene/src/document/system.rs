@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use leafwise_core::part::PATH;
 use leafwise_core::{Origin, PartKind, Registry};
-use leafwise_expression::syntax::Formula;
+use leafwise_expression::syntax::{Formula, SiteNames};
 use toml::de::DeTable;
 
 use super::bracket::read_bracket;
@@ -22,6 +22,7 @@ use super::matrices::take_matrices;
 use super::noise::read_noise;
 use super::numbers::{asks_for_numbers, read_numbers};
 use super::reader::{Item, Problems, Table};
+use super::site_names::name_sites;
 use super::suggest::nearest;
 use super::system_checks::{
     check_dimension, check_names, check_new_names, check_sites, check_summands,
@@ -187,9 +188,12 @@ fn override_values(
         problems.push(cause, name.place());
     }
     define_parameters(system, known, problems);
-    let families = table
-        .get("families")
-        .and_then(|item| item.pairs("a table of lengths", problems, chain_length));
+    let mut names = Vec::new();
+    let families = table.get("families").and_then(|item| {
+        let length =
+            |item: &Item<'_>, problems: &mut Problems| chain_length(item, &mut names, problems);
+        item.pairs("a table of lengths", problems, length)
+    });
     let vectors = &system.vectors;
     let given = families.into_iter().flatten().flat_map(|(name, length)| {
         let vector = vectors
@@ -209,9 +213,16 @@ fn override_values(
     });
     let given = given.collect();
     let mut moving = system.moving().to_vec();
+    // Names are those of the sites of all families.
+    if let Some(list) = names.first() {
+        for (_, length) in &mut moving {
+            *length = Located::new(list.value.len(), list.place());
+        }
+    }
     replace(&mut moving, Some(given), "family of this system", problems);
     system.families = moving;
     add_sites(system, problems);
+    name_sites(system, names, problems);
 }
 
 /// Names in the formulas that stand beside a library system: they may name parameters that it has not.
@@ -411,7 +422,7 @@ fn read_inline(
     let noise = read_noise(table, Vec::new(), problems);
     let families = families?;
     let (scalars, axes) = on_axes(families.scalars, problems)?;
-    let vectors = families.vectors;
+    let (vectors, names) = (families.vectors, families.names);
     let Parameters {
         numbers: parameters,
         formulas,
@@ -432,6 +443,7 @@ fn read_inline(
         defined_vectors: Vec::new(),
         families: scalars,
         axes,
+        site_names: SiteNames::default(),
         vectors,
         parameters,
         sites,
@@ -453,6 +465,7 @@ fn read_inline(
     define_parameters(&mut system, formulas, problems);
     check_sites(&system, problems);
     add_sites(&mut system, problems);
+    name_sites(&mut system, names, problems);
     check_names(&system, problems);
     define_vectors(&mut system, problems);
     force_vectors(&mut system, problems);

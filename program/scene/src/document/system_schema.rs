@@ -17,8 +17,12 @@ const PARAMETERS: Shape = Shape::Names(&Shape::Either(&[
     table(&COLUMN, &[&["file"]]),
 ]));
 
-/// Lengths of axes.
-const LENGTHS: Shape = Shape::Either(&[Shape::Whole(1), Shape::List(&Shape::Whole(1))]);
+/// Lengths of axes, or names of the sites of one.
+const LENGTHS: Shape = Shape::Either(&[
+    Shape::Whole(1),
+    Shape::List(&Shape::Whole(1)),
+    Shape::List(&Shape::Text),
+]);
 
 /// The ends of an axis.
 const ENDS: Shape = Shape::Words(&["periodic", "open"]);
@@ -103,7 +107,7 @@ pub(super) static SYSTEM: [Key; 18] = [
             table(&VECTORS, &[&["components", "length"]]),
         ])),
         "Indexed variables of a lattice and how many there are: { q = 1000, p = 1000 }, \
-         { q = [64, 64] } along two axes, or vectors",
+         { q = [64, 64] } along two axes, { q = [\"Sun\", \"Earth\"] } by names, or vectors",
     )
     .not_beside(&[Beside::Note(NUMBERS_ALONE)]),
     key(
@@ -325,7 +329,7 @@ pub(super) static VECTORS: [Key; 2] = [
     key(
         "length",
         LENGTHS,
-        "The number of vectors, or one along each of two or three axes: [64, 64]",
+        "The number of vectors, one along each of two or three axes, [64, 64], or their names, [\"Sun\", \"Earth\"]",
     ),
 ];
 

@@ -1,6 +1,6 @@
 //! The `[system]` table as a value.
 
-use leafwise_expression::syntax::Vector;
+use leafwise_expression::syntax::{SiteNames, Vector};
 
 use std::sync::Arc;
 
@@ -45,6 +45,8 @@ pub struct SystemSection {
     pub families: Vec<(Located<String>, Located<usize>)>,
     /// The lengths of the axes that all families have, where these are several; none where each family has its own.
     pub axes: Vec<usize>,
+    /// Names of the sites of a chain; none where they are numbers.
+    pub site_names: SiteNames,
     /// Families of vectors, whose components are families `s.x`, `s.y`, ….
     pub vectors: Vec<VectorFamily>,
     /// Vectors of single variables, whose components are variables `r.x`, `r.y`, ….
