@@ -55,6 +55,7 @@ mod shadow;
 mod site_names;
 mod sources;
 mod spins;
+mod standing_waves;
 mod starts;
 mod stepped_over;
 mod stress;

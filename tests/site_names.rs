@@ -21,7 +21,7 @@ const CHAIN: Template = Template(
      forces = { \"x[#2#]\" = \"0.01*x[#1#]\" }\n\
      noise = [{ hamiltonian = \"x[#3#]\", strength = \"0.01\" }]\n\
      [system.parameters]\n\"a[i]\" = \"1 + 0.1*i\"\n\"a[#3#]\" = \"2.5 + a0\"\na0 = 0.125\n\
-     [method]\nrealization = { name = \"karasev\", order = 2 }\ndynamics = { name = \"hamilton-jacobi\", order = 2 }\ntime-step = 0.02\n\
+     [method]\nrealization = { name = \"karasev-truncated\", order = 2 }\ndynamics = \"one-form\"\ntime-step = 0.02\n\
      [run]\nsteps = 10\nseed = 4\n\
      record = { states = [\"x[#1#]\", \"x[#2#..N]\"], observables = [\"energy\", \"x[#0#]\", { d = \"x[#2#] - x[#3#] + first\" }] }\n\
      initial = { \"x[i]\" = \"1 + 0.2*sin(i)\", \"x[#1#]\" = 1.5 }\n",
@@ -173,7 +173,7 @@ fn a_slip_in_a_name_is_told_where_it_stands() {
 fn wrong_lists_of_names_are_refused() {
     let text = |families: &str| {
         format!(
-            "[system]\nfamilies = {families}\nbracket = \"canonical\"\nhamiltonian = \"sum(i, p[i]^2 + q[i]^2)\"\n\
+            "[system]\nfamilies = {families}\nbracket = {{ \"q[i],p[i]\" = \"1\" }}\nhamiltonian = \"sum(i, p[i]^2 + q[i]^2)\"\n\
              [method]\nstepper = \"rk4\"\ntime-step = 0.1\n[run]\nsteps = 1\ninitial = {{ \"q[i]\" = 1, \"p[i]\" = 0 }}\n"
         )
     };

@@ -1,6 +1,9 @@
 //! The corrections of one solve, whatever equation it is of.
 
-use super::judge::{Allowed, CorrectionSize, LinearIteration, Verdict, Watch};
+use super::judge::{
+    Allowed, CorrectionSize, LinearIteration, ROUND_OFF, Verdict, Watch, add_reached, larger,
+    relative,
+};
 use super::{Anderson, DenseFactors};
 use crate::error::StepError;
 
@@ -107,6 +110,13 @@ impl Iteration {
         self.allowed[row].scale(state, change, put_in)
     }
 
+    /// Takes in one row of a correction by Newton's method, to be judged [beside the others](Self::judge_newton).
+    #[inline(always)]
+    pub fn take_row(&mut self, row: usize, correction: f64, scale: f64) {
+        self.scales[row] = scale;
+        self.size.take(correction, scale);
+    }
+
     /// Takes in one row of a correction.
     #[inline(always)]
     pub fn take(&mut self, correction: f64, scale: f64) {
@@ -125,31 +135,66 @@ impl Iteration {
         self.size.take_way(way, scale);
     }
 
-    /// Judges the rows that were taken in.
+    /// Judges the rows that were taken in, each beside its own scale.
     ///
     /// # Errors
     /// [`StepError::NonFinite`] for a correction that is not finite, [`StepError::NoConvergence`] when the budget is
     /// spent.
     pub fn judge(&mut self) -> Result<Verdict, StepError> {
         let size = std::mem::take(&mut self.size);
-        let is_newton = self.method == CorrectionMethod::Newton;
-        if is_newton {
-            self.watch.take_correction(&size);
+        match self.method {
+            CorrectionMethod::Newton => self.judge_beside(&size, || f64::INFINITY),
+            _ => self.corrections.judge_correction(&size),
         }
-        let verdict = match is_newton {
-            // Rows are measured with what the others put into them: a row is the round-off of no more.
-            true => self.corrections.judge(size.component())?,
-            false => self.corrections.judge_correction(&size)?,
+    }
+
+    /// Judges the rows of a correction by Newton's method, which counts `unit` times in the state. Where rows make no
+    /// progress, they are compared with what the round-off of all that are settled puts into them. `solve` replaces a
+    /// residual by its correction.
+    ///
+    /// # Errors
+    /// Those of [`judge`](Self::judge).
+    pub fn judge_newton(
+        &mut self,
+        corrections: &[f64],
+        unit: f64,
+        solve: &mut dyn FnMut(&mut [f64]),
+    ) -> Result<Verdict, StepError> {
+        let size = std::mem::take(&mut self.size);
+        let scales = std::mem::take(&mut self.scales);
+        let beside = || {
+            let is_settled =
+                |row: usize| relative(unit * corrections[row], scales[row]) <= ROUND_OFF;
+            let own = |row: usize| if is_settled(row) { scales[row] } else { 0.0 };
+            let mut sizes: Vec<f64> = (0..scales.len()).map(own).collect();
+            add_reached(&mut sizes, solve);
+            let rows = corrections.iter().zip(&sizes);
+            rows.fold(0.0, |all, (correction, size)| {
+                larger(all, relative(unit * correction, *size))
+            })
         };
-        if is_newton && verdict == Verdict::Converged {
-            self.watch.take_end(&size);
+        let verdict = self.judge_beside(&size, beside);
+        self.scales = scales;
+        verdict
+    }
+
+    fn judge_beside(
+        &mut self,
+        size: &CorrectionSize,
+        beside: impl FnOnce() -> f64,
+    ) -> Result<Verdict, StepError> {
+        self.watch.take_correction(size);
+        let verdict = self.corrections.judge_beside(size.component(), beside)?;
+        if verdict == Verdict::Converged {
+            self.watch.take_end(size);
         }
         Ok(verdict)
     }
 
     /// Adds the corrections, accelerated where the method says so, to the unknowns, and judges them. The closure
     /// `measure(i, u, δ)` returns (state, change, what the others put in) of a row. How far the row has come with the
-    /// unknown u is `way(i, u)`. A correction counts `unit` times in the state.
+    /// unknown u is `way(i, u)`. A correction counts `unit` times in the state. Of Newton's method
+    /// `solve` replaces a residual by its correction.
     ///
     /// # Errors
     /// Those of [`judge`](Self::judge).
@@ -160,6 +205,7 @@ impl Iteration {
         unit: f64,
         measure: impl Fn(usize, f64, f64) -> (f64, f64, f64),
         way: impl Fn(usize, f64) -> f64,
+        solve: Option<&mut dyn FnMut(&mut [f64])>,
     ) -> Result<Verdict, StepError> {
         for (i, correction) in corrections.iter().enumerate() {
             let (state, change, put_in) = measure(i, unknowns[i], *correction);
@@ -176,12 +222,13 @@ impl Iteration {
         for (unknown, correction) in unknowns.iter_mut().zip(&*corrections) {
             *unknown += correction;
         }
-        if self.method == CorrectionMethod::Newton {
-            for (i, unknown) in unknowns.iter().enumerate() {
-                self.size.take_way(way(i, *unknown), self.scales[i]);
-            }
+        let Some(solve) = solve else {
+            return self.judge();
+        };
+        for (i, unknown) in unknowns.iter().enumerate() {
+            self.size.take_way(way(i, *unknown), self.scales[i]);
         }
-        self.judge()
+        self.judge_newton(corrections, unit, solve)
     }
 
     /// The rows taken in since they were judged last.

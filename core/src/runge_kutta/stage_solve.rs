@@ -197,7 +197,10 @@ impl StageSolve {
         let size = self.iteration.size().component();
         self.contracts = size <= SLOW * self.last;
         self.last = size;
-        let is_solved = self.iteration.judge()? == Verdict::Converged;
+        let (factors, correction) = (&self.factors, &self.correction);
+        let mut solve = |residual: &mut [f64]| factors.solve(residual);
+        let verdict = self.iteration.judge_newton(correction, 1.0, &mut solve)?;
+        let is_solved = verdict == Verdict::Converged;
         Ok(is_solved.then(|| self.iteration.evaluations()))
     }
 
@@ -217,7 +220,7 @@ impl StageSolve {
         let way = |_, displacement| displacement;
         let verdict = self
             .iteration
-            .correct(correction, displacements, 1.0, measure, way)?;
+            .correct(correction, displacements, 1.0, measure, way, None)?;
         // The slopes lag one correction behind: they are wanted once more.
         self.lags = verdict == Verdict::Converged;
         Ok(None)
@@ -292,7 +295,7 @@ impl StageSolve {
                 let displacement = self.displacements[i * n + c];
                 let scale =
                     (self.iteration).scale(i * n + c, self.start[c], displacement, round_off.abs());
-                self.iteration.take(correction[c], scale);
+                self.iteration.take_row(i * n + c, correction[c], scale);
                 self.iteration.take_way(displacement, scale);
             }
         }

@@ -63,7 +63,7 @@ struct AveragedStages {
     values: Vec<f64>,
     by_slopes: Vec<f64>,
     by_start: Vec<f64>,
-    /// Σ_k |Π_ck W_k| at each stage.
+    /// Σ_k |Π_ck W_k| + |∂K_c/∂x_k x_k| at each stage.
     reaches: Vec<f64>,
     averages_of_gradient: Averages,
     /// U at a node or stage, with W after it; a value there and its derivatives.
@@ -256,7 +256,8 @@ impl AveragedStages {
             for (entry, by_u) in by_start.iter_mut().zip(by_u) {
                 *entry += by_u;
             }
-            self.reaches[row] = reach(by_w, &self.place[d..]);
+            // The averages are sums whose terms may cancel.
+            self.reaches[row] = reach(by_w, &self.place[d..]) + reach(by_start, &self.start);
         }
     }
 

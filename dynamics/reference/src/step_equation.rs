@@ -113,6 +113,11 @@ impl StepSolve {
                 CorrectionMethod::Newton => Some(&self.factors),
                 _ => None,
             };
+            let mut by_factors = |residual: &mut [f64]| self.factors.solve(residual);
+            let solve: Option<&mut dyn FnMut(&mut [f64])> = match factors {
+                Some(_) => Some(&mut by_factors),
+                None => None,
+            };
             let verdict = self.iteration.correct(
                 &mut self.residual,
                 &mut self.unknowns,
@@ -123,6 +128,7 @@ impl StepSolve {
                     (state, change, left * put_in)
                 },
                 |_, unknown| unit * unknown,
+                solve,
             )?;
             if verdict == Verdict::Converged {
                 return Ok(self.iteration.evaluations());

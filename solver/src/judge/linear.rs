@@ -136,8 +136,24 @@ impl LinearIteration {
     /// # Errors
     /// [`StepError::NonFinite`] for a size that is not finite, [`StepError::NoConvergence`] when
     /// the budget is spent.
+    #[cfg(test)]
     pub fn judge(&mut self, size: f64) -> Result<Verdict, StepError> {
-        self.judge_state(size, f64::INFINITY)
+        self.judge_beside(size, || f64::INFINITY)
+    }
+
+    /// Takes in a correction's size, the largest relative change of a component. A small component may be the round-off
+    /// of larger ones: where corrections make no progress they are judged by `beside`, the largest change relative to
+    /// what all components put into one.
+    ///
+    /// # Errors
+    /// [`StepError::NonFinite`] for a size that is not finite, [`StepError::NoConvergence`] when
+    /// the budget is spent.
+    pub fn judge_beside(
+        &mut self,
+        size: f64,
+        beside: impl FnOnce() -> f64,
+    ) -> Result<Verdict, StepError> {
+        self.judge_by((size, f64::INFINITY), 1, |_| beside() <= NORMWISE_ROUND_OFF)
     }
 
     /// Takes in the sizes of a correction of a state, whose components may be round-off of larger ones. Where they
@@ -146,10 +162,19 @@ impl LinearIteration {
     /// # Errors
     /// Those of [`judge`](Self::judge).
     pub fn judge_correction(&mut self, correction: &CorrectionSize) -> Result<Verdict, StepError> {
-        self.judge_state(correction.component(), correction.norm())
+        let norm = correction.norm();
+        self.judge_by((correction.component(), norm), 2, |whole| {
+            norm <= NORMWISE_ROUND_OFF && (whole.is_negligible() || whole.is_round_off())
+        })
     }
 
-    fn judge_state(&mut self, size: f64, norm: f64) -> Result<Verdict, StepError> {
+    /// Takes in the sizes of a correction; `is_round_off` is asked where so many have made no progress.
+    fn judge_by(
+        &mut self,
+        (size, norm): (f64, f64),
+        without_progress: u32,
+        is_round_off: impl FnOnce(&Sizes) -> bool,
+    ) -> Result<Verdict, StepError> {
         self.evaluations += 1;
         if !size.is_finite() {
             return Err(StepError::NonFinite {
@@ -162,10 +187,9 @@ impl LinearIteration {
             components, whole, ..
         } = self;
         let is_done = components.is_negligible() || components.is_round_off();
-        let rest_is_round_off = components.since_progress >= 2
-            && norm <= NORMWISE_ROUND_OFF
-            && (whole.is_negligible() || whole.is_round_off());
-        self.rounded = rest_is_round_off && !is_done;
+        let rest_is_round_off =
+            !is_done && components.since_progress >= without_progress && is_round_off(whole);
+        self.rounded = rest_is_round_off;
         if is_done || rest_is_round_off {
             return Ok(Verdict::Converged);
         }

@@ -9,6 +9,7 @@
 mod linear;
 mod measures;
 mod numbers;
+mod reached;
 mod watch;
 
 pub(crate) use linear::LinearIteration;
@@ -19,6 +20,7 @@ pub use measures::{
 };
 pub use numbers::at_most;
 pub(crate) use numbers::{Doubles, Numbers, SMALLEST_SCALE, relative_size, scale_beside};
+pub(crate) use reached::add_reached;
 pub(super) use watch::WANDERING;
 pub use watch::Watch;
 

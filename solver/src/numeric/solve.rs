@@ -124,7 +124,18 @@ impl Solve {
         let measure = |i: usize, _, _| (x[i], change[i], put_in[i]);
         let way = |i: usize, y: f64| y - x[i];
         let (residual, y) = (&mut self.residual, &mut self.y);
-        let verdict = self.iteration.correct(residual, y, 1.0, measure, way)?;
+        let (factors, is_newton) = (
+            &self.factors,
+            self.iteration.method() == CorrectionMethod::Newton,
+        );
+        let mut by_factors = |r: &mut [f64]| factors.solve(r);
+        let solve: Option<&mut dyn FnMut(&mut [f64])> = match is_newton {
+            true => Some(&mut by_factors),
+            false => None,
+        };
+        let verdict = self
+            .iteration
+            .correct(residual, y, 1.0, measure, way, solve)?;
         if verdict != Verdict::Converged || !is_exact {
             return Ok(Progress::Iterates);
         }

@@ -271,12 +271,13 @@ impl Curve {
         if is_newton {
             self.simplified.correct(&mut self.corrections);
         }
-        let put_in = |i: usize| {
-            if is_newton {
-                self.simplified.put_in[i]
-            } else {
-                0.0
-            }
+        let put_in_each = std::mem::take(&mut self.simplified.put_in);
+        let put_in = |i: usize| if is_newton { put_in_each[i] } else { 0.0 };
+        let simplified = &mut self.simplified;
+        let mut by_factors = |residual: &mut [f64]| simplified.correct(residual);
+        let solve: Option<&mut dyn FnMut(&mut [f64])> = match is_newton {
+            true => Some(&mut by_factors),
+            false => None,
         };
         let verdict = self.iteration.correct(
             &mut self.corrections,
@@ -284,7 +285,10 @@ impl Curve {
             1.0,
             |at, _, _| (x[at % d], way(at % d), put_in(at % d)),
             |_, coefficient| coefficient,
-        )?;
+            solve,
+        );
+        self.simplified.put_in = put_in_each;
+        let verdict = verdict?;
         self.place(x);
         if is_newton && verdict == Verdict::Converged {
             self.simplified
@@ -360,7 +364,13 @@ impl Curve {
             }
             let nodes = &self.nodes;
             self.iteration.take_changes(|at| nodes[at] - x[at % d]);
-            let by_y = self.linearization.as_ref().map_or(&[][..], |own| &own.by_y);
+            let linearization = self.linearization.as_ref();
+            let by_y = linearization.map_or(&[][..], |own| &own.by_y);
+            let mut solve = |residual: &mut [f64]| {
+                if let Some(own) = linearization {
+                    own.factors.solve(residual);
+                }
+            };
             let put_in = |at: usize| epsilon.abs() * reach(&by_y[at * d..][..d], x);
             let verdict = self.iteration.correct(
                 &mut self.corrections,
@@ -368,6 +378,7 @@ impl Curve {
                 1.0,
                 |at, node, correction| (x[at % d], node + correction - x[at % d], put_in(at)),
                 |at, node| node - x[at % d],
+                Some(&mut solve),
             )?;
             if verdict == Verdict::Converged {
                 return self.evaluate(p);
