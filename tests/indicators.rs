@@ -574,3 +574,77 @@ fn the_spectrum_comes_in_pairs() {
     }
     assert!(exponents[2].abs() < (libm::log(time) + 4.0) / time);
 }
+
+/// The mean growth of a vector a time unit between two times, from the largest exponent after each.
+fn growth_between(rows: &Rows, [first, last]: [u64; 2], step: f64) -> f64 {
+    let at = |steps: u64| rows.iter().find(|row| row.0 == steps).expect("a row").1[0];
+    let time = |steps: u64| steps as f64 * step;
+    (at(last) * time(last) - at(first) * time(first)) / (time(last) - time(first))
+}
+
+/// Saddles on long lattices and in loops over pairs. Strang's step of q″ = κ q has the trace 2 + κ h², so that vectors grow by
+/// arcosh(1 + κ h²/2) a step: κ = 1 of pendulums at the top, the most of a ring with springs that push at its shortest wave, and
+/// κ = N k of N bodies that push one another.
+#[test]
+fn saddles_of_many_coordinates_are_left_at_their_rate() {
+    let step = 0.05;
+    let method =
+        format!("[method]\nstepper = \"splitting\"\ntime-step = {step}\n[run]\nsteps = 500\n");
+    let record = "record = { observables = [\"lyapunov\"] }\n";
+    for (sites, energy, kappa) in [
+        (600, "cos(q[i])", 1.0),
+        (512, "0.1*cos(q[i]) - (q[i+1] - q[i])^2/8", 0.1 + 1.0),
+        (40, "0", 40.0 * 0.05),
+    ] {
+        let pairs = match sites {
+            40 => " - sum(i<j, 0.05*(q[i] - q[j])^2/2)",
+            _ => "",
+        };
+        let rows = alone(
+            &format!(
+                "[system]\nfamilies = {{ q = {sites}, p = {sites} }}\nbracket = \"canonical\"\n\
+                 hamiltonian = \"sum(i, p[i]^2/2 + {energy}){pairs}\"\n{method}{record}initial = {{ \"q[i]\" = 0, \"p[i]\" = 0 }}\n"
+            ),
+            50,
+        );
+        let found = growth_between(&rows, [400, 500], step);
+        let mut expected = libm::acosh(1.0 + kappa * step * step / 2.0) / step;
+        let mut bound = 1e-12;
+        if sites == 512 {
+            // Waves k = pi - x grow by c x^2 less. Many share the vector, with squares that sum up to the integral of
+            // exp(-2 c x^2 t), in proportion to t^(-1/2): its length has t^(-1/4). Amplitudes are random, of 30 waves or so.
+            expected -= libm::log(500.0 / 400.0) / 4.0 / (100.0 * step);
+            bound = 2e-3;
+        }
+        assert!(
+            (found - expected).abs() <= bound,
+            "{sites}: {found} for {expected}"
+        );
+    }
+}
+
+/// Spins that turn about the middle axis, each by itself: as many as have a matrix of the step, and as many as have none.
+#[test]
+fn spins_of_a_long_lattice_grow_as_those_of_a_short_one() {
+    let step = 0.1;
+    let grown = |sites: usize| {
+        let rows = alone(
+            &format!(
+                "[system]\nfamilies = {{ s = {{ components = [\"x\", \"y\", \"z\"], length = {sites} }} }}\n\
+                 bracket = {{ lie-algebra = \"so3\" }}\nhamiltonian = \"sum(i, s.x[i]^2/2 + s.y[i]^2/4 + s.z[i]^2/6)\"\n\
+                 [method]\nstepper = \"splitting\"\ntime-step = {step}\n[run]\nsteps = 1200\n\
+                 record = {{ observables = [\"lyapunov\", \"megno\"] }}\n\
+                 initial = {{ \"s.x[i]\" = 0, \"s.y[i]\" = 1, \"s.z[i]\" = 0 }}\n"
+            ),
+            100,
+        );
+        growth_between(&rows, [1000, 1200], step)
+    };
+    let (short, long) = (grown(8), grown(400));
+    // Euler's equations: ((1/I1 - 1/I2)(1/I2 - 1/I3))^(1/2) = 12^(-1/2), to the second order of the step.
+    assert!(
+        (short - libm::sqrt(1.0 / 12.0)).abs() <= step * step,
+        "{short}"
+    );
+    assert!((short - long).abs() <= 1e-12, "{short} and {long}");
+}

@@ -14,12 +14,14 @@
 //! alone. In the phase space extended by (t, e), e is the energy that the motion takes up. Its δe grows like the product of
 //! the others with the orbit, twice as fast along an unbounded one.
 
+use leafwise_core::solver::Differential;
 use leafwise_core::walk::column;
-use leafwise_core::{BuildError, StepError};
+use leafwise_core::{BuildError, StepError, Walk};
 use serde::{Deserialize, Serialize};
 
 use crate::fault::Fault;
 use crate::functions::{FunctionValues, StateFunctions};
+use crate::step::StepStart;
 
 mod flag;
 mod vectors;
@@ -113,6 +115,14 @@ impl Indicators {
     }
 }
 
+/// The derivative DΦ of a step that was taken.
+pub(crate) enum Tangent<'a> {
+    /// Row-major d × d.
+    Matrix(&'a [f64]),
+    /// The same step, taken again with its derivative.
+    Step(&'a mut dyn Differential),
+}
+
 /// Everything that later indicators of one lane depend on, beside its state.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Deviation {
@@ -134,22 +144,27 @@ impl Deviation {
         self.vectors.len() == vectors && self.growth.len() == growth
     }
 
-    /// Carries the vectors over a step with the tangent DΦ, row-major d × d.
+    /// Carries the vectors over a step.
     fn carry(
         &mut self,
-        (tangent, d): (&[f64], usize),
+        (tangent, d): (Tangent<'_>, usize),
         of: &Indicators,
         room: &mut Vec<f64>,
     ) -> Result<(), StepError> {
         const LOST: StepError = StepError::NonFinite {
             what: "a vector carried by the tangent of the step",
         };
-        room.clear();
-        for vector in self.vectors.chunks_exact(d) {
-            let rows = tangent.chunks_exact(d);
-            room.extend(rows.map(|row| dot(row, vector)));
+        match tangent {
+            Tangent::Matrix(tangent) => {
+                room.clear();
+                for vector in self.vectors.chunks_exact(d) {
+                    let rows = tangent.chunks_exact(d);
+                    room.extend(rows.map(|row| dot(row, vector)));
+                }
+                self.vectors.copy_from_slice(room);
+            }
+            Tangent::Step(step) => step.push(&mut self.vectors, &[])?,
         }
-        self.vectors.copy_from_slice(room);
         of.drop_unmeasured(&mut self.vectors, d);
         self.steps += 1;
         let (ordered, rest) = self.vectors.split_at_mut(self.growth.len() * d);
@@ -204,6 +219,8 @@ pub(crate) struct Deviations<'a> {
     dimension: usize,
     /// Indicator i of lane w at `[i*lanes + w]`.
     values: Vec<f64>,
+    /// Where the last step began.
+    start: StepStart,
     room: Vec<f64>,
 }
 
@@ -220,6 +237,7 @@ impl<'a> Deviations<'a> {
             own: vec![Deviation::default(); lanes],
             dimension,
             values: vec![0.0; of.which.len() * lanes],
+            start: StepStart::default(),
             room: Vec::new(),
         })
     }
@@ -252,15 +270,35 @@ impl<'a> Deviations<'a> {
         flat
     }
 
-    /// Follows a lane over a step with its tangent, which ends at a time.
+    /// Keeps the states that the next step begins at.
+    pub fn keep(&mut self, walk: &Walk) {
+        self.start.keep(walk);
+    }
+
+    /// Follows a lane over the last step, which ends at a time: with the stepper's tangent, or by a step of the map from
+    /// where the last one began.
     pub fn follow(
         &mut self,
         lane: usize,
         tangent: Option<Vec<f64>>,
+        again: impl FnOnce() -> Box<dyn Differential>,
         time: f64,
     ) -> Result<(), Fault> {
-        let tangent = tangent.ok_or(StepError::NoTangent)?;
-        self.own[lane].carry((&tangent, self.dimension), self.of, &mut self.room)?;
+        let (lanes, d) = (self.own.len(), self.dimension);
+        let room = &mut self.room;
+        match tangent {
+            Some(matrix) => {
+                self.own[lane].carry((Tangent::Matrix(&matrix), d), self.of, room)?;
+            }
+            None => {
+                let mut step = again();
+                let [state, low] = [&self.start.state, &self.start.compensation]
+                    .map(|all| column(all, lane, lanes));
+                room.resize(d, 0.0);
+                step.step(&state, &low, room)?;
+                self.own[lane].carry((Tangent::Step(step.as_mut()), d), self.of, room)?;
+            }
+        }
         self.evaluate(lane, time);
         Ok(())
     }

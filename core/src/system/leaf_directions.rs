@@ -14,7 +14,6 @@ pub struct LeafDirections {
     tensor: TensorMatrix,
     /// a_1, …, a_k, d numbers each.
     covectors: Vec<f64>,
-    dimension: usize,
 }
 
 impl LeafDirections {
@@ -36,7 +35,6 @@ impl LeafDirections {
         Ok(Self {
             tensor: TensorMatrix::new(system, parameters)?,
             covectors: covectors.collect(),
-            dimension,
         })
     }
 
@@ -51,25 +49,14 @@ impl LeafDirections {
         Ok(Self {
             tensor: TensorMatrix::new(system, parameters)?,
             covectors,
-            dimension,
         })
     }
 
     /// Writes the vectors one after the other; not numbers where the tensor has no value.
     fn evaluate(&mut self, state: &[f64], values: &mut [f64]) {
-        let d = self.dimension;
-        let Ok(tensor) = self.tensor.at(state) else {
+        let written = self.tensor.times(state, &self.covectors, values);
+        if written.is_err() {
             values.fill(f64::NAN);
-            return;
-        };
-        let pairs = values
-            .chunks_exact_mut(d)
-            .zip(self.covectors.chunks_exact(d));
-        for (vector, covector) in pairs {
-            for (i, value) in vector.iter_mut().enumerate() {
-                let terms = covector.iter().enumerate();
-                *value = terms.map(|(j, a)| tensor[(i, j)] * a).sum();
-            }
         }
     }
 }

@@ -115,6 +115,33 @@ impl TensorMatrix {
         Ok(entries)
     }
 
+    /// Π(x)a for covectors a of d numbers each, one after the other.
+    ///
+    /// # Errors
+    /// The [`StepError`] of a system of numbers.
+    pub(crate) fn times(
+        &mut self,
+        x: &[f64],
+        covectors: &[f64],
+        out: &mut [f64],
+    ) -> Result<(), StepError> {
+        let d = self.dimension;
+        let mut pairs = out.chunks_exact_mut(d).zip(covectors.chunks_exact(d));
+        if let Source::Numbers(evaluator) = &mut self.source {
+            return pairs.try_for_each(|(vector, a)| evaluator.tensor(x, a, vector));
+        }
+        let entries = self.entries_at(x)?;
+        for (vector, a) in pairs {
+            vector.fill(0.0);
+            for (rows, a) in entries.iter().zip(a) {
+                for (i, entry) in rows {
+                    vector[*i] += entry * a;
+                }
+            }
+        }
+        Ok(())
+    }
+
     /// |Π_ij(x)| + Σ_k |∂_k Π_ij| s_k, for coordinates of these sizes: u times it is what round-off of the
     /// arguments may put into an entry. Derivatives by differences, away from 0; where the tensor has no
     /// value there, they count nothing.

@@ -1,5 +1,7 @@
 //! Vectors that indicators of chaos follow, carried over each step.
 
+use leafwise_core::walk::column;
+
 use super::Watched;
 use crate::fault::Fault;
 use crate::indicators::Deviations;
@@ -25,10 +27,17 @@ impl Watched<'_> {
         let Some(mut deviations) = self.deviations.take() else {
             return;
         };
-        for lane in 0..self.walk.lanes() {
+        let lanes = self.walk.lanes();
+        for lane in 0..lanes {
             if self.walk.lives(lane) {
                 let (tangent, time) = (self.walk.tangent(lane), self.time(lane));
-                if let Err(fault) = deviations.follow(lane, tangent, time) {
+                // Made anew for each step: a walk that is continued has the bits of a whole one.
+                let again = || {
+                    let parameters = column(self.alones.parameters(), lane, lanes);
+                    let (epsilon, h) = (self.course.epsilon, self.course.h);
+                    self.map.differential(&parameters, epsilon, h)
+                };
+                if let Err(fault) = deviations.follow(lane, tangent, again, time) {
                     self.fail(lane, fault, self.walk.steps());
                 }
             }

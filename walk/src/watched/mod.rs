@@ -300,6 +300,9 @@ impl<'a> Watched<'a> {
         if looks_between {
             self.start.keep(&self.walk);
         }
+        if let Some(deviations) = &mut self.deviations {
+            deviations.keep(&self.walk);
+        }
         if self.walk.step().is_err() {
             self.look_for_stops_on_the_way()?;
             self.take_failures();

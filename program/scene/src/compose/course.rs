@@ -220,10 +220,11 @@ impl ComposedRun {
     }
 
     /// Where vectors begin: in the leaf, where two of its dimensions are there for each exponent. Of a bracket and H alone they
-    /// are all known, and vectors begin anywhere for those beyond.
+    /// are all known, and vectors begin anywhere for those beyond, but on a long lattice.
     fn begins(&self, which: &[Indicator]) -> Begins {
         let last = Indicators::exponents_of(which);
-        if self.system.has_forces() || self.is_extended() || last > self.dimension() {
+        let is_long = self.method.lattice().is_some();
+        if self.system.has_forces() || self.is_extended() || is_long || last > self.dimension() {
             return Begins::InLeaf;
         }
         let values = self.leaf_directions(2 * last);
@@ -246,7 +247,12 @@ impl ComposedRun {
 
     /// So many vectors in the symplectic leaf of a state, one after the other.
     fn leaf_directions(&self, count: usize) -> StateFunctions {
-        let (system, d) = (Arc::new(self.system.clone()), self.dimension());
+        let numbers = match &self.method {
+            Stepping::Lattice(lattice) => lattice.numbers.as_ref(),
+            _ => None,
+        };
+        let system = Arc::new(numbers.unwrap_or(&self.system).clone());
+        let d = self.dimension();
         StateFunctions::each(count * d, move |parameters| {
             Ok(LeafDirections::new(&system, parameters, count)?.into())
         })

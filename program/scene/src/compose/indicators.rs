@@ -1,18 +1,17 @@
 //! Observables that follow tangents along a run: indicators of chaos.
 
-use leafwise_core::{PoissonSystem, Walk};
+use leafwise_core::{PoissonSystem, StepMap, Walk};
 use leafwise_walk::Indicator;
 
 use super::Refusal;
-use super::dense::WRITTEN_LIMIT;
-use super::observables::{Observable, indicator};
+use super::observables::{Observable, asks_for_indicator, indicator};
 use super::stepping::Stepping;
 use crate::document::{Located, SceneDocument};
 
 /// The indicators among a scene's observables, in their order.
 ///
 /// # Errors
-/// A method whose steps offer no exact tangent, one with noise, and a long lattice.
+/// A method whose steps offer no exact tangent, and one with noise.
 pub(super) fn indicators(
     document: &SceneDocument,
     observables: &[Observable],
@@ -36,15 +35,6 @@ pub(super) fn indicators(
         )))
     };
     let name = &first.value;
-    if method.lattice().is_some() {
-        return refuse(
-            format!(
-                "`{name}` is not offered on a lattice of more than {WRITTEN_LIMIT} coordinates: it follows displacements by the \
-                 derivative of every step, which couples all sites"
-            ),
-            "take a shorter lattice, or tangents in Python: `scene.trajectory().jvp`",
-        );
-    }
     if method.noise().is_some() {
         return refuse(
             format!("`{name}` is not offered with noise: every step is of another map"),
@@ -63,7 +53,8 @@ pub(super) fn indicators(
     let (epsilon, h) = step;
     let mut walk = Walk::new(map, &system.parameter_values(), epsilon, h, initial);
     // Where the step fails nobody knows, and the run will say why.
-    if walk.advance(1).is_ok() && walk.tangent(0).is_none() {
+    let is_without = walk.advance(1).is_ok() && walk.tangent(0).is_none();
+    if is_without && !has_derivative(map, (&system.parameter_values(), initial), step) {
         return refuse(
             format!(
                 "`{name}` follows the exact tangent of each step, which `{}` does not offer",
@@ -76,4 +67,22 @@ pub(super) fn indicators(
         .iter()
         .filter_map(|text| indicator(&text.value))
         .collect())
+}
+
+/// Whether the map has the derivative of its step from a state, without a matrix.
+fn has_derivative(
+    map: &dyn StepMap,
+    (parameters, state): (&[f64], &[f64]),
+    (epsilon, h): (f64, f64),
+) -> bool {
+    let mut step = map.differential(parameters, epsilon, h);
+    let [low, mut increment, mut vector] = [0.0, 0.0, 1.0].map(|of| vec![of; state.len()]);
+    let moved = step.step(state, &low, &mut increment);
+    moved.and_then(|()| step.push(&mut vector, &[])).is_ok()
+}
+
+/// Whether a scene records an indicator.
+pub(super) fn follows_tangents(document: &SceneDocument) -> bool {
+    let mut recorded = document.run.record.observables.iter();
+    recorded.any(|own| asks_for_indicator(&own.formula.value))
 }

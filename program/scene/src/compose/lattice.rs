@@ -2,7 +2,7 @@
 
 use leafwise_core::lattice::observables::SiteDensity;
 use leafwise_core::lattice::{
-    LatticeGeometry, LatticeObservables, LatticeSource, TemplateReach, proxy_of,
+    LatticeGeometry, LatticeNumbers, LatticeObservables, LatticeSource, TemplateReach, proxy_of,
 };
 use leafwise_core::{BuildError, PoissonSystem};
 use leafwise_expression::Expression;
@@ -12,6 +12,7 @@ use super::Refusal;
 use super::definitions::scope;
 use super::dense::{DENSE_LIMIT, WRITTEN_LIMIT};
 use super::geometry::geometry;
+use super::indicators::follows_tangents;
 use super::instantiate::instantiate;
 use super::lattice_functions::LatticeFunctions;
 use super::lattice_noise::SiteTerms;
@@ -295,6 +296,17 @@ impl<'a> SceneLattice<'a> {
         let functions =
             formulas.map(|formula| Ok((formula, SiteFunction::of(self.document, formula)?)));
         functions.collect()
+    }
+
+    /// The lattice as a system of numbers, where the run follows tangents; `None` elsewhere.
+    ///
+    /// # Errors
+    /// Those of [`LatticeNumbers::compile`].
+    pub fn numbers(&self) -> Result<Option<PoissonSystem>, BuildError> {
+        match follows_tangents(self.document) {
+            true => Ok(Some(LatticeNumbers::compile(self)?.system.into())),
+            false => Ok(None),
+        }
     }
 
     /// Formulas that the run watches: the energy, the Casimirs, then formulas of the state.

@@ -124,6 +124,7 @@ pub(super) fn compose_lattice(
         noise: None,
         invariants,
         formulas,
+        numbers: own.numbers()?,
         stepped: WithoutPoles::of_lattice(lattice, map)?,
         is_composed,
         base,

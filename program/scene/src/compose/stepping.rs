@@ -5,7 +5,7 @@ use std::sync::Arc;
 use leafwise_core::LatticeMethod;
 use leafwise_core::lattice::{LatticeGeometry, LatticeMap, Swept};
 use leafwise_core::noise::NoisyMap;
-use leafwise_core::{Method, MotionClass, StepMap, Structure};
+use leafwise_core::{Method, MotionClass, PoissonSystem, StepMap, Structure};
 
 use super::channels::RunNoise;
 use super::lattice_functions::LatticeFunctions;
@@ -88,6 +88,8 @@ pub struct LatticeStepping {
     pub invariants: LatticeFunctions,
     /// Formulas of the state that the scene records.
     pub formulas: LatticeFunctions,
+    /// The lattice as a system of numbers, where indicators of chaos need directions in its leaves.
+    pub numbers: Option<PoissonSystem>,
 }
 
 impl LatticeStepping {

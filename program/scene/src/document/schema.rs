@@ -146,7 +146,7 @@ static TIMES_BESIDE: [Beside; 3] = [
 /// Scenes without a shadow energy, and without indicators of chaos.
 static OBSERVABLES_BESIDE: [Beside; 2] = [
     Beside::Note("as `shadow-energy`: noise, a pace, forces, a long lattice"),
-    Beside::Note("as `megno`, `lyapunov`, `sali`: noise, a long lattice"),
+    Beside::Note("as `megno`, `lyapunov`, `sali`: noise"),
 ];
 
 /// The key of [`MethodSection::chosen_at`](super::MethodSection::chosen_at).
