@@ -75,6 +75,7 @@ mod summary;
 pub mod sweep;
 #[cfg(test)]
 mod tests;
+mod undefined_motion;
 mod watch;
 mod whole_states;
 
@@ -96,8 +97,8 @@ pub use maps::{MapRequest, NoMaps, maps};
 pub use outcome::{Failure, RunOutcome, RunReport, SolverFields};
 pub use perform::perform;
 pub use progress::{Progress, Quiet, Status};
-pub(crate) use replaced::{confirm, replace};
 pub use recorded_states::{NamedState, named_state};
+pub(crate) use replaced::{confirm, replace};
 pub use retraced::{Retrace, Retraced};
 pub use room::{NoRoom, with_room};
 pub(crate) use sealed::Format;
