@@ -424,6 +424,9 @@ fn about_a_long_lattice(
             let mut recorded = document.run.record.observables.iter();
             let is_recorded = recorded.any(|observable| observable.formula == *formula);
             let coordinates = document.system.coordinates();
+            let forces = document.system.forces.one_form.iter();
+            let mut forces = forces.flat_map(|own| own.value.formulas());
+            let is_force = forces.any(|own| own.place() == formula.place());
             let kind_of = match kind {
                 SyntaxErrorKind::SumInATemplate if is_recorded => {
                     "this sum does not run over all sites, or it couples every site with all others"
@@ -436,8 +439,21 @@ fn about_a_long_lattice(
                  {coordinates}"
             );
             let help = match kind {
+                SyntaxErrorKind::SumInATemplate
+                    if is_recorded && document.system.axes.is_empty() =>
+                {
+                    "sums over all sites are recorded, and any functions of them: sum(i, j, q[i]*p[j]) is sum(i, q[i])*sum(i, p[i]), \
+                     and sum(i<j, q[i]*q[j]) is (sum(i, q[i])^2 - sum(i, q[i]^2))/2"
+                }
+                SyntaxErrorKind::SiteInATemplate { .. } if is_recorded => {
+                    "write single sites outside of the sum: sum(i, q[3]*q[i]) is q[3]*sum(i, q[i])"
+                }
                 _ if is_recorded && !document.system.axes.is_empty() => RECORDED_OF_AXES,
                 _ if is_recorded => RECORDED,
+                SyntaxErrorKind::SumInATemplate if is_force => {
+                    "shorten the lattice; of a force with a potential write that into the Hamiltonian, whose functions of sums are \
+                     taken in loops, as sum(i, cos(q[i]))^2/N"
+                }
                 SyntaxErrorKind::SumInATemplate => {
                     "shorten the lattice, or couple sites at fixed distances, as q[i+5]"
                 }
