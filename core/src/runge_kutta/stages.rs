@@ -101,8 +101,8 @@ impl StageSolver {
         }
     }
 
-    /// The same, trying an iteration without Jacobians first: the plain one with the stages in lanes for Gauss methods of three
-    /// stages and more whose F has a kernel, the accelerated one for many equations.
+    /// The same, trying an iteration without Jacobians first. Gauss methods of three stages and more whose F has a kernel take the
+    /// plain one, with the stages in lanes. Many equations take the accelerated one.
     #[must_use]
     pub fn by_lanes(mut self) -> Self {
         let Coefficients { tableau, time_step } = &self.coefficients;

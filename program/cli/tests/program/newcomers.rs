@@ -507,7 +507,7 @@ fn a_zero_that_is_divided_by_is_underlined() {
             vortices("\"gamma[i]\" = [1, 2, 0, 4]"),
             "gamma[2]",
             "0",
-            ", 4]",
+            ", 4] }",
         ),
         (
             vortices("\"gamma[i]\" = 1, \"gamma[2]\" = 0"),

@@ -216,7 +216,7 @@ fn coordinates_that_are_not_there_are_refused_without_the_template() {
         ),
         (
             "observables = [\"sum(i, q[i]*q[0])\"]",
-            &["q[0]", "single coordinates are recorded by their names"],
+            &["q[0]", "write single sites outside of the sum"],
         ),
     ] {
         let said = chain(record).leafwise(&["check", "scene.toml"]);
