@@ -55,7 +55,7 @@ pub use iteration::{CorrectionMethod, Iteration};
 pub use judge::CorrectionSize;
 pub use lanes::{Lanes, StepReport, Trajectories};
 pub use linear::{
-    DenseFactors, MOST_EQUATIONS, MOST_VARIABLES, check_equations, check_variables,
+    DenseFactors, MANY_EQUATIONS, MOST_EQUATIONS, MOST_VARIABLES, check_equations, check_variables,
     elimination_operations, substitution_operations,
 };
 use nalgebra::DMatrix;

@@ -9,7 +9,7 @@ use super::tableau::PartitionedTableau;
 use crate::error::StepError;
 use crate::evaluator::Evaluator;
 use leafwise_solver::judge::all_finite;
-use leafwise_solver::{Branch, StepReport};
+use leafwise_solver::{Branch, MANY_EQUATIONS, StepReport};
 
 /// So many steps are taken by Newton's iteration after the plain one has failed.
 pub(super) const UNTIL_LANES: u32 = 15;
@@ -28,11 +28,16 @@ pub(super) const UNTIL_LANES: u32 = 15;
 /// A solver made [`by_lanes`](Self::by_lanes) first tries the plain iteration Z_i ← z + τ Σ_j a_ij F(Z_j), all stages
 /// at once in the lanes of vectors. Where its corrections halve on the average, its solution is that connected with
 /// z. Elsewhere Newton's iteration takes the step, and the next few.
+///
+/// [`MANY_EQUATIONS`] are tried by the accelerated iteration instead, whose matrix costs most. Its solution is taken where the
+/// rate without acceleration is at most 1/2.
 pub struct StageSolver {
     field: SmoothMapEvaluator,
     coefficients: Coefficients,
     trajectories: Vec<StageSolve>,
     lanes: Option<Box<dyn StageLanes>>,
+    /// The accelerated iteration of each trajectory, where it is tried first.
+    accelerated: Vec<StageSolve>,
     /// Steps of each trajectory until that is tried, and whether the last one was taken so.
     pub(super) until_lanes: Vec<u32>,
     pub(super) is_by_lanes: Vec<bool>,
@@ -77,6 +82,7 @@ impl StageSolver {
         Self {
             trajectories: trajectories.collect(),
             lanes: None,
+            accelerated: Vec::new(),
             until_lanes: vec![0; count],
             is_by_lanes: vec![false; count],
             active: Vec::with_capacity(count),
@@ -95,12 +101,16 @@ impl StageSolver {
         }
     }
 
-    /// The same, trying the plain iteration with the stages in lanes first: for Gauss methods of three
-    /// stages and more whose F has a kernel.
+    /// The same, trying an iteration without Jacobians first. Gauss methods of three stages and more whose F has a kernel take the
+    /// plain one, with the stages in lanes. Many equations take the accelerated one.
     #[must_use]
     pub fn by_lanes(mut self) -> Self {
         let Coefficients { tableau, time_step } = &self.coefficients;
-        if tableau.split == 0 {
+        let (s, n) = (tableau.stages(), self.field.map().inputs());
+        if self.has_tangent() && s * n >= MANY_EQUATIONS {
+            let accelerated = (0..self.trajectories.len()).map(|_| StageSolve::new(n, s, false));
+            self.accelerated = accelerated.collect();
+        } else if tableau.split == 0 {
             let count = self.trajectories.len();
             self.lanes = stage_lanes(self.field.at(), &tableau.second, *time_step, count, false);
         }
@@ -210,13 +220,16 @@ impl StageSolver {
         taken: &mut StepReport,
     ) -> bool {
         self.is_by_lanes[at] = false;
-        let Some(lanes) = &mut self.lanes else {
-            return false;
-        };
         if self.until_lanes[at] > 0 {
             self.until_lanes[at] -= 1;
             return false;
         }
+        if !self.accelerated.is_empty() {
+            return self.is_solved_by_acceleration(at, start, change, taken);
+        }
+        let Some(lanes) = &mut self.lanes else {
+            return false;
+        };
         let begin = Start {
             point: start,
             sizes: start,
@@ -237,6 +250,45 @@ impl StageSolver {
                 false
             }
         }
+    }
+
+    /// Tries the accelerated iteration; it writes the change where it succeeds, and leaves the trajectory as it was elsewhere.
+    fn is_solved_by_acceleration(
+        &mut self,
+        at: usize,
+        start: &[f64],
+        change: &mut [f64],
+        taken: &mut StepReport,
+    ) -> bool {
+        let (own, trajectory) = (&mut self.accelerated[at], &mut self.trajectories[at]);
+        own.restore(trajectory.displacements());
+        own.begin(start);
+        let all = own.displacements().len();
+        let (stages, slopes) = (&mut self.stages[..all], &mut self.slopes[..all]);
+        let solved = loop {
+            own.place(stages);
+            let mut outcome = Ok(());
+            let field = &mut self.field;
+            field.each_value(stages, slopes, |_, error| outcome = Err(error));
+            let taken = outcome.and_then(|()| own.take_slopes(&self.coefficients, slopes));
+            match taken {
+                Ok(None) => {}
+                Ok(Some(evaluations)) => break Some(evaluations),
+                Err(_) => break None,
+            }
+        };
+        let solved = solved.filter(|_| !own.iteration.is_slow());
+        taken.evaluations += solved.unwrap_or(own.iteration.evaluations()) as u64;
+        self.is_by_lanes[at] = solved.is_some();
+        if solved.is_none() {
+            self.until_lanes[at] = UNTIL_LANES;
+            return false;
+        }
+        taken.is_rounded = own.iteration.is_rounded();
+        own.change(&self.coefficients, change);
+        trajectory.restore(own.displacements());
+        trajectory.move_to(start);
+        true
     }
 
     fn iterate(&mut self, changes: &mut [f64], taken: &mut [StepReport]) {
@@ -428,7 +480,11 @@ impl StageSolver {
     pub fn operations(&self) -> Option<u64> {
         let linear: u64 = self.trajectories.iter().map(|solve| solve.linear).sum();
         let lanes = self.lanes.as_ref().map_or(0, |lanes| lanes.operations());
-        Some(self.field.operations()? + linear + lanes)
+        let accelerated = self.accelerated.iter();
+        let accelerated: u64 = accelerated
+            .map(|solve| solve.linear + solve.iteration.operations())
+            .sum();
+        Some(self.field.operations()? + linear + lanes + accelerated)
     }
 
     /// Forgets a trajectory's earlier solves.

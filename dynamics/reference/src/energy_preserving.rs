@@ -70,11 +70,10 @@ struct AveragedStages {
     place: Vec<f64>,
     value: Vec<f64>,
     slope: Vec<f64>,
-    /// Whether the system has derivatives.
+    /// Whether the last evaluation was with derivatives.
     is_exact: bool,
-    /// Operations of the averages and the stages, and those of one evaluation.
+    /// Operations of the averages and the stages.
     averaged: u64,
-    work: u64,
 }
 
 /// W_i, ∂W_i/∂K (d × sd) and ∂W_i/∂x (d × d), one stage after the other.
@@ -130,7 +129,6 @@ impl AveragedStages {
             }
         }
         let size = stages * d;
-        let is_exact = tensor.map().has_jacobian() && gradient.map().has_jacobian();
         Self {
             tensor,
             gradient,
@@ -153,10 +151,14 @@ impl AveragedStages {
             place: vec![0.0; 2 * d],
             value: vec![0.0; d],
             slope: vec![0.0; 2 * d * d],
-            is_exact,
+            is_exact: false,
             averaged: 0,
-            work: evaluation_operations(d, stages, is_exact),
         }
+    }
+
+    /// Whether the system has derivatives.
+    fn has_jacobian(&self) -> bool {
+        self.tensor.map().has_jacobian() && self.gradient.map().has_jacobian()
     }
 
     /// Writes x + t Σ_j a_j K_j into the first half of `place`.
@@ -174,13 +176,15 @@ impl AveragedStages {
         }
     }
 
-    /// The averaged gradients at the current K, and their derivatives where the system has them.
+    /// The averaged gradients at the current K, and their derivatives where they are wanted.
     fn average(&mut self) -> Result<(), StepError> {
         let (d, s) = (self.start.len(), self.tableau.stages());
         let averages = &mut self.averages_of_gradient;
         averages.values.fill(0.0);
-        averages.by_slopes.fill(0.0);
-        averages.by_start.fill(0.0);
+        if self.is_exact {
+            averages.by_slopes.fill(0.0);
+            averages.by_start.fill(0.0);
+        }
         for q in 0..QUADRATURE {
             self.place(Coefficients::Node, q);
             self.gradient.values(&self.place[..d], &mut self.value)?;
@@ -216,11 +220,12 @@ impl AveragedStages {
         Ok(())
     }
 
-    /// Evaluates the stages at K, and their derivatives where the system has them.
-    fn evaluate(&mut self, slopes: &[f64]) -> Result<(), StepError> {
+    /// Evaluates the stages at K, and their derivatives where they are wanted.
+    fn evaluate(&mut self, slopes: &[f64], is_exact: bool) -> Result<(), StepError> {
         self.slopes.copy_from_slice(slopes);
-        self.averaged += self.work;
+        self.is_exact = is_exact;
         let (d, s) = (self.start.len(), self.tableau.stages());
+        self.averaged += evaluation_operations(d, s, is_exact);
         self.average()?;
         for i in 0..s {
             self.place(Coefficients::Stage, i);
@@ -284,7 +289,7 @@ impl StepEquation for AveragedStages {
         residual: &mut [f64],
         matrix: &mut [f64],
     ) -> Result<(), StepError> {
-        self.evaluate(slopes)?;
+        self.evaluate(slopes, !matrix.is_empty())?;
         for (at, residual) in residual.iter_mut().enumerate() {
             *residual = self.values[at] - slopes[at];
         }
@@ -324,9 +329,9 @@ impl EnergyPreserving {
         let (stages, solve) = (&mut self.stages, &mut self.solve);
         stages.start.copy_from_slice(x);
         let mut evaluations = solve.solve(stages, x)?;
-        if !stages.is_exact {
+        if solve.is_by_residuals() {
             // The energy is kept as far as K is −Π(U) W: once more, without acceleration.
-            stages.evaluate(&solve.unknowns)?;
+            stages.evaluate(&solve.unknowns, false)?;
             solve.unknowns.copy_from_slice(&stages.values);
             evaluations += 1;
         }
@@ -338,7 +343,7 @@ impl EnergyPreserving {
 impl Trajectories for EnergyPreserving {
     fn step(&mut self, x: &[f64], _low: &[f64], increment: &mut [f64], taken: &mut [StepReport]) {
         let step = self.advance(x, increment);
-        taken[0].take(step, self.solve.iteration.is_rounded());
+        taken[0].take(step, self.solve.is_rounded());
     }
 
     fn operations(&self) -> Option<u64> {
@@ -423,7 +428,8 @@ fn build(
         kept_signs: Vec::new(),
         make: Box::new(move |parameters, time_step, _| {
             let stages = AveragedStages::new(&maps, stages, parameters, time_step);
-            let solve = StepSolve::new(stages.slopes.len(), stages.is_exact);
+            let solve = StepSolve::new(stages.slopes.len(), stages.has_jacobian());
+            let solve = solve.plainly_first();
             Box::new(EnergyPreserving { stages, solve })
         }),
     }))

@@ -60,6 +60,8 @@ struct Midpoint {
     /// ∂Γ/∂D and ∂Γ/∂x of each triple.
     turns: Vec<Matrix3<f64>>,
     stretches: Vec<Matrix3<f64>>,
+    /// Whether the last evaluation was with derivatives.
+    is_exact: bool,
     /// Operations of the triples.
     operations: u64,
 }
@@ -91,6 +93,7 @@ impl Midpoint {
             jacobian: vec![0.0; d * d],
             turns: vec![Matrix3::zeros(); triples.len()],
             stretches: vec![Matrix3::zeros(); triples.len()],
+            is_exact: false,
             operations: 0,
         }
     }
@@ -136,8 +139,10 @@ impl StepEquation for Midpoint {
         matrix: &mut [f64],
     ) -> Result<(), StepError> {
         let d = self.start.len();
+        self.is_exact = !matrix.is_empty();
         // Radii, the middle and its two derivatives; the matrix, block by block.
-        self.operations += (TRIPLE * self.turns.len() + 7 * d * d) as u64;
+        let of_matrix = if self.is_exact { 7 * d * d } else { 0 };
+        self.operations += (TRIPLE * self.turns.len() + of_matrix) as u64;
         self.change.copy_from_slice(change);
         self.middle.copy_from_slice(&self.start);
         for triple in 0..self.turns.len() {
@@ -149,7 +154,9 @@ impl StepEquation for Midpoint {
             self.stretches[triple] = stretch;
         }
         self.field.values(&self.middle, &mut self.values)?;
-        self.field.jacobians(&self.middle, &mut self.jacobian)?;
+        if self.is_exact {
+            self.field.jacobians(&self.middle, &mut self.jacobian)?;
+        }
         for (c, residual) in residual.iter_mut().enumerate() {
             *residual = self.time_step * self.values[c] - change[c];
         }
@@ -165,6 +172,9 @@ impl StepEquation for Midpoint {
     }
 
     fn measure(&self, row: usize) -> (f64, f64, f64) {
+        if !self.is_exact {
+            return (self.start[row], self.change(row), 0.0);
+        }
         let d = self.start.len();
         let sensitivity = reach(&self.jacobian[row * d..][..d], &self.middle);
         let put_in = self.time_step.abs() * sensitivity;
@@ -186,12 +196,25 @@ struct SphericalMidpoint {
     solve: StepSolve,
 }
 
+impl SphericalMidpoint {
+    fn advance(&mut self, x: &[f64]) -> Result<usize, StepError> {
+        let (midpoint, solve) = (&mut self.midpoint, &mut self.solve);
+        midpoint.start.copy_from_slice(x);
+        let mut evaluations = solve.solve(midpoint, x)?;
+        if solve.is_by_residuals() {
+            // Spheres are kept as far as D is t X(Γ): once more, without acceleration.
+            solve.add_residual(midpoint)?;
+            evaluations += 1;
+        }
+        Ok(evaluations)
+    }
+}
+
 impl Trajectories for SphericalMidpoint {
     fn step(&mut self, x: &[f64], _low: &[f64], increment: &mut [f64], taken: &mut [StepReport]) {
-        self.midpoint.start.copy_from_slice(x);
-        let step = self.solve.solve(&mut self.midpoint, x);
+        let step = self.advance(x);
         increment.copy_from_slice(&self.solve.unknowns);
-        taken[0].take(step, self.solve.iteration.is_rounded());
+        taken[0].take(step, self.solve.is_rounded());
     }
 
     fn operations(&self) -> Option<u64> {
@@ -311,7 +334,7 @@ fn build(
         make: Box::new(move |parameters, time_step, _| {
             Box::new(SphericalMidpoint {
                 midpoint: Midpoint::new(&field, &triples, parameters, time_step),
-                solve: StepSolve::new(field.inputs(), true),
+                solve: StepSolve::new(field.inputs(), true).plainly_first(),
             })
         }),
     }))

@@ -55,6 +55,7 @@ mod outcome;
 mod perform;
 mod planes;
 mod progress;
+mod recorded_states;
 mod replaced;
 mod retraced;
 mod room;
@@ -74,6 +75,7 @@ mod summary;
 pub mod sweep;
 #[cfg(test)]
 mod tests;
+mod undefined_motion;
 mod watch;
 mod whole_states;
 
@@ -95,6 +97,7 @@ pub use maps::{MapRequest, NoMaps, maps};
 pub use outcome::{Failure, RunOutcome, RunReport, SolverFields};
 pub use perform::perform;
 pub use progress::{Progress, Quiet, Status};
+pub use recorded_states::{NamedState, named_state};
 pub(crate) use replaced::{confirm, replace};
 pub use retraced::{Retrace, Retraced};
 pub use room::{NoRoom, with_room};

@@ -1,19 +1,15 @@
 //! Maps of the states that a run directory holds.
 
-use std::fs::{self, File};
-use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use leafwise_core::lattice::{Axis, LatticeGeometry};
 use leafwise_report::FieldMaps;
 use leafwise_scene::input::read_text;
 use leafwise_scene::table::Table;
-use serde::Deserialize;
-use serde_json::{Map, Value};
 use thiserror::Error;
 
-use super::job::MANIFEST;
 use super::planes::{LETTERS, MapField, Slice, map, some_places};
+use super::recorded_states::{StateFields, StatesEntry, doubles};
 use super::states::{FINAL_STATE, HEADER};
 use super::summary::rounded;
 
@@ -105,43 +101,14 @@ impl NoMaps {
     }
 }
 
-/// Fields of a manifest that say where states are.
-#[derive(Deserialize)]
-struct Fields {
-    #[serde(default)]
-    axes: Vec<usize>,
-    variables: Value,
-    states: StatesEntry,
-    #[serde(default)]
-    time: f64,
-}
-
-/// The recorded states of a manifest.
-#[derive(Deserialize)]
-struct StatesEntry {
-    file: Option<String>,
-    slices: Vec<RecordedSlice>,
-}
-
-/// A slice of the state that was recorded.
-#[derive(Deserialize)]
-struct RecordedSlice {
-    name: String,
-    first: Option<usize>,
-    step: usize,
-    count: usize,
-}
-
 /// Maps of a field of the run in a directory.
 ///
 /// # Errors
 /// [`NoMaps`], with what to do instead.
 pub fn maps(directory: &Path, request: &MapRequest) -> Result<FieldMaps, NoMaps> {
-    let file = directory.join(MANIFEST);
     let none = || NoMaps::NoRun(directory.to_owned());
-    let text = fs::read_to_string(&file).map_err(|_| none())?;
-    let fields: Fields = serde_json::from_str(&text).map_err(|_| none())?;
-    let names = families(&fields.variables).ok_or_else(none)?;
+    let fields = StateFields::read(directory).ok_or_else(none)?;
+    let names = fields.families().ok_or_else(none)?;
     if fields.axes.is_empty() {
         return Err(none());
     }
@@ -177,24 +144,6 @@ pub fn maps(directory: &Path, request: &MapRequest) -> Result<FieldMaps, NoMaps>
         map.title = map.title.replacen("t = ", &format!("{cut}t = "), 1);
     }
     Ok(FieldMaps { maps, color })
-}
-
-/// The names of families of a manifest's variables, `x[0,0]`, …, or names with lengths.
-fn families(variables: &Value) -> Option<Vec<String>> {
-    match variables {
-        Value::Object(families) => Some(Map::keys(families).cloned().collect()),
-        Value::Array(names) => {
-            let mut families: Vec<String> = Vec::new();
-            for name in names {
-                let (family, _) = name.as_str()?.split_once('[')?;
-                if families.last().is_none_or(|last| last != family) {
-                    families.push(family.to_owned());
-                }
-            }
-            Some(families)
-        }
-        _ => None,
-    }
 }
 
 /// The field of this name among the coordinates of its families alone, its name in colour, and these families.
@@ -282,7 +231,7 @@ fn recorded(
             .map(|time| nearest(&times, *time))
             .collect::<Result<_, _>>()?,
     };
-    let width: usize = states.slices.iter().map(|slice| slice.count).sum();
+    let width = states.width();
     let is_in_samples = states.file.as_deref() == Some(super::samples::FILE);
     let mut states = Vec::with_capacity(chosen.len());
     for at in chosen {
@@ -332,25 +281,13 @@ fn last_state(file: &Path, geometry: &LatticeGeometry) -> Result<Vec<f64>, NoMap
     })
 }
 
-/// So many doubles of a file from a place on.
-fn doubles(file: &Path, start: u64, count: usize) -> std::io::Result<Vec<f64>> {
-    let mut open = File::open(file)?;
-    let length = open.metadata()?.len();
-    if length < start.saturating_add(8 * count as u64) {
-        return Err(std::io::Error::from(std::io::ErrorKind::UnexpectedEof));
-    }
-    open.seek(SeekFrom::Start(start))?;
-    let mut bytes = vec![0; 8 * count];
-    open.read_exact(&mut bytes)?;
-    let values = bytes.chunks_exact(8);
-    Ok(values
-        .map(|value| f64::from_le_bytes(value.try_into().unwrap_or_default()))
-        .collect())
-}
-
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
+    use crate::job::MANIFEST;
+    use crate::recorded_states::{NamedState, named_state};
 
     const MANIFEST_OF: &str = r#"{"variables": {"s.x": 24, "s.y": 24, "s.z": 24}, "axes": [2, 3, 4], "time": 7.5,
         "states": {"file": "states.npy", "slices": SLICES, "last": "final_state.bin"}}"#;
@@ -477,5 +414,29 @@ mod tests {
         fs::remove_file(run.path().join("states.npy")).expect("removed");
         let error = maps(run.path(), &request("s", &[], None)).expect_err("no file");
         assert!(error.to_string().contains("states.npy"), "{error}");
+    }
+
+    /// A coordinate by its name is a column of the table of states, or one that the run has and did not record.
+    #[test]
+    fn a_recorded_coordinate_is_a_column() {
+        let run = run(
+            r#"[{"name": "s.x", "first": 0, "step": 5, "count": 5}, {"name": "s.y", "first": 0, "step": 1, "count": 24},
+                {"name": "s.z", "first": 1, "step": 1, "count": 43}]"#,
+        );
+        let named = |name: &str| named_state(run.path(), name).expect("a file");
+        // The site 0, 2, 2 is the number 10, the third of every fifth; 1, 1, 1 is the number 17.
+        for (name, place) in [("s.x[0,2,2]", 2), ("s.y[1,1,1]", 5 + 17)] {
+            let NamedState::Recorded(values) = named(name) else {
+                panic!("{name}");
+            };
+            let expected = [0, 100, 200].map(|at| f64::from(at + place));
+            assert_eq!(values, expected, "{name}");
+        }
+        assert!(matches!(named("s.x[0,0,1]"), NamedState::NotRecorded));
+        for none in ["s.x[0,0,4]", "s.x[3]", "s.w[0,0,0]", "energy"] {
+            assert!(matches!(named(none), NamedState::Unknown), "{none}");
+        }
+        fs::remove_file(run.path().join("states.npy")).expect("removed");
+        assert!(named_state(run.path(), "s.y[0,0,0]").is_err());
     }
 }

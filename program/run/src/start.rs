@@ -1,9 +1,10 @@
 //! Whether a run can begin: its system's formulas, the energy and the motion at the initial state.
 
-use leafwise_core::{BuildError, Evaluator};
+use leafwise_core::BuildError;
 
 use crate::RunError;
 use crate::advice::{Advice, AdviceKind};
+use crate::undefined_motion::{place_of, undefined_motion};
 use leafwise_scene::compose::{ComposedRun, Refusal, SceneChecks};
 use leafwise_scene::document::SceneDocument;
 use leafwise_walk::outside;
@@ -42,17 +43,26 @@ pub(super) fn refusal(
     }) == [true];
     invariants.evaluate(initial, &mut values);
     let energy = values[0];
-    let message = if is_outside {
-        "the energy has no value at the initial state".to_owned()
-    } else {
-        let Some(message) = without_motion(composed, energy) else {
-            return Ok(None);
-        };
-        if composed.walk().step().is_ok() {
-            return Ok(None);
+    let undefined = undefined_motion(composed);
+    let message = match &undefined {
+        _ if is_outside => "the energy has no value at the initial state".to_owned(),
+        Some(undefined) => undefined.message.clone(),
+        None if composed.method.lattice().is_some() && !energy.is_finite() => {
+            "the energy has no finite value at the initial state".to_owned()
         }
-        message
+        None => return Ok(None),
     };
+    if !is_outside && composed.walk().step().is_ok() {
+        return Ok(None);
+    }
+    if let Some(zero) = undefined.and_then(|undefined| undefined.zero) {
+        return Ok(Some(Box::new(document.diagnostic(
+            &place_of(document, &zero),
+            format!("{message}, where `{zero}` is 0"),
+            "no step can be taken with this value",
+            Some("give it another value: no division by zero, no ln of 0".to_owned()),
+        ))));
+    }
     let help = "check `initial` and the parameters: no ln or root of a negative number, no division by zero";
     Ok(Some(Box::new(document.diagnostic(
         &document.run.initial.place(),
@@ -60,27 +70,6 @@ pub(super) fn refusal(
         "no step can be taken from here",
         Some(help.to_owned()),
     ))))
-}
-
-/// Message where the motion has no finite value at the initial state; on long lattices, where the energy has none.
-fn without_motion(composed: &ComposedRun, energy: f64) -> Option<String> {
-    if composed.method.lattice().is_some() {
-        let message = "the energy has no finite value at the initial state";
-        return (!energy.is_finite()).then(|| message.to_owned());
-    }
-    let (system, initial) = (&composed.system, &composed.plan.initial);
-    let mut field = vec![0.0_f64; initial.len()];
-    let map = system.field_values().ok()?;
-    let values = system.parameter_values();
-    map.evaluator(&values, 1.0, 1.0)
-        .values(initial, &mut field)
-        .ok()?;
-    let at = field.iter().position(|v| !v.is_finite())?;
-    let name = &system.variables()[at];
-    Some(format!(
-        "the motion has no finite value at the initial state: d{name}/dt is {}",
-        field[at]
-    ))
 }
 
 /// Advice about an invariant without a finite value, at the start or from some time on.

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use leafwise::report::{Chart, ChartAxis, ChartScale, FieldMaps, PanelSeries, ReportError, Stroke};
-use leafwise::run::{MapRequest, NoMaps, maps};
+use leafwise::run::{MapRequest, NamedState, NoMaps, maps, named_state};
 use leafwise::scene::document::nearest;
 use leafwise::scene::input::read_text;
 use leafwise::scene::table::{Table, place};
@@ -14,6 +14,9 @@ use crate::arguments::{AxisName, PlotArguments};
 use crate::console::Console;
 use crate::failure::{Failure, exit};
 use crate::files::refuse_existing;
+
+/// The table with a row for each recorded state.
+const SAMPLES: &str = "samples.csv";
 
 /// The object of `plot --json`.
 #[derive(Serialize)]
@@ -269,16 +272,15 @@ fn curves(arguments: &PlotArguments) -> Result<Vec<PanelSeries>, Failure> {
             false => run.clone(),
         };
         let table = read(&file)?;
+        let values = |name: &str| values(run, &file, &table, name);
         for (k, y) in arguments.y.iter().enumerate() {
             let x = match arguments.x.get(k).or(arguments.x.last()) {
-                Some(name) => column(&file, &table, name)?,
-                None => 0,
+                Some(name) => values(name)?,
+                None => table.rows.iter().map(|row| row[0]).collect(),
             };
-            let at = column(&file, &table, y)?;
-            let points = table
-                .rows
-                .iter()
-                .map(|row| (row[x] * arguments.x_scale, row[at] * arguments.y_scale));
+            let up = values(y)?;
+            let points = x.iter().zip(&up);
+            let points = points.map(|(x, y)| (x * arguments.x_scale, y * arguments.y_scale));
             let given = arguments.name.get(series.len()).cloned();
             series.push(PanelSeries {
                 name: given.unwrap_or_else(|| named(arguments, label, y)),
@@ -350,6 +352,46 @@ fn read(file: &Path) -> Result<Table, Failure> {
         let help = "a table of numbers with a header line: samples.csv, section.csv, windows.csv of a run directory";
         Failure::usage(format!("{}: {reason}", file.display()), help)
     })
+}
+
+/// The values of a column of a run's table, or of a coordinate of its states, which wide ones have in a file of their own.
+fn values(run: &Path, file: &Path, table: &Table, name: &str) -> Result<Vec<f64>, Failure> {
+    let missing = match column(file, table, name) {
+        Ok(at) => return Ok(table.rows.iter().map(|row| row[at]).collect()),
+        Err(missing) => missing,
+    };
+    // Its rows belong to those of this table alone.
+    if !run.is_dir() || !file.ends_with(SAMPLES) {
+        return Err(missing);
+    }
+    let named = named_state(run, name).map_err(|source| Failure::File {
+        action: "read the states of",
+        file: run.to_owned(),
+        source,
+    })?;
+    match named {
+        // The last row may be on its way.
+        NamedState::Recorded(values) if values.len() >= table.rows.len() => Ok(values),
+        NamedState::Recorded(values) => Err(Failure::usage(
+            format!(
+                "{}: its states have {} rows, and {SAMPLES} has {}",
+                run.display(),
+                values.len(),
+                table.rows.len()
+            ),
+            "run the scene again",
+        )),
+        NamedState::NotRecorded => Err(Failure::usage(
+            format!(
+                "{}: the coordinate `{name}` was not recorded",
+                run.display()
+            ),
+            format!(
+                "record it in [run], record = {{ states = [\"{name}\"] }}, and run the scene again"
+            ),
+        )),
+        NamedState::Unknown => Err(missing),
+    }
 }
 
 fn column(file: &Path, table: &Table, name: &str) -> Result<usize, Failure> {

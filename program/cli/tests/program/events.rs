@@ -419,7 +419,7 @@ fn a_long_lattice_stops_crosses_and_is_sampled_between_its_steps() {
     // What to write in its place is said where it stands, and serves.
     let refused = run(&here, "timed", &["run.stop=\"t > 5\""]);
     assert_eq!(refused.code, Some(3), "{}", refused.err);
-    let said = "end the run by `steps`, and record at given `times`";
+    let said = "leave t out of `stop`: a run ends at a time by `until` in the place of `steps`";
     assert!(refused.err.contains(said), "{}", refused.err);
     let absent = run(&here, "absent", &["run.stop=\"q[1000] > 1\""]);
     assert_eq!(absent.code, Some(3), "{}", absent.err);

@@ -237,6 +237,7 @@ fn parameters_and_starts_are_judged_before_a_step() {
                 REFUSED,
                 &[
                     "the motion has no finite value at the initial state",
+                    "where `I2` is 0",
                     "no division by zero",
                 ],
             ),
@@ -468,4 +469,77 @@ fn friction_is_named_where_it_is_refused() {
     // Zeros are none.
     let place = Place::with(&open.replace("[method]", "friction = {}\n[method]"));
     assert_eq!(place.leafwise(&["run", "scene.toml"]).code, Some(DONE));
+}
+
+/// A parameter of value 0 that the motion is divided by is underlined: of all sites, of one site in a list, by a key of its own or by
+/// a formula.
+#[test]
+fn a_zero_that_is_divided_by_is_underlined() {
+    let vortices = |parameters: &str| {
+        format!(
+            "[system]\nlibrary = \"vortices\"\nfamilies = {{ x = 4, y = 4 }}\nparameters = {{ {parameters} }}\n[method]\n\
+             stepper = \"rk4\"\ntime-step = 0.1\n[run]\nsteps = 5\ninitial = {{ \"x[i]\" = \"cos(2*pi*i/N)\", \"y[i]\" = \
+             \"sin(2*pi*i/N)\" }}\n"
+        )
+    };
+    let tensor = |parameters: &str| {
+        format!(
+            "[system]\nvariables = [\"x\", \"y\"]\nparameters = {{ {parameters} }}\nbracket = {{ \"x,y\" = \"1/g\" }}\n\
+             hamiltonian = \"x^2 + a*y^2\"\n[method]\nstepper = \"rk4\"\ntime-step = 0.1\n[run]\nsteps = 5\ninitial = [1, 0]\n"
+        )
+    };
+    let chain = |parameters: &str| {
+        format!(
+            "[system]\nfamilies = {{ q = 600, p = 600 }}\nparameters = {{ {parameters} }}\nboundary = \"periodic\"\n\
+             bracket = {{ \"q[i],p[i]\" = \"-1/k[i]\" }}\nhamiltonian = \"sum(i, p[i]^2/(2*g) + q[i]^2)\"\n[method]\n\
+             stepper = \"splitting\"\ntime-step = 0.1\n[run]\nsteps = 5\ninitial = {{ \"q[i]\" = \"sin(i)\", \"p[i]\" = 0 }}\n"
+        )
+    };
+    for (scene, zero, value, behind) in [
+        (chain("\"k[i]\" = 1, g = 0"), "g", "0", " }"),
+        (
+            chain("\"k[i]\" = \"i - 3\", g = 1"),
+            "k[3]",
+            "\"i - 3\"",
+            ", g = 1 }",
+        ),
+        (
+            vortices("\"gamma[i]\" = [1, 2, 0, 4]"),
+            "gamma[2]",
+            "0",
+            ", 4] }",
+        ),
+        (
+            vortices("\"gamma[i]\" = 1, \"gamma[2]\" = 0"),
+            "gamma[2]",
+            "0",
+            " }",
+        ),
+        (
+            vortices("\"gamma[i]\" = \"i - 3\""),
+            "gamma[3]",
+            "\"i - 3\"",
+            " }",
+        ),
+        (tensor("a = 0, g = 0"), "g", "0", " }"),
+    ] {
+        let here = Place::with(&scene);
+        let said = here.leafwise(&["run", "scene.toml"]);
+        assert_eq!(said.code, Some(REFUSED), "{}", said.err);
+        said.says(&[&format!("where `{zero}` is 0"), "give it another value"]);
+        let lines: Vec<&str> = said.err.lines().collect();
+        let marks = lines.iter().position(|line| line.contains('^'));
+        let marks = marks.unwrap_or_else(|| panic!("{}", said.err));
+        let (from, to) = (lines[marks].find('^'), lines[marks].rfind('^'));
+        let (from, to) = (from.unwrap_or(0), to.unwrap_or(0) + 1);
+        assert_eq!(
+            (&lines[marks - 1][from..to], &lines[marks - 1][to..]),
+            (value, behind)
+        );
+        let cured = scene.replace("[1, 2, 0, 4]", "[1, 2, 3, 4]");
+        let cured = cured.replace("\"gamma[2]\" = 0", "\"gamma[2]\" = 3");
+        let cured = cured.replace("i - 3", "i + 3").replace("g = 0", "g = 1");
+        let said = Place::with(&cured).leafwise(&["run", "scene.toml"]);
+        assert_eq!(said.code, Some(DONE), "{}", said.err);
+    }
 }

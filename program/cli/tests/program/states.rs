@@ -99,6 +99,39 @@ fn chosen_coordinates_are_columns() {
     }
 }
 
+/// A figure finds coordinates in the table of states; of one that was not recorded it says how, in words that work.
+#[test]
+fn coordinates_of_wide_states_are_drawn() {
+    let here = chain("states = [\"q\"]");
+    run(&here);
+    let plot = |run: &str| {
+        let arguments = ["plot", run, "--x", "q[500]", "--y", "p[3]", "--json"];
+        here.leafwise(&[&arguments[..], &["--force"]].concat())
+    };
+    let said = here.leafwise(&[
+        "plot",
+        "runs/scene",
+        "--x",
+        "q[500]",
+        "--y",
+        "q[510]",
+        "--json",
+    ]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    // Every third of 20 steps, the first and the last.
+    assert_eq!(said.json()["curves"][0]["points"], 8);
+    let said = plot("runs/scene");
+    assert_eq!(said.code, Some(2), "{}", said.err);
+    said.says(&[
+        "the coordinate `p[3]` was not recorded",
+        "record = { states = [\"p[3]\"] }",
+    ]);
+    let cure = "run.record={ states = [\"q\", \"p[3]\"] }";
+    let again = here.leafwise(&["run", "scene.toml", "--set", cure, "--out", "again"]);
+    assert_eq!(again.code, Some(0), "{}", again.err);
+    assert_eq!(plot("again").code, Some(0));
+}
+
 #[test]
 fn wide_states_are_a_table_of_doubles() {
     let here = chain("states = \"all\"");
@@ -183,7 +216,7 @@ fn coordinates_that_are_not_there_are_refused_without_the_template() {
         ),
         (
             "observables = [\"sum(i, q[i]*q[0])\"]",
-            &["q[0]", "single coordinates are recorded by their names"],
+            &["q[0]", "write single sites outside of the sum"],
         ),
     ] {
         let said = chain(record).leafwise(&["check", "scene.toml"]);

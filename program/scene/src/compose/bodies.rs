@@ -77,6 +77,8 @@ pub(super) fn many_bodies(
     }
     let at_sites = match SiteForces::of(document)? {
         Ok(at_sites) => at_sites,
+        // A lattice without sums over pairs has words of its own for what repeats nowhere.
+        Err(_) if is_template(document)? => return Ok(None),
         Err(apart) => return unless_beside(document, &apart),
     };
     // Written out, steps beside forces have derivatives, and solve their equations by Newton's method.
@@ -190,6 +192,16 @@ fn may_be_bodies(document: &SceneDocument) -> bool {
         && wants_time(document).is_none()
 }
 
+/// Whether the Hamiltonian repeats from site to site: it is no function of sums over pairs.
+///
+/// # Errors
+/// A Hamiltonian that cannot be read.
+fn is_template(document: &SceneDocument) -> Result<bool, Refusal> {
+    let hamiltonian = parse(document, &document.system.hamiltonian)?;
+    let reach = TemplateReach::default().with_hamiltonian(&hamiltonian);
+    Ok(reach.is_ok())
+}
+
 /// Whether a shadow energy is recorded: its terms are products of forces, as those of a high order.
 fn asks_for_shadow(document: &SceneDocument) -> bool {
     let mut observables = document.run.record.observables.iter();
@@ -221,7 +233,11 @@ fn unless_beside(
         ),
         "no template of one site",
         Some(format!(
-            "write it by the coordinates of one site, as {template}, or shorten the chain, {}",
+            "write it by the coordinates of one site, as {template}, {}or shorten the chain, {}",
+            match kind.contains("`forces`") {
+                true => "a force with a potential as a function of sums in the Hamiltonian, ",
+                false => "",
+            },
             document.system.shortening(WRITTEN_LIMIT)
         )),
     )))

@@ -67,6 +67,7 @@ mod names;
 mod noise;
 mod observables;
 mod one_length;
+mod own_columns;
 mod part_choice;
 mod parts;
 mod path;

@@ -11,6 +11,7 @@ use leafwise_expression::{AlgebraError, Expression, Graph, Rational};
 use super::Refusal;
 use super::dense::WRITTEN_LIMIT;
 use super::geometry::geometry;
+use super::own_columns::about_own_columns;
 use super::tables::tables;
 use super::time::{about_time, is_time};
 use crate::document::{Located, Number, SceneDocument, nearest};
@@ -264,6 +265,14 @@ pub(super) fn refusal(
     {
         return Box::new(document.diagnostic(&place, message, "the time", Some(help)));
     }
+    if matches!(&error.kind, SyntaxErrorKind::UnknownName { .. })
+        && let Some((message, help, length)) =
+            about_own_columns(document, formula, error.span.start)
+    {
+        let name = error.span.start..error.span.start + length;
+        let place = document.place_in_formula(formula, name);
+        return Box::new(document.diagnostic(&place, message, "in a formula", Some(help)));
+    }
     let label = match &error.kind {
         SyntaxErrorKind::UnknownName { .. } => "neither a variable nor a parameter of this scene",
         SyntaxErrorKind::UnknownFunction { .. } => "not a function",
@@ -289,7 +298,9 @@ pub(super) fn refusal(
             "values that differ from site to site are a parameter of sites: w[{name}] in the formula, and \"w[{name}]\" = \"…\" in \
              [system.parameters], a formula of {name}"
         )),
-        (None, SyntaxErrorKind::UnknownIndex { name }) => of_one_number(document, formula, name),
+        (None, SyntaxErrorKind::UnknownIndex { name }) => {
+            of_one_number(document, formula, name).or_else(|| of_all_sites(document, formula, name))
+        }
         (None, SyntaxErrorKind::LengthOfAxes) => Some(format!(
             "the lattice has {} sites: write {}",
             document.system.axes.iter().product::<usize>(),
@@ -327,6 +338,24 @@ fn of_one_number(
             "one rate serves all sites: values of sites stand in the metric, as in metric = {{ \"p[{index}]\" = \"a[{index}]\" }}"
         )
     })
+}
+
+/// How each site of an observable is recorded, or all together.
+fn of_all_sites(
+    document: &SceneDocument,
+    formula: &Located<String>,
+    index: &str,
+) -> Option<String> {
+    let (system, text) = (&document.system, formula.value.trim());
+    let mut recorded = document.run.record.observables.iter();
+    let is_recorded = recorded.any(|own| own.formula.place() == formula.place());
+    let names_it = |family: &str| text.contains(&format!("{family}[{index}"));
+    let mut families = system.families.iter().map(|(family, _)| &family.value);
+    let family = families.find(|family| system.axes.is_empty() && names_it(family));
+    let family = family.filter(|_| is_recorded)?;
+    Some(format!(
+        "an observable is one number: sum({index}, {text}); states = [\"{family}\"] records every {family}[{index}]"
+    ))
 }
 
 /// How numbers come of a vector that stands where a number is meant, or a component behind the site.
@@ -432,6 +461,9 @@ fn about_a_long_lattice(
             let mut recorded = document.run.record.observables.iter();
             let is_recorded = recorded.any(|observable| observable.formula == *formula);
             let coordinates = document.system.coordinates();
+            let forces = document.system.forces.one_form.iter();
+            let mut forces = forces.flat_map(|own| own.value.formulas());
+            let is_force = forces.any(|own| own.place() == formula.place());
             let kind_of = match kind {
                 SyntaxErrorKind::SumInATemplate if is_recorded => {
                     "this sum does not run over all sites, or it couples every site with all others"
@@ -444,8 +476,21 @@ fn about_a_long_lattice(
                  {coordinates}"
             );
             let help = match kind {
+                SyntaxErrorKind::SumInATemplate
+                    if is_recorded && document.system.axes.is_empty() =>
+                {
+                    "sums over all sites are recorded, and any functions of them: sum(i, j, q[i]*p[j]) is sum(i, q[i])*sum(i, p[i]), \
+                     and sum(i<j, q[i]*q[j]) is (sum(i, q[i])^2 - sum(i, q[i]^2))/2"
+                }
+                SyntaxErrorKind::SiteInATemplate { .. } if is_recorded => {
+                    "write single sites outside of the sum: sum(i, q[3]*q[i]) is q[3]*sum(i, q[i])"
+                }
                 _ if is_recorded && !document.system.axes.is_empty() => RECORDED_OF_AXES,
                 _ if is_recorded => RECORDED,
+                SyntaxErrorKind::SumInATemplate if is_force => {
+                    "shorten the lattice; of a force with a potential write that into the Hamiltonian, whose functions of sums are \
+                     taken in loops, as sum(i, cos(q[i]))^2/N"
+                }
                 SyntaxErrorKind::SumInATemplate => {
                     "shorten the lattice, or couple sites at fixed distances, as q[i+5]"
                 }

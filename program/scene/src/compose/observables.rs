@@ -11,17 +11,13 @@ use leafwise_expression::syntax::Scope;
 use leafwise_walk::Indicator;
 
 use super::Refusal;
+use super::geometry::geometry;
 use super::names::{function, parse_text, refusal};
+use super::own_columns::{INDICATORS, SHADOW_ENERGY};
 use super::site_functions::SiteFunction;
 use super::spin_temperature::{SPIN_TEMPERATURE, is_spin_temperature};
 use super::time::TIME;
-use crate::document::{Located, SceneDocument, nearest};
-
-/// The energy of the map's shadow, alone or with ` of order P` behind it.
-pub(super) const SHADOW_ENERGY: &str = "shadow-energy";
-
-/// Indicators of chaos; a number k may stand behind the second, for the k-th largest exponent.
-const INDICATORS: [&str; 3] = ["megno", "lyapunov", "sali"];
+use crate::document::{Located, ObservableSpec, SceneDocument, nearest};
 
 /// One recorded quantity.
 #[derive(Clone, Debug)]
@@ -155,6 +151,7 @@ pub(super) fn observables_in(
                 Some("remove one of them, or give it another name".to_owned()),
             )));
         }
+        check_heading(document, asked)?;
         let formula = &asked.formula;
         let name = heading.to_owned();
         if shadow_order(&formula.value).is_some() {
@@ -191,6 +188,58 @@ pub(super) fn observables_in(
         });
     }
     Ok(chosen)
+}
+
+/// Refuses a column by the name of something else that a run records: it would be taken for that.
+///
+/// # Errors
+/// The name, underlined in the scene.
+fn check_heading(document: &SceneDocument, asked: &ObservableSpec) -> Result<(), Refusal> {
+    let Some(given) = &asked.name else {
+        return Ok(());
+    };
+    let (name, text) = (given.value.trim(), asked.formula.value.trim());
+    let system = &document.system;
+    let mut casimirs = system.casimirs.iter();
+    let casimir = casimirs.find(|(own, _)| own.value == name);
+    let mut constraints = system.constraints.iter();
+    let is_variable = || system.variables.iter().any(|own| own.value == name);
+    // What it is, and the formula that may stand for it.
+    let (what, own) = if name == "energy" {
+        ("the Hamiltonian's value", Some(&system.hamiltonian.value))
+    } else if let Some((_, formula)) = casimir {
+        ("a Casimir", Some(&formula.value))
+    } else if constraints.any(|own| own.value == name) {
+        ("a constraint", None)
+    } else if name == TIME {
+        ("the time, the first column of every table", None)
+    } else if is_variable() || coordinate(&geometry(document), name).is_some() {
+        ("a coordinate", None)
+    } else if asks_for_indicator(name) && !asks_for_indicator(text) {
+        ("an indicator of chaos", None)
+    } else if shadow_order(name).is_some() && shadow_order(text).is_none() {
+        ("the energy of the map's shadow", None)
+    } else if is_spin_temperature(name) {
+        ("the temperature of spins", None)
+    } else {
+        return Ok(());
+    };
+    if text == name || own.is_some_and(|own| own.trim() == text) {
+        return Ok(());
+    }
+    Err(Box::new(document.diagnostic(
+        &given.place(),
+        format!("an observable cannot be called `{name}` here: that is {what}, and `{text}` is another function"),
+        "taken",
+        Some(format!("give it another name, as {{ my_{} = \"…\" }}", plain(name))),
+    )))
+}
+
+/// A name without the signs that formulas have.
+fn plain(name: &str) -> String {
+    let is_sign = |c: char| !(c.is_alphanumeric() || c == '_');
+    let parts = name.split(is_sign).filter(|part| !part.is_empty());
+    parts.collect::<Vec<_>>().join("_")
 }
 
 /// Refuses the temperature of spins where a system has none, or no formulas of them.
@@ -333,7 +382,13 @@ pub(super) fn expression(
         let names = names
             .chain([SHADOW_ENERGY, SPIN_TEMPERATURE])
             .chain(INDICATORS);
+        let mut families = document.system.families.iter();
+        let is_family = families.any(|(family, _)| family.value == asked.value);
         let help = match nearest(&asked.value, names) {
+            _ if is_family => format!(
+                "`{0}` has many members: states = [\"{0}\"] records all, and a sum over them is one number",
+                asked.value
+            ),
             Some(name) => format!("did you mean `{name}`?"),
             None => format!(
                 "record {}, {SHADOW_ENERGY}, {SPIN_TEMPERATURE}, {}, or a formula of the variables",

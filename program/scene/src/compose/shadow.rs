@@ -6,7 +6,8 @@ use leafwise_expression::Expression;
 use super::Refusal;
 use super::bodies::MOST_SITES_OF_HIGH_ORDER;
 use super::dense::WRITTEN_LIMIT;
-use super::observables::{Observable, RecordedFormula, SHADOW_ENERGY, ShadowNumbers, shadow_order};
+use super::observables::{Observable, RecordedFormula, ShadowNumbers, shadow_order};
+use super::own_columns::SHADOW_ENERGY;
 use super::stepping::Stepping;
 use crate::document::{Located, SceneDocument};
 

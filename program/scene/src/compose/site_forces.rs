@@ -13,7 +13,7 @@ use super::geometry::{moving, one_site};
 use super::lattice_noise::SiteTerms;
 use super::names::{coordinate_names, function, parse};
 use super::reach::entries_reach;
-use crate::document::{ByCoordinate, ComponentsSpec, Located, MetricSpec, SceneDocument};
+use crate::document::{ComponentsSpec, Located, MetricSpec, SceneDocument};
 
 /// Many bodies beside their sums over pairs.
 #[derive(Clone, Debug)]
@@ -124,7 +124,7 @@ fn apart(document: &SceneDocument) -> Result<Option<Apart<'_>>, Refusal> {
         }))
     };
     let spec = &document.system.forces;
-    let is_of_a_site = |entries: &ByCoordinate| {
+    let is_of_a_site = |entries: &[(Located<String>, Located<String>)]| {
         let reach = entries_reach(document, TemplateReach::default(), entries);
         reach.is_ok_and(|reach| reach.has_sites_apart())
     };
@@ -162,7 +162,15 @@ fn apart(document: &SceneDocument) -> Result<Option<Apart<'_>>, Refusal> {
                 .is_empty();
         if !(is_template && is_of_parameters) {
             let template = "damping = { rate = \"0.1\", metric = { \"q[i]\" = \"1\" } }";
-            return found(&damping.rate, "`damping`", template);
+            let metric = damping.metric.as_ref().map(|metric| &metric.value);
+            let entry = match metric {
+                Some(MetricSpec::Named(named)) if is_of_parameters => named
+                    .iter()
+                    .find(|entry| !is_of_a_site(std::slice::from_ref(entry))),
+                _ => None,
+            };
+            let formula = entry.map_or(&damping.rate, |(_, formula)| formula);
+            return found(formula, "`damping`", template);
         }
     }
     for channel in &document.system.noise {

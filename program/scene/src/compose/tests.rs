@@ -2,6 +2,7 @@
 
 mod advice;
 mod bodies;
+mod columns;
 mod definitions;
 mod forms;
 mod initial;

@@ -121,10 +121,23 @@ pub(super) fn about_time(
             "begin later by t0 in [run], or by another phase, as in cos(omega*t + phase) with a parameter",
         );
     }
+    let run = &document.run;
+    let is_event = run.stop.as_ref().is_some_and(is);
+    let is_section = run.section.as_ref().is_some_and(|section| is(&section.at));
     if !system.families.is_empty() && system.coordinates() > WRITTEN_LIMIT {
         return told(
             "t cannot be named by a formula on a lattice of this length: with t as a coordinate every site would move its energy",
-            "the first column of samples.csv is t; end the run by `steps`, and record at given `times`",
+            match (is_event, is_section) {
+                (true, _) => {
+                    "leave t out of `stop`: a run ends at a time by `until` in the place of `steps`"
+                }
+                (_, true) => {
+                    "leave t out of `section`: record = { times = [1, 2.5] } keeps samples at given times"
+                }
+                _ => {
+                    "leave t out: it is the first column of samples.csv, with which other columns are combined afterwards"
+                }
+            },
         );
     }
     told(
