@@ -47,9 +47,8 @@ fn heat_figure(
     let (sum, count) = values().fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
     let mean = if count > 0.0 { sum / count } else { 0.0 };
     let color_axis = Axis::linear(values(), 0.0);
-    let x = Axis::Linear {
-        low: 0.0,
-        high: sites as f64 * spacing as f64,
+    let x = Axis::Sites {
+        count: sites * spacing.max(1),
     };
     let y = Axis::linear(times.iter().copied(), 0.0);
     let mut frame = Frame::new(width, height, x, y);
@@ -58,6 +57,12 @@ fn heat_figure(
     frame.draw(&mut canvas, &format!("site i of {name}[i]"), "time t");
     let (columns, rows) = (sites.min(CELLS.0), fields.len().min(CELLS.1));
     let [left, top, right, bottom] = frame.edges;
+    // A row ends half-way between two recorded times.
+    let edge = |field: usize| match (times.get(field.wrapping_sub(1)), times.get(field)) {
+        (Some(before), Some(after)) => frame.point(0.0, f64::midpoint(*before, *after)).1,
+        (None, _) => bottom,
+        (_, None) => top,
+    };
     let mut broken = 0;
     for row in 0..rows {
         let span = row * fields.len() / rows..(row + 1) * fields.len() / rows;
@@ -70,8 +75,7 @@ fn heat_figure(
                 Some(level(color_axis, value))
             })
             .collect();
-        let up = |k: usize| bottom - (bottom - top) * k as f64 / rows as f64;
-        let heights = [up(row + 1), up(row)];
+        let heights = [edge(span.end), edge(span.start)];
         broken += draw_row(&mut canvas, [left, right], heights, &levels);
     }
     draw_scale(&mut canvas, frame.edges, color_axis, name);
@@ -89,6 +93,7 @@ fn heat_figure(
                   farthest from the mean; a wave travelling at constant speed is a straight \
                   stripe."
             .to_owned(),
+        colors: Vec::new(),
         notes,
     })
 }
@@ -137,6 +142,50 @@ fn profile_figure(
             .map(|index| format!("t = {}", number(time(index), 4)))
             .collect(),
         caption: "The field at the first, the middle and the last recorded time.".to_owned(),
+        colors: Vec::new(),
         notes: Vec::new(),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rows of uneven times end half-way between these, and labels of sites stand in the middle of their cells.
+    #[test]
+    fn cells_stand_at_their_sites_and_times() {
+        let fields: Vec<Vec<f64>> = (0..4)
+            .map(|row| vec![f64::from(row), 10.0 + f64::from(row)])
+            .collect();
+        let figures = lattice_figures("q", &[0.0, 1.0, 3.0, 10.0], 1, &fields).expect("pictures");
+        let svg = &figures[0].svg;
+        let number = |element: &str, key: &str| -> f64 {
+            let rest = element
+                .split(&format!(" {key}=\""))
+                .nth(1)
+                .expect("an attribute");
+            rest.split('"')
+                .next()
+                .and_then(|it| it.parse().ok())
+                .expect("a number")
+        };
+        let cells: Vec<&str> = svg.split('<').filter(|it| it.starts_with("rect")).collect();
+        let heights: Vec<f64> = cells[..8]
+            .iter()
+            .step_by(2)
+            .map(|it| number(it, "height"))
+            .collect();
+        // The frame is 440 - 34 - 44 pixels high, four units each.
+        let unit = 4.0 * 362.0 / 10.0;
+        for (height, time) in heights.iter().zip([0.5, 1.5, 4.5, 3.5]) {
+            // Both ends are rounded to whole units.
+            assert!((height - time * unit).abs() <= 1.0, "{height} {time}");
+        }
+        let labels = svg.split("<text ").filter(|it| it.contains("\n1\n"));
+        let right = labels
+            .map(|it| number(&format!(" {it}"), "x"))
+            .fold(0.0, f64::max);
+        let middle = number(cells[1], "x") + 0.5 * number(cells[1], "width");
+        assert!((right - middle).abs() <= 1.0, "{right} {middle}");
+    }
 }

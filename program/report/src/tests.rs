@@ -124,7 +124,7 @@ fn rigid_body(count: usize) -> ReportData {
                 .map(|((t, x), energy)| [&[*t][..], x, &[*energy]].concat())
                 .collect(),
         }),
-        structure: None,
+        structure: Vec::new(),
         solver: Some(TimeSeries {
             values: (0..count)
                 .map(|k| if k % 7 == 0 { 4.0 } else { 3.0 })

@@ -22,8 +22,21 @@ pub struct Sites {
     pub has_neighbours: bool,
     /// The families with the places x and y of bodies in a plane; `None` where sites are those of a lattice.
     pub plane: Option<[usize; 2]>,
-    /// The families s.x, s.y and s.z of spins, so(3)* at every site.
+    /// The families s.x, s.y and s.z of spins, so(3)* at every site, of each vector of spins.
+    pub spins: Vec<[usize; 3]>,
+}
+
+/// A field on the sites: a family, or the components of a vector.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SiteField {
+    /// Its name, as `q` or `s`.
+    pub name: String,
+    /// Its families, one of each component.
+    pub families: Vec<usize>,
+    /// The families s.x, s.y and s.z where it is one of spins.
     pub spins: Option<[usize; 3]>,
+    /// Whether its name is that of a momentum or a velocity: p, u or v, or that of another field behind a p, as `pa` beside `a`.
+    pub is_momentum: bool,
 }
 
 impl Sites {
@@ -48,6 +61,35 @@ impl Sites {
             plane,
             spins,
         }
+    }
+
+    /// The fields on the sites, in the order of their families.
+    pub fn fields(&self) -> Vec<SiteField> {
+        let mut fields: Vec<SiteField> = Vec::new();
+        for (family, (whole, _)) in self.geometry.families.iter().enumerate() {
+            let name = whole.split_once('.').map_or(&**whole, |(vector, _)| vector);
+            match fields.iter_mut().find(|field| field.name == name) {
+                Some(field) => field.families.push(family),
+                None => fields.push(SiteField {
+                    name: name.to_owned(),
+                    families: vec![family],
+                    spins: None,
+                    is_momentum: false,
+                }),
+            }
+        }
+        let names: Vec<String> = fields.iter().map(|field| field.name.clone()).collect();
+        for field in &mut fields {
+            let own = |spins: &&[usize; 3]| field.families.contains(&spins[0]);
+            field.spins = self.spins.iter().find(own).copied();
+            let place = field
+                .name
+                .strip_prefix('p')
+                .map(|rest| rest.trim_start_matches('_'));
+            field.is_momentum = MOMENTA.contains(&field.name.to_lowercase().as_str())
+                || place.is_some_and(|place| names.iter().any(|name| name == place));
+        }
+        fields
     }
 
     /// The place of each site of a family in a state, in their order.
@@ -78,8 +120,8 @@ fn plane(system: &SystemSection, geometry: &LatticeGeometry) -> Option<[usize; 2
     })
 }
 
-/// The first family of vectors x, y, z with the bracket of so(3).
-fn spins(system: &SystemSection, geometry: &LatticeGeometry) -> Option<[usize; 3]> {
+/// The families of vectors x, y, z with the bracket of so(3).
+fn spins(system: &SystemSection, geometry: &LatticeGeometry) -> Vec<[usize; 3]> {
     let letters = |vector: &VectorFamily| -> Vec<String> {
         let letters = vector.components.iter();
         letters.map(|letter| letter.value.clone()).collect()
@@ -88,9 +130,12 @@ fn spins(system: &SystemSection, geometry: &LatticeGeometry) -> Option<[usize; 3
         let algebra = algebra_of(&system.bracket.value, &vector.name.value);
         letters(vector) == ["x", "y", "z"] && algebra.is_some_and(is_so3)
     };
-    let vector = system.vectors.iter().find(is_spin)?;
-    let [x, y, z] = ["x", "y", "z"].map(|letter| place(geometry, &vector.family(letter)));
-    Some([x?, y?, z?])
+    let places = |vector: &VectorFamily| -> Option<[usize; 3]> {
+        let [x, y, z] = ["x", "y", "z"].map(|letter| place(geometry, &vector.family(letter)));
+        Some([x?, y?, z?])
+    };
+    let vectors = system.vectors.iter().filter(is_spin);
+    vectors.filter_map(places).collect()
 }
 
 /// The Lie algebra by whose bracket a variable or a family moves, if it does.
