@@ -151,6 +151,10 @@ pub(super) fn bodies_figure(
         draw_scale_of(&mut canvas, frame.edges, numbers, "body", LEVELS);
     }
     let mut notes = Vec::new();
+    let are_apart = |path: &Vec<(f64, f64)>| path.len() > 2 && !is_line(path) && !is_smooth(path);
+    if !is_crowd && paths.iter().any(are_apart) {
+        notes.push("Places too far apart for a line are dots: record more of them.".to_owned());
+    }
     if bodies.len() < count {
         notes.push(format!("Drawn: {} of {count} bodies.", bodies.len()));
     }

@@ -165,6 +165,8 @@ pub enum Trajectory {
         spacing: usize,
         /// One field for each time.
         fields: Vec<Vec<f64>>,
+        /// Whether sites have neighbours: of others their order says nothing.
+        has_neighbours: bool,
     },
     /// Bodies in a plane.
     Bodies {

@@ -145,8 +145,9 @@ impl Figures {
                 times,
                 spacing,
                 fields,
+                has_neighbours,
             }) => {
-                let fields = lattice_figures(name, times, *spacing, fields)?;
+                let fields = lattice_figures(name, times, (*spacing, *has_neighbours), fields)?;
                 figures.wide.extend(fields);
             }
             Some(Trajectory::Bodies {
