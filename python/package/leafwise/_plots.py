@@ -135,7 +135,7 @@ def paths(ax: matplotlib.axes.Axes, x: Array, y: Array, names: tuple[str, str]) 
     count = x.shape[1]
     scale = ScalarMappable(Normalize(0, max(count - 1, 1)), colormaps["viridis"])
     for body in range(count):
-        color = f"C{body}" if count <= _MOST_NAMES else scale.to_rgba(body)
+        color = f"C{body}" if count <= _MOST_NAMES else scale.cmap(body / max(count - 1, 1))
         ax.plot(x[:, body], y[:, body], linewidth=1, color=color, label=f"{body}")
         ax.plot(x[:1, body], y[:1, body], "o", color=color, markersize=4)
         ax.plot(x[-1:, body], y[-1:, body], "o", color=color, markerfacecolor="w", markersize=5)

@@ -6,6 +6,7 @@ use leafwise_expression::syntax::Formula;
 use super::geometry::geometry;
 use crate::document::{
     AlgebraSpec, BracketSpec, LieAlgebraSpec, Located, SceneDocument, SystemSection, VectorFamily,
+    is_pair,
 };
 
 /// Names of vectors that are no places: momenta and velocities.
@@ -35,7 +36,8 @@ pub struct SiteField {
     pub families: Vec<usize>,
     /// The families s.x, s.y and s.z where it is one of spins.
     pub spins: Option<[usize; 3]>,
-    /// Whether its name is that of a momentum or a velocity: p, u or v, or that of another field behind a p, as `pa` beside `a`.
+    /// Whether its name is that of a momentum or a velocity: p, u or v, or by which it is paired with another in a canonical
+    /// bracket, as `pa` with `a`.
     pub is_momentum: bool,
 }
 
@@ -82,12 +84,8 @@ impl Sites {
         for field in &mut fields {
             let own = |spins: &&[usize; 3]| field.families.contains(&spins[0]);
             field.spins = self.spins.iter().find(own).copied();
-            let place = field
-                .name
-                .strip_prefix('p')
-                .map(|rest| rest.trim_start_matches('_'));
             field.is_momentum = MOMENTA.contains(&field.name.to_lowercase().as_str())
-                || place.is_some_and(|place| names.iter().any(|name| name == place));
+                || names.iter().any(|other| is_pair(other, &field.name));
         }
         fields
     }
