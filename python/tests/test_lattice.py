@@ -245,6 +245,36 @@ def test_paths_of_bodies_have_a_line_each() -> None:
     matplotlib.use("agg")
     run = lw.Scene.load("scenes/vortices.toml" if Path("scenes").exists() else "../scenes/vortices.toml").set(run__steps=20).run(advice=False)
     ax = run.plot_paths("x", "y")
-    assert len(ax.lines) == 12 and ax.get_aspect() == 1.0
-    np.testing.assert_array_equal(ax.lines[2].get_xdata(), run.field("x")[:, 1])
-    np.testing.assert_array_equal(ax.lines[3].get_ydata(), run.field("y")[-1:, 1])
+    # A line, a disc and a ring each.
+    assert len(ax.lines) == 18 and ax.get_aspect() == 1.0
+    np.testing.assert_array_equal(ax.lines[3].get_xdata(), run.field("x")[:, 1])
+    np.testing.assert_array_equal(ax.lines[4].get_ydata(), run.field("y")[:1, 1])
+    np.testing.assert_array_equal(ax.lines[5].get_ydata(), run.field("y")[-1:, 1])
+    assert len(ax.figure.axes) == 1 and ax.get_legend() is not None
+
+
+def test_many_bodies_have_a_scale_of_colours_and_no_names() -> None:
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("agg")
+    from leafwise._plots import axes, paths
+
+    k, t = 1 + np.arange(30), np.linspace(0, 1, 9)[:, None]
+    ax = paths(axes(None), k * np.cos(t), k * np.sin(t), ("x", "y"))
+    assert ax.get_legend() is None and len(ax.figure.axes) == 2
+    assert len({line.get_color() for line in ax.lines[::3]}) == 30
+
+
+def test_strips_are_no_thin_lines() -> None:
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("agg")
+    from leafwise._plots import axes, colours
+
+    for shape, ratio in [((8, 6), 8 / 6), ((100, 3), 8.0), ((3, 200), 1 / 8)]:
+        field = np.arange(float(np.prod(shape))).reshape(shape)
+        ax = colours(axes(None), [(field, "ij")] * 3, "q", "q")
+        # The aspect is the height of a site over its width.
+        assert shape[0] / (shape[1] * ax.get_aspect()) == pytest.approx(ratio, rel=1e-12)
+        for ticks in [ax.get_xticks(), ax.get_yticks()]:
+            assert (ticks == np.round(ticks)).all()
+        # Every row of a strip has its arrows.
+        assert len({y for _, y in ax.collections[0].XY}) == min(shape[1], 20)

@@ -24,6 +24,11 @@ pub(super) enum Axis {
     },
     /// A turn, from −π to π.
     Turn,
+    /// Cells side by side, each about its number: 0, 1, …, one less than the count.
+    Sites {
+        /// How many cells there are, at least one.
+        count: usize,
+    },
 }
 
 /// Labels of an axis and the power of ten they leave out.
@@ -101,6 +106,7 @@ impl Axis {
             }
             Self::Logarithmic { .. } => 0.0,
             Self::Turn => (value + PI) / (2.0 * PI),
+            Self::Sites { count } => (value + 0.5) / count.max(1) as f64,
         };
         if fraction.is_nan() {
             0.0
@@ -132,6 +138,14 @@ impl Axis {
                         .collect(),
                     factor: String::new(),
                 }
+            }
+            Self::Sites { count: 0 | 1 } => Ticks {
+                labels: vec![(0.0, "0".to_owned())],
+                factor: String::new(),
+            },
+            Self::Sites { count: sites } => {
+                // At most one label a site, so that all are whole numbers.
+                linear_ticks(0.0, (sites - 1) as f64, count.clamp(1, sites - 1))
             }
         }
     }
@@ -260,7 +274,12 @@ impl Frame {
     /// Grid, frame, labels and the two titles; the vertical one stands above its axis.
     pub fn draw(&self, canvas: &mut Canvas, x_title: &str, y_title: &str) {
         let [left, top, right, bottom] = self.edges;
-        let horizontal = self.x.ticks(((right - left) / 90.0) as usize);
+        // Numbers of sites are short.
+        let label = match self.x {
+            Axis::Sites { count } if count < 1000 => 48.0,
+            _ => 90.0,
+        };
+        let horizontal = self.x.ticks(((right - left) / label) as usize);
         let vertical = self.y.ticks(((bottom - top) / 42.0) as usize);
         for (value, label) in &horizontal.labels {
             let (x, _) = self.point(*value, 0.0);
@@ -326,6 +345,26 @@ mod tests {
         let ticks = Axis::linear([0.0, 4e-9], 0.0).ticks(4);
         assert_eq!(ticks.factor, "×10⁻⁹");
         assert_eq!(ticks.labels[1].1, "1");
+    }
+
+    /// Labels of cells are whole numbers, two at least where there are two cells, each in the middle of its cell.
+    #[test]
+    fn sites_are_labelled_in_the_middle_of_their_cells() {
+        for count in [1, 2, 3, 4, 5, 8, 30, 64, 200, 5000] {
+            let axis = Axis::Sites { count };
+            for most in [0, 1, 2, 3, 5, 9] {
+                let labels = axis.ticks(most).labels;
+                assert!(labels.len() >= count.min(2), "{count}: {labels:?}");
+                for (site, text) in labels {
+                    assert_eq!(text, format!("{site}"));
+                    assert!(site >= 0.0 && site < count as f64 && site.fract() == 0.0);
+                    let [low, high] = [site, site + 1.0].map(|edge| edge / count as f64);
+                    // Sums and quotients of few numbers below 1.
+                    let middle = f64::midpoint(low, high);
+                    assert!((axis.fraction(site) - middle).abs() < 4.0 * f64::EPSILON);
+                }
+            }
+        }
     }
 
     #[test]

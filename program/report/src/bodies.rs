@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+use plotters::style::RGBColor;
+
 use super::axis::{Axis, Frame};
 use super::canvas::{Canvas, FAINT, Ink, SERIES};
 use super::chart::equal;
@@ -10,13 +12,30 @@ use super::data::BodyPath;
 use super::error::ReportError;
 use super::figure::Figure;
 use super::heat::{BAR, color, draw_scale_of};
-use super::stroke::{Stroke, draw_orbit};
+use super::stroke::{Stroke, draw_orbit, is_line};
 
 /// The most bodies that have a line each, over the whole run.
 const MOST_LINES: usize = 32;
 
+/// Colours of bodies behind those of the series: none as light or as dark as paper.
+const MORE: [Ink; 10] = [
+    RGBColor(0x00, 0xA3, 0xB4),
+    RGBColor(0x7D, 0x8A, 0x00),
+    RGBColor(0xE0, 0x60, 0x8A),
+    RGBColor(0x5B, 0x6E, 0xE1),
+    RGBColor(0x8D, 0x6E, 0x63),
+    RGBColor(0x6B, 0xAA, 0x2E),
+    RGBColor(0xB0, 0x7C, 0xC6),
+    RGBColor(0xD9, 0x82, 0x00),
+    RGBColor(0x6E, 0x7F, 0x8D),
+    RGBColor(0x00, 0xB3, 0x86),
+];
+
+/// The most bodies that have a colour and a name each in the legend.
+const MOST_NAMES: usize = SERIES.len() + MORE.len();
+
 /// The length of a trail in pixels: of many bodies, and of few whose whole lines would cover one another.
-const TRAILS: [f64; 2] = [40.0, 260.0];
+const TRAILS: [f64; 2] = [52.0, 340.0];
 
 /// The side of a cell that lines share, and the most of a step that is looked at, in pixels.
 const CELL: f64 = 4.0;
@@ -25,14 +44,18 @@ const LONGEST: f64 = 40.0;
 /// The part of all cells that lines share from which on they cover one another.
 const SHARED: f64 = 0.4;
 
+/// The cosine of an eighth of a turn.
+const STRAIGHT: f64 = std::f64::consts::FRAC_1_SQRT_2;
+
 /// The most places of all lines together.
 const MOST_PLACES: usize = 40_000;
 
-/// The width of the frame, and the room around it: left, top, right and bottom.
-const WIDTH: f64 = 400.0;
+/// The width and the height of the frame, at most, and the room around it: left, top, right and bottom.
+const WIDEST: f64 = 800.0;
+const HIGHEST: f64 = 520.0;
 const AROUND: [f64; 4] = [62.0, 34.0, 18.0, 44.0];
 
-/// Colours of more bodies than there are series: those that stand out from light and dark paper.
+/// Colours of more bodies than have names: those that stand out from light and dark paper.
 const LEVELS: Range<usize> = 5..27;
 
 /// The paths of bodies, a unit as long across as up.
@@ -50,9 +73,11 @@ pub(super) fn bodies_figure(
             .filter(is_finite)
     };
     let [mut x, mut y] = [0, 1].map(|axis| Axis::linear(all().map(|place| place[axis]), 0.04));
-    let height = WIDTH * equal(&mut x, &mut y);
-    let is_scaled = bodies.len() > SERIES.len();
-    let right = AROUND[0] + WIDTH;
+    let ratio = equal(&mut x, &mut y);
+    let width = WIDEST.min(HIGHEST / ratio);
+    let height = width * ratio;
+    let is_scaled = bodies.len() > MOST_NAMES;
+    let right = AROUND[0] + width;
     let bar = if is_scaled { BAR } else { AROUND[2] };
     let frame = Frame {
         edges: [AROUND[0], AROUND[1], right, AROUND[1] + height],
@@ -67,7 +92,7 @@ pub(super) fn bodies_figure(
             let level = (LEVELS.len() - 1) as f64 * body.number as f64 / last;
             color(LEVELS.start + level.round() as usize)
         }
-        false => SERIES[at],
+        false => *SERIES.iter().chain(&MORE).nth(at).unwrap_or(&SERIES[0]),
     });
     let inks: Vec<Ink> = inks.collect();
     let paths = bodies.iter().map(|body| -> Vec<(f64, f64)> {
@@ -95,13 +120,18 @@ pub(super) fn bodies_figure(
             false => draw_line(&mut canvas, before, stride, (FAINT, 0.6)),
         }
     }
-    let width = if is_crowd {
+    let line = if is_crowd {
         0.8
     } else {
         Stroke::NEAR_SIDE.width
     };
     for (path, ink) in paths.iter().zip(&inks) {
-        draw_line(&mut canvas, &path[trail(path)..], stride, (*ink, width));
+        let own = &path[trail(path)..];
+        match is_crowd {
+            true if is_trail(own) => canvas.path(own, *ink, line),
+            true => {}
+            false => draw_line(&mut canvas, own, stride, (*ink, line)),
+        }
     }
     for (path, ink) in paths.iter().zip(&inks) {
         if let (Some(first), Some(last)) = (path.first(), path.last()) {
@@ -121,6 +151,10 @@ pub(super) fn bodies_figure(
         draw_scale_of(&mut canvas, frame.edges, numbers, "body", LEVELS);
     }
     let mut notes = Vec::new();
+    let are_apart = |path: &Vec<(f64, f64)>| path.len() > 2 && !is_line(path) && !is_smooth(path);
+    if !is_crowd && paths.iter().any(are_apart) {
+        notes.push("Places too far apart for a line are dots: record more of them.".to_owned());
+    }
     if bodies.len() < count {
         notes.push(format!("Drawn: {} of {count} bodies.", bodies.len()));
     }
@@ -131,13 +165,15 @@ pub(super) fn bodies_figure(
             "Not finite and not drawn: {lost} of {recorded} places."
         ));
     }
+    let svg = canvas.finish_in_own_size("The paths of the bodies in a plane")?;
+    let has_names = !is_scaled && bodies.len() > 1;
+    let named = bodies.iter().filter(|_| has_names);
+    let behind = inks.iter().skip(SERIES.len()).filter(|_| has_names);
     Ok(Figure {
         title: format!("Trajectories in ({}, {})", axes[0], axes[1]),
-        svg: canvas.finish("The paths of the bodies in a plane")?,
-        legend: match is_scaled || bodies.len() < 2 {
-            true => Vec::new(),
-            false => bodies.iter().map(|body| body.name.clone()).collect(),
-        },
+        svg: svg.replacen("<svg ", "<svg class=\"paths\" ", 1),
+        legend: named.map(|body| body.name.clone()).collect(),
+        colors: behind.map(|ink| hexadecimal(*ink)).collect(),
         caption: match (is_crowd, is_covered) {
             (true, _) => "Every body where it is last, with the trail that it came by; pale: where it began.",
             (_, true) => {
@@ -150,15 +186,35 @@ pub(super) fn bodies_figure(
     })
 }
 
+/// A colour in HTML.
+fn hexadecimal(RGBColor(red, green, blue): Ink) -> String {
+    format!("#{red:02X}{green:02X}{blue:02X}")
+}
+
 /// Draws every `stride`-th point of a line and the last.
 fn draw_line(canvas: &mut Canvas, path: &[(f64, f64)], stride: usize, (ink, width): (Ink, f64)) {
     let last = path
         .last()
         .filter(|_| !(path.len() - 1).is_multiple_of(stride));
     let kept: Vec<_> = path.iter().step_by(stride).chain(last).copied().collect();
-    if kept.len() > 1 {
+    if !is_line(&kept) && is_smooth(&kept) {
+        canvas.path(&kept, ink, width);
+    } else if kept.len() > 1 {
         draw_orbit(canvas, &kept, |_| Stroke { ink, width });
     }
+}
+
+/// Whether most corners of a line turn by less than an eighth of a turn, however far apart its points are.
+fn is_smooth(path: &[(f64, f64)]) -> bool {
+    let is_bent = |corner: &[(f64, f64)]| {
+        let [a, b] = [0, 1].map(|at| {
+            let ((x0, y0), (x1, y1)) = (corner[at], corner[at + 1]);
+            (x1 - x0, y1 - y0)
+        });
+        a.0 * b.0 + a.1 * b.1 < STRAIGHT * libm::hypot(a.0, a.1) * libm::hypot(b.0, b.1)
+    };
+    let bent = path.windows(3).filter(|corner| is_bent(corner)).count();
+    path.len() > 2 && bent * 10 <= path.len()
 }
 
 /// The point from which on the rest of a line is at least so long, the first where the whole is shorter.
@@ -172,6 +228,13 @@ fn trail_of(path: &[(f64, f64)], length: f64) -> usize {
         }
     }
     0
+}
+
+/// Whether the end of a path is one: places so far apart that a chord says nothing are none.
+fn is_trail(path: &[(f64, f64)]) -> bool {
+    let longest = 2.0 * TRAILS[0];
+    path.windows(2)
+        .all(|pair| libm::hypot(pair[1].0 - pair[0].0, pair[1].1 - pair[0].1) < longest)
 }
 
 /// Whether a good part of all places on the picture belong to lines of several bodies.
@@ -226,8 +289,7 @@ mod tests {
         let figure = figure(&bodies(6), 6);
         assert_eq!(figure.legend.len(), 6);
         for ink in SERIES {
-            let plotters::style::RGBColor(red, green, blue) = ink;
-            let ink = format!("#{red:02X}{green:02X}{blue:02X}");
+            let ink = hexadecimal(ink);
             let drawn = figure
                 .svg
                 .split('<')
@@ -235,6 +297,43 @@ mod tests {
             let kinds: Vec<&str> = drawn.filter_map(|it| it.split(' ').next()).collect();
             assert_eq!(kinds.iter().filter(|kind| **kind == "polyline").count(), 1);
             assert_eq!(kinds.iter().filter(|kind| **kind == "circle").count(), 2);
+        }
+    }
+
+    /// More bodies than there are series have names too, each in a colour of its own; a crowd has a bar of colours and no names.
+    #[test]
+    fn a_dozen_bodies_have_names_in_colours_of_their_own() {
+        let dozen = figure(&bodies(16), 16);
+        assert_eq!((dozen.legend.len(), dozen.colors.len()), (16, 10));
+        let mut colors = dozen.colors.clone();
+        colors.extend(SERIES.map(hexadecimal));
+        colors.sort();
+        colors.dedup();
+        assert_eq!(colors.len(), 16);
+        for color in &colors {
+            assert!(dozen.svg.contains(color.as_str()), "{color}");
+        }
+        let crowd = figure(&bodies(17), 17);
+        assert!(crowd.legend.is_empty() && crowd.colors.is_empty());
+    }
+
+    /// Places that lie far apart on a smooth curve are joined, those of a curve that turns between any two are dots.
+    #[test]
+    fn smooth_paths_are_lines() {
+        for (turn, lines) in [(0.2, 1), (2.1, 0)] {
+            let mut one = bodies(1);
+            one[0].places = (0..40)
+                .map(|k| {
+                    let (sine, cosine) = libm::sincos(turn * f64::from(k));
+                    [cosine, sine]
+                })
+                .collect();
+            let svg = figure(&one, 1).svg;
+            let ink = hexadecimal(SERIES[0]);
+            let own = svg
+                .split('<')
+                .filter(|it| it.starts_with("polyline") && it.contains(&ink));
+            assert_eq!(own.count(), lines, "{turn}");
         }
     }
 
@@ -287,7 +386,7 @@ mod tests {
             // end draws four units a pixel.
             let is_straight = points.len() <= 3;
             assert!(
-                is_straight || length <= 4.0 * (TRAILS[0] + 0.02 * WIDTH),
+                is_straight || length <= 4.0 * (TRAILS[0] + 0.02 * WIDEST),
                 "{length}"
             );
         }

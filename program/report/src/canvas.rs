@@ -16,7 +16,7 @@ use super::letters::width_of;
 const LETTERS: f64 = 12.5;
 
 /// The letters of a browser's font over those of Helvetica, at most.
-const WIDER: f64 = 1.16;
+pub(super) const WIDER: f64 = 1.16;
 
 /// How many SVG units make a logical pixel.
 pub(super) const SCALE: f64 = 4.0;
@@ -230,6 +230,9 @@ impl Canvas {
 
     /// A line of text of a given colour and size.
     pub fn label_in(&mut self, text: &str, at: (f64, f64), anchor: Anchor, ink: Ink, size: f64) {
+        if text.is_empty() {
+            return;
+        }
         let at = (unit(at.0), unit(at.1));
         self.pieces.push(Piece::Label {
             text: text.to_owned(),
@@ -246,6 +249,12 @@ impl Canvas {
         let scaled = format!("width=\"{}\" height=\"{}\"", unit(width), unit(height));
         let size = format!("width=\"{width}\" height=\"{height}\"");
         Ok(self.finish(description)?.replacen(&scaled, &size, 1))
+    }
+
+    /// The picture as an `<svg>` element that is never shown larger than it was drawn, in the middle of its card.
+    pub fn finish_in_own_size(self, description: &str) -> Result<String, ReportError> {
+        let own = format!("<svg style=\"--own: {:.0}px\" ", self.width.ceil());
+        Ok(self.finish(description)?.replacen("<svg ", &own, 1))
     }
 
     /// The picture as an `<svg>` element with a description for readers who cannot see it.

@@ -196,7 +196,7 @@ pub(super) fn equal(x: &mut Axis, y: &mut Axis) -> f64 {
     let span = |axis: &Axis| match *axis {
         Axis::Linear { low, high } => Some((low, high)),
         Axis::Turn => Some((-PI, PI)),
-        Axis::Logarithmic { .. } => None,
+        Axis::Logarithmic { .. } | Axis::Sites { .. } => None,
     };
     let (Some((left, right)), Some((low, high))) = (span(x), span(y)) else {
         return FRAME.1 / FRAME.0;

@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use super::planes::FieldMaps;
+
 /// Everything a report shows; plain recorded data, nothing is recomputed.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct ReportData {
@@ -45,9 +47,9 @@ pub struct ReportData {
     /// The recorded states to draw.
     #[serde(skip)]
     pub trajectory: Option<Trajectory>,
-    /// Structure factor of the recorded states.
+    /// Structure factors of the recorded states, one of each field.
     #[serde(skip)]
-    pub structure: Option<StructureFactor>,
+    pub structure: Vec<StructureFactor>,
     /// The recorded samples, which a script turns and zooms.
     #[serde(skip)]
     pub recorded: Option<Recorded>,
@@ -163,6 +165,8 @@ pub enum Trajectory {
         spacing: usize,
         /// One field for each time.
         fields: Vec<Vec<f64>>,
+        /// Whether sites have neighbours: of others their order says nothing.
+        has_neighbours: bool,
     },
     /// Bodies in a plane.
     Bodies {
@@ -175,12 +179,12 @@ pub enum Trajectory {
     },
     /// Fields over two axes of a lattice.
     Planes {
-        /// The maps, in the order in which they are drawn.
-        maps: Vec<PlaneMap>,
-        /// The quantity in colour, as "s.z".
-        color: String,
+        /// The fields, a figure each.
+        fields: Vec<FieldMaps>,
         /// Which plane of a lattice of three axes they show.
         slice: Option<String>,
+        /// Which fields are not drawn.
+        rest: Option<String>,
     },
 }
 
@@ -189,12 +193,16 @@ pub enum Trajectory {
 pub struct StructureFactor {
     /// The field, as "s".
     pub name: String,
-    /// The numbers L of sites along one or two axes.
+    /// The letters of one or two axes; of a chain there is none.
+    pub axes: Vec<String>,
+    /// The numbers L of sites along them.
     pub lengths: Vec<usize>,
     /// S at q = 2πm/L, m from 0 to L − 1 along each axis, the last one first.
     pub values: Vec<f64>,
     /// How many states the mean is of, and how many were recorded.
     pub states: [u64; 2],
+    /// Which axes have q = 0 alone, and why.
+    pub notes: Vec<String>,
 }
 
 /// The path of a body in a plane.
@@ -209,7 +217,7 @@ pub struct BodyPath {
 }
 
 /// A field over two axes of a lattice at one time.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct PlaneMap {
     /// The field and the time, as "s.z at t = 10".
     pub title: String,

@@ -97,6 +97,7 @@ pub(super) fn drift_figure(
                   a bounded error; growth like √t is the random walk of round-off, growth like t \
                   a secular drift."
             .to_owned(),
+        colors: Vec::new(),
         notes,
     })
 }

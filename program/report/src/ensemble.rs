@@ -197,6 +197,7 @@ fn loss_figure(losses: &Losses) -> Result<Figure, ReportError> {
         caption: "The part of the members that have ended by a time (line), and the 95 % confidence interval of that \
                   probability at each time (band, after Wilson)."
             .to_owned(),
+        colors: Vec::new(),
         notes: Vec::new(),
     })
 }
@@ -260,6 +261,7 @@ fn band_figure(band: &Band, parts: &[f64]) -> Result<Figure, ReportError> {
             "The members' mean (line) with its 95 % confidence interval (narrow band), one standard deviation about it (dark \
              band) and their range (light band).{quantiles}"
         ),
+        colors: Vec::new(),
         notes: Vec::new(),
     })
 }

@@ -55,6 +55,7 @@ pub(super) fn energy_figure(
             number(initial, 12),
             number(spread, 3)
         ),
+        colors: Vec::new(),
         notes,
     })
 }
@@ -67,6 +68,7 @@ pub(super) fn observable_figure(name: &str, series: &TimeSeries) -> Result<Figur
         svg,
         legend: Vec::new(),
         caption: format!("{name} at the recorded states."),
+        colors: Vec::new(),
         notes,
     })
 }
@@ -88,6 +90,7 @@ pub(super) fn solver_figure(solver: &TimeSeries) -> Result<Figure, ReportError> 
                   warns that the orbit \
                   nears the edge of the chart."
             .to_owned(),
+        colors: Vec::new(),
         notes,
     })
 }

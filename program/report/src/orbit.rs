@@ -81,6 +81,7 @@ pub(super) fn orbit_figure(
         svg,
         legend: Vec::new(),
         caption,
+        colors: Vec::new(),
         notes,
     })
 }

@@ -152,6 +152,7 @@ pub(super) fn panel_figure(panel: &Panel) -> Result<Figure, ReportError> {
         svg: panel.draw(false)?,
         legend,
         caption: panel.caption.clone(),
+        colors: Vec::new(),
         notes: panel.left_out().into_iter().collect(),
     })
 }

@@ -145,8 +145,9 @@ impl Figures {
                 times,
                 spacing,
                 fields,
+                has_neighbours,
             }) => {
-                let fields = lattice_figures(name, times, *spacing, fields)?;
+                let fields = lattice_figures(name, times, (*spacing, *has_neighbours), fields)?;
                 figures.wide.extend(fields);
             }
             Some(Trajectory::Bodies {
@@ -154,17 +155,25 @@ impl Figures {
                 bodies,
                 count,
             }) => {
-                figures.orbit = Some(bodies_figure(axes, bodies, *count)?);
+                figures.wide.insert(0, bodies_figure(axes, bodies, *count)?);
             }
-            Some(Trajectory::Planes { maps, color, slice }) => {
-                figures
-                    .wide
-                    .push(plane_figure(maps, color, slice.as_deref())?);
+            Some(Trajectory::Planes {
+                fields,
+                slice,
+                rest,
+            }) => {
+                for field in fields {
+                    figures.wide.push(plane_figure(field, slice.as_deref())?);
+                }
+                if let Some(last) = figures.wide.last_mut() {
+                    last.notes.extend(rest.clone());
+                }
             }
             None => {}
         }
-        let structure = data.structure.as_ref().map(structure_figure).transpose()?;
-        figures.small.extend(structure.flatten());
+        for factor in &data.structure {
+            figures.small.extend(structure_figure(factor)?);
+        }
         if let Some(section) = &data.section {
             figures.small.push(section_figure(section)?);
         }

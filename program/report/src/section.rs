@@ -51,6 +51,7 @@ pub(super) fn section_figure(section: &SectionPoints) -> Result<Figure, ReportEr
                 false => "",
             }
         ),
+        colors: Vec::new(),
         notes,
     })
 }

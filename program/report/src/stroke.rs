@@ -123,7 +123,7 @@ fn thinned(points: &[(f64, f64)]) -> Vec<usize> {
 }
 
 /// Whether consecutive points are near: half of the segments are shorter than 40 pixels.
-fn is_line(points: &[(f64, f64)]) -> bool {
+pub(super) fn is_line(points: &[(f64, f64)]) -> bool {
     let near = points
         .windows(2)
         .filter(|pair| distance(pair[0], pair[1]) < 40.0)

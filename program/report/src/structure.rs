@@ -32,8 +32,8 @@ pub(super) fn structure_figure(factor: &StructureFactor) -> Result<Option<Figure
     });
     let shown: Vec<f64> = shown.collect();
     let svg = match factor.lengths[..] {
-        [length] => line(&shown, length)?,
-        [rows, columns] => plane(&shown, [rows, columns])?,
+        [length] => line(&shown, length, &along(factor, 0))?,
+        [rows, columns] => plane(&shown, [rows, columns], [0, 1].map(|at| along(factor, at)))?,
         _ => return Ok(None),
     };
     let [used, recorded] = factor.states;
@@ -42,11 +42,10 @@ pub(super) fn structure_figure(factor: &StructureFactor) -> Result<Option<Figure
         false => format!("{used} of {recorded} recorded states"),
     };
     let lowest = factor.values.iter().filter(|value| **value < floor).count();
-    let notes = match (lowest, factor.lengths.len()) {
-        (0, _) => Vec::new(),
-        (_, 1) => vec!["Values below 10⁻¹² of the largest stand there.".to_owned()],
-        _ => vec!["Values below 10⁻¹² of the largest have its colour.".to_owned()],
-    };
+    let mut notes = factor.notes.clone();
+    if lowest > 0 {
+        notes.push("Values below 10⁻¹² of the largest are drawn as 10⁻¹² of it.".to_owned());
+    }
     let many = match factor.lengths.iter().any(|length| *length > CELLS) && factor.lengths.len() > 1
     {
         true => " Each cell shows the largest value that it covers.",
@@ -60,8 +59,17 @@ pub(super) fn structure_figure(factor: &StructureFactor) -> Result<Option<Figure
             "S(q) = ⟨|Σ {}(r) exp(−i q·r)|²⟩/N, the mean over {states}, q in radians a site.{many}",
             factor.name
         ),
+        colors: Vec::new(),
         notes,
     }))
+}
+
+/// The wave number along an axis, as "q along j".
+fn along(factor: &StructureFactor, axis: usize) -> String {
+    factor
+        .axes
+        .get(axis)
+        .map_or_else(|| "q".to_owned(), |letter| format!("q along {letter}"))
 }
 
 /// The places m of the wave numbers 2πm/L from −π to π, both ends where they are wave numbers.
@@ -78,7 +86,7 @@ fn wave_number(at: usize, length: usize) -> f64 {
     2.0 * PI * (at as f64 - half) / length as f64
 }
 
-fn line(values: &[f64], length: usize) -> Result<String, ReportError> {
+fn line(values: &[f64], length: usize, title: &str) -> Result<String, ReportError> {
     let (width, height) = (480.0, 300.0);
     let frame = Frame::new(
         width,
@@ -87,7 +95,7 @@ fn line(values: &[f64], length: usize) -> Result<String, ReportError> {
         Axis::logarithmic(values.iter().copied()),
     );
     let mut canvas = Canvas::new(width, height);
-    frame.draw(&mut canvas, "q", "S(q)");
+    frame.draw(&mut canvas, title, "S(q)");
     let points = places(length).into_iter().enumerate();
     let points: Vec<_> = points
         .map(|(at, place)| (frame.x.fraction(wave_number(at, length)), values[place]))
@@ -118,7 +126,11 @@ fn cells(length: usize) -> Vec<([f64; 2], Range<usize>)> {
     (0..cells).map(cell).collect()
 }
 
-fn plane(values: &[f64], [rows, columns]: [usize; 2]) -> Result<String, ReportError> {
+fn plane(
+    values: &[f64],
+    [rows, columns]: [usize; 2],
+    titles: [String; 2],
+) -> Result<String, ReportError> {
     let (width, height) = (480.0, 420.0);
     let mut frame = Frame::new(width, height, Axis::Turn, Axis::Turn);
     frame.edges[2] = width - BAR;
@@ -127,7 +139,7 @@ fn plane(values: &[f64], [rows, columns]: [usize; 2]) -> Result<String, ReportEr
     let logarithms: Vec<f64> = values.iter().map(|value| libm::log10(*value)).collect();
     let axis = Axis::linear(logarithms.iter().copied(), 0.0);
     let mut canvas = Canvas::new(width, height);
-    frame.draw(&mut canvas, "q along i", "q along j");
+    frame.draw(&mut canvas, &titles[0], &titles[1]);
     let [left, top, right, bottom] = frame.edges;
     // The first axis lies across, as in maps of the field.
     let (across, up) = (places(rows), places(columns));
@@ -161,9 +173,11 @@ mod tests {
         values[peak] = 10.0;
         StructureFactor {
             name: "s".to_owned(),
+            axes: ["i", "j"].map(str::to_owned).to_vec(),
             lengths,
             values,
             states: [3, 5],
+            notes: vec!["q = 0 along k.".to_owned()],
         }
     }
 
@@ -222,7 +236,9 @@ mod tests {
             .expect("a picture")
             .expect("values");
         assert!(figure.svg.contains("polyline") && !figure.svg.contains("NaN"));
-        assert!(figure.notes[0].contains("10⁻¹²"), "{:?}", figure.notes);
+        assert_eq!(figure.notes[0], "q = 0 along k.");
+        assert!(figure.notes[1].contains("10⁻¹²"), "{:?}", figure.notes);
+        assert!(figure.svg.contains("q along i"), "{}", figure.svg);
         assert!(
             figure.caption.contains("3 of 5 recorded states"),
             "{}",

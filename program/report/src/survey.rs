@@ -128,6 +128,7 @@ fn errors(lines: &[ErrorLine]) -> Result<Option<Figure>, ReportError> {
             "Error after twenty of the problem's steps, relative to the state, against the step; \
                   by declared order. Under the pointer a line names its map."
                 .to_owned(),
+        colors: Vec::new(),
         notes: Vec::new(),
     }))
 }

@@ -329,6 +329,7 @@ fn map(
         svg: canvas.finish(&format!("{} over both directions", column.name))?,
         legend: Vec::new(),
         caption: format!("{}, a cell for each setting.", column.kind.words()),
+        colors: Vec::new(),
         notes,
     })
 }

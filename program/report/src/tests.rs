@@ -124,7 +124,7 @@ fn rigid_body(count: usize) -> ReportData {
                 .map(|((t, x), energy)| [&[*t][..], x, &[*energy]].concat())
                 .collect(),
         }),
-        structure: None,
+        structure: Vec::new(),
         solver: Some(TimeSeries {
             values: (0..count)
                 .map(|k| if k % 7 == 0 { 4.0 } else { 3.0 })
@@ -151,6 +151,7 @@ fn lattice() -> ReportData {
             times,
             spacing: 1,
             fields,
+            has_neighbours: true,
         }),
         ..rigid_body(200)
     }
@@ -429,6 +430,7 @@ fn degenerate_data_gives_a_page() {
                     times: times.clone(),
                     spacing: count as usize,
                     fields: vec![vec![value; dimension]; count as usize],
+                    has_neighbours: dimension % 2 == 0,
                 };
                 for trajectory in [orbit, lattice] {
                     let html = page(&ReportData {

@@ -70,6 +70,7 @@ pub(super) fn work_precision_figure(plot: &Plot, curves: &[Curve]) -> Result<Fig
         svg: canvas.finish(&plot.title)?,
         legend: Vec::new(),
         caption: plot.caption.clone(),
+        colors: Vec::new(),
         notes,
     })
 }

@@ -8,7 +8,7 @@ use leafwise_scene::input::read_text;
 use leafwise_scene::table::Table;
 use thiserror::Error;
 
-use super::planes::{LETTERS, MapField, Slice, map, some_places};
+use super::planes::{LETTERS, MapField, Slice, map, places_alone};
 use super::recorded_states::{StateFields, StatesEntry, doubles};
 use super::states::{FINAL_STATE, HEADER};
 use super::summary::rounded;
@@ -109,7 +109,7 @@ pub fn maps(directory: &Path, request: &MapRequest) -> Result<FieldMaps, NoMaps>
     let none = || NoMaps::NoRun(directory.to_owned());
     let fields = StateFields::read(directory).ok_or_else(none)?;
     let names = fields.families().ok_or_else(none)?;
-    if fields.axes.is_empty() {
+    if fields.axes.is_empty() || names.is_empty() {
         return Err(none());
     }
     if !(2..=LETTERS.len()).contains(&fields.axes.len()) {
@@ -126,7 +126,9 @@ pub fn maps(directory: &Path, request: &MapRequest) -> Result<FieldMaps, NoMaps>
         Some(places) => recorded(directory, &fields.states, &places, request)?,
         None if request.at.is_empty() => {
             let file = directory.join(FINAL_STATE);
-            let whole = last_state(&file, &geometry)?;
+            // Single variables stand before families.
+            let first = fields.dimension.saturating_sub(geometry.dimension());
+            let whole = last_state(&file, first, &geometry)?;
             let sites = geometry.length();
             let own = families
                 .iter()
@@ -143,7 +145,11 @@ pub fn maps(directory: &Path, request: &MapRequest) -> Result<FieldMaps, NoMaps>
     for map in &mut maps {
         map.title = map.title.replacen("t = ", &format!("{cut}t = "), 1);
     }
-    Ok(FieldMaps { maps, color })
+    Ok(FieldMaps {
+        name: request.field.clone(),
+        maps,
+        color,
+    })
 }
 
 /// The field of this name among the coordinates of its families alone, its name in colour, and these families.
@@ -161,10 +167,19 @@ fn field(geometry: &LatticeGeometry, name: &str) -> Result<(MapField, String, Ve
     if let (Some(x), Some(y), Some(z)) = (x, y, z) {
         return Ok((own(2, Some([0, 1])), format!("{name}.z"), vec![x, y, z]));
     }
-    let families = geometry.families.iter().map(|(name, _)| name.clone());
+    let mut fields: Vec<String> = Vec::new();
+    for (family, _) in &geometry.families {
+        let vector = family.strip_suffix(".x");
+        let has_all = |vector: &&str| {
+            let mut others = ["y", "z"].into_iter();
+            others.all(|letter| place(&format!("{vector}.{letter}")).is_some())
+        };
+        fields.extend(vector.filter(has_all).map(str::to_owned));
+        fields.push(family.clone());
+    }
     Err(NoMaps::NoField {
         name: name.to_owned(),
-        fields: families.collect(),
+        fields,
     })
 }
 
@@ -226,7 +241,7 @@ fn recorded(
     let table = Table::read(&text).map_err(|error| broken(&samples, &error))?;
     let times: Vec<f64> = table.rows.iter().map(|row| row[0]).collect();
     let chosen = match request.at.is_empty() {
-        true => some_places(times.len()),
+        true => places_alone(times.len()),
         false => (request.at.iter())
             .map(|time| nearest(&times, *time))
             .collect::<Result<_, _>>()?,
@@ -273,9 +288,9 @@ fn nearest(times: &[f64], time: f64) -> Result<usize, NoMaps> {
     })
 }
 
-/// The state at the end, which is in no other file.
-fn last_state(file: &Path, geometry: &LatticeGeometry) -> Result<Vec<f64>, NoMaps> {
-    doubles(file, 0, geometry.dimension()).map_err(|error| NoMaps::File {
+/// The families at the end, which are in no other file, behind so many single variables.
+fn last_state(file: &Path, first: usize, geometry: &LatticeGeometry) -> Result<Vec<f64>, NoMaps> {
+    doubles(file, 8 * first as u64, geometry.dimension()).map_err(|error| NoMaps::File {
         file: file.to_owned(),
         reason: error.to_string(),
     })
@@ -369,6 +384,24 @@ mod tests {
         );
     }
 
+    /// Single variables stand before families, in the names of a short state and in its file.
+    #[test]
+    fn single_variables_are_no_fields() {
+        let root = tempfile::tempdir().expect("a directory");
+        let sites = "\"q[0,0]\", \"q[0,1]\", \"q[1,0]\", \"q[1,1]\"";
+        let manifest = format!(
+            "{{\"variables\": [\"a\", {sites}], \"dimension\": 5, \"axes\": [2, 2], \"time\": 1, \"states\": {{\"slices\": []}}}}"
+        );
+        fs::write(root.path().join(MANIFEST), manifest).expect("written");
+        let state = [7.0, 1.0, 2.0, 3.0, 4.0];
+        let bytes: Vec<u8> = state.into_iter().flat_map(f64::to_le_bytes).collect();
+        fs::write(root.path().join(FINAL_STATE), bytes).expect("written");
+        let drawn = maps(root.path(), &request("q", &[], None)).expect("a map");
+        // i runs across.
+        assert_eq!(drawn.maps[0].values, [1.0, 3.0, 2.0, 4.0]);
+        assert_eq!(drawn.name, "q");
+    }
+
     /// Each wrong request has its own words, and the way out.
     #[test]
     fn wrong_requests_are_told() {
@@ -378,8 +411,8 @@ mod tests {
             (
                 run.path(),
                 request("m", &[], None),
-                "has s.x, s.y, s.z",
-                "--map s.x",
+                "has s, s.x, s.y, s.z",
+                "--map s",
             ),
             (run.path(), request("s", &[8.0], None), "0 to 7.5", "--at"),
             (

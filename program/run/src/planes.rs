@@ -1,14 +1,15 @@
 //! Maps of the fields of a lattice of several axes.
 
 use leafwise_core::lattice::LatticeGeometry;
-use leafwise_report::{PlaneMap, Trajectory};
-use leafwise_scene::compose::Sites;
+use leafwise_report::{FieldMaps, PlaneMap, Trajectory};
+use leafwise_scene::compose::{SiteField, Sites};
 
-/// The most families that are drawn.
-const MOST_FAMILIES: usize = 3;
+/// The most fields that are drawn, and the most components of a vector.
+const MOST_FIELDS: usize = 3;
 
-/// The most times of a field that are drawn.
+/// The most times at which a field alone is drawn, and each of several.
 const MOST_TIMES: usize = 6;
+const FEWER_TIMES: usize = 3;
 
 /// The letters of axes.
 pub(crate) const LETTERS: [&str; 3] = ["i", "j", "k"];
@@ -51,61 +52,88 @@ impl Slice {
     }
 }
 
-/// Maps along a run. Spins are shown at some of its states, s.z in colour and (s.x, s.y) as arrows. Other vectors have every
-/// component at the last state, and else there is the first family.
+/// The fields that pictures show: no momenta where there are others, and a few of many.
+pub(super) fn shown_fields(sites: &Sites) -> Vec<SiteField> {
+    let fields = sites.fields();
+    let has_places = fields.iter().any(|field| !field.is_momentum);
+    let shown = fields.into_iter();
+    let shown = shown.filter(|field| !(has_places && field.is_momentum));
+    shown.take(MOST_FIELDS).collect()
+}
+
+/// Maps along a run, a figure a field. Spins are shown at some of its states, s.z in colour and (s.x, s.y) as arrows. Other
+/// vectors have every component at the last state.
 pub(super) fn planes(sites: &Sites, states: &[Timed<'_>]) -> Option<Trajectory> {
     let geometry = &sites.geometry;
     let slice = Slice::middle(geometry);
-    let place = |family: usize| sites.coordinates(family).start;
-    let name = |family: usize| geometry.families[family].0.clone();
-    let first = &geometry.families.first()?.0;
-    let vector = |family: &str| family.split_once('.').map(|(vector, _)| vector.to_owned());
-    let field = |family: usize| MapField {
-        name: name(family),
-        color: place(family),
-        arrows: None,
+    let shown = shown_fields(sites);
+    let most = match shown.len() {
+        1 => MOST_TIMES,
+        _ => FEWER_TIMES,
     };
-    let (fields, states, color) = match (sites.spins, vector(first)) {
-        (Some([x, y, z]), _) => {
-            let spins = MapField {
-                name: vector(&name(z))?,
-                color: place(z),
-                arrows: Some([place(x), place(y)]),
-            };
-            (vec![spins], some_of(states), name(z))
+    let last = states.len().saturating_sub(1);
+    let fields = shown.iter().map(|field| {
+        let color = |family: usize| MapField {
+            name: geometry.families[family].0.clone(),
+            color: sites.coordinates(family).start,
+            arrows: None,
+        };
+        let (own, places, color) = match (field.spins, &field.families[..]) {
+            (Some([x, y, z]), _) => {
+                let spins = MapField {
+                    name: field.name.clone(),
+                    arrows: Some([x, y].map(|family| sites.coordinates(family).start)),
+                    ..color(z)
+                };
+                let name = color(z).name;
+                (vec![spins], some_places(states.len(), most), name)
+            }
+            (None, [family]) => {
+                let own = vec![color(*family)];
+                (own, some_places(states.len(), most), field.name.clone())
+            }
+            (None, families) => {
+                let own = families.iter().take(MOST_FIELDS).copied().map(color);
+                (own.collect(), vec![last], field.name.clone())
+            }
+        };
+        let maps = own.iter().flat_map(|field| {
+            let maps = places.iter().filter_map(|at| states.get(*at));
+            maps.map(|state| map(geometry, field, state, slice))
+                .collect::<Vec<_>>()
+        });
+        FieldMaps {
+            name: field.name.clone(),
+            maps: maps.collect(),
+            color,
         }
-        (None, Some(own)) => {
-            let families = 0..geometry.families.len();
-            let families = families.filter(|at| vector(&name(*at)).as_ref() == Some(&own));
-            let last = states.len().saturating_sub(1);
-            let fields = families.take(MOST_FAMILIES).map(field).collect();
-            (fields, states[last..].iter().collect(), String::new())
-        }
-        (None, None) => (vec![field(0)], some_of(states), String::new()),
-    };
-    let maps = fields.iter().flat_map(|field| {
-        let maps = states
-            .iter()
-            .map(|state| map(geometry, field, state, slice));
-        maps.collect::<Vec<_>>()
     });
-    Some(Trajectory::Planes {
-        maps: maps.collect(),
-        color,
+    let fields: Vec<FieldMaps> = fields.collect();
+    let rest = sites.fields();
+    let rest = rest.iter().filter(|field| !shown.contains(field));
+    let rest: Vec<&str> = rest.map(|field| field.name.as_str()).collect();
+    (!fields.is_empty()).then(|| Trajectory::Planes {
+        fields,
         slice: slice
             .map(|slice| format!("The plane {} of the lattice, in its middle.", slice.text())),
+        rest: (!rest.is_empty()).then(|| {
+            let draws = format!("leafwise plot RUN --map {} draws", rest[0]);
+            match rest.len() {
+                1 => format!("Not drawn: {}; {draws} it.", rest[0]),
+                _ => format!("Not drawn: {}; {draws} the first of them.", rest.join(", ")),
+            }
+        }),
     })
 }
 
-/// Some of the states, the first and the last among them.
-fn some_of<'s, 'a>(states: &'s [Timed<'a>]) -> Vec<&'s Timed<'a>> {
-    let places = some_places(states.len()).into_iter();
-    places.map(|at| &states[at]).collect()
+/// The places of some times at which a field alone is drawn.
+pub(crate) fn places_alone(things: usize) -> Vec<usize> {
+    some_places(things, MOST_TIMES)
 }
 
-/// The places of at most six of so many things, evenly, the first and the last among them.
-pub(crate) fn some_places(things: usize) -> Vec<usize> {
-    let count = things.min(MOST_TIMES);
+/// The places of at most so many things, evenly, the first and the last among them.
+fn some_places(things: usize, most: usize) -> Vec<usize> {
+    let count = things.min(most);
     let parts = count.saturating_sub(1).max(1);
     let place = |k: usize| (k * (things - 1) + parts / 2) / parts;
     (0..count).map(place).collect()
@@ -155,7 +183,7 @@ mod tests {
 
     use super::*;
 
-    fn sites(names: &[&str], lengths: &[usize], spins: Option<[usize; 3]>) -> Sites {
+    fn sites(names: &[&str], lengths: &[usize], spins: &[[usize; 3]]) -> Sites {
         let axes = lengths.iter().map(|length| Axis {
             length: *length,
             periodic: true,
@@ -166,13 +194,16 @@ mod tests {
             first: 0,
             has_neighbours: true,
             plane: None,
-            spins,
+            spins: spins.to_vec(),
         }
     }
 
     fn drawn(sites: &Sites, states: &[Timed<'_>]) -> (Vec<PlaneMap>, Option<String>) {
         match planes(sites, states) {
-            Some(Trajectory::Planes { maps, slice, .. }) => (maps, slice),
+            Some(Trajectory::Planes { fields, slice, .. }) => (
+                fields.into_iter().flat_map(|field| field.maps).collect(),
+                slice,
+            ),
             other => panic!("{other:?}"),
         }
     }
@@ -180,7 +211,7 @@ mod tests {
     /// A box of 3 × 4 × 200 sites: the plane k = 100, its first axis across.
     #[test]
     fn a_map_is_the_plane_through_the_middle() {
-        let sites = sites(&["q"], &[3, 4, 200], None);
+        let sites = sites(&["q"], &[3, 4, 200], &[]);
         let state: Vec<f64> = (0..2400).map(f64::from).collect();
         let states = ["0", "2.5"].map(|time| (time.to_owned(), &state[..]));
         let (maps, slice) = drawn(&sites, &states);
@@ -197,7 +228,7 @@ mod tests {
     /// Spins have s.z in colour, and s.x and s.y as arrows, at six times of many.
     #[test]
     fn spins_are_drawn_as_arrows_along_the_run() {
-        let sites = sites(&["s.x", "s.y", "s.z"], &[2, 2], Some([0, 1, 2]));
+        let sites = sites(&["s.x", "s.y", "s.z"], &[2, 2], &[[0, 1, 2]]);
         let state: Vec<f64> = (0..12).map(f64::from).collect();
         let states: Vec<Timed<'_>> = (0..41).map(|time| (time.to_string(), &state[..])).collect();
         let (maps, slice) = drawn(&sites, &states);
@@ -211,5 +242,31 @@ mod tests {
             maps[0].arrows,
             [[0.0, 4.0], [2.0, 6.0], [1.0, 5.0], [3.0, 7.0]]
         );
+    }
+
+    /// Every sublattice has maps of its own at three times, S(q) of its own, and momenta are named as not drawn.
+    #[test]
+    fn fields_of_a_cell_are_drawn_each() {
+        let names = ["a.x", "a.y", "a.z", "p", "b.x", "b.y", "b.z", "c"];
+        let sites = sites(&names, &[4, 4], &[[0, 1, 2], [4, 5, 6]]);
+        let state: Vec<f64> = (0..128).map(f64::from).collect();
+        let states: Vec<Timed<'_>> = (0..9).map(|time| (time.to_string(), &state[..])).collect();
+        let Some(Trajectory::Planes { fields, rest, .. }) = planes(&sites, &states) else {
+            panic!("no maps");
+        };
+        let told: Vec<_> = fields
+            .iter()
+            .map(|field| (field.name.as_str(), field.color.as_str(), field.maps.len()))
+            .collect();
+        assert_eq!(told, [("a", "a.z", 3), ("b", "b.z", 3), ("c", "c", 3)]);
+        // Families of 16 sites: b.z is the seventh, and b.x, b.y are the fifth and the sixth.
+        let map = &fields[1].maps[2];
+        assert_eq!(map.title, "b at t = 8");
+        assert_eq!((map.values[0], map.arrows[0]), (96.0, [64.0, 80.0]));
+        assert!(rest.is_some_and(|rest| rest.contains("--map p")));
+        let whole = [(0.0, state)];
+        let factors = crate::structure::structure(&sites, &whole, 1);
+        let names: Vec<&str> = factors.iter().map(|factor| factor.name.as_str()).collect();
+        assert_eq!(names, ["a", "b", "c"]);
     }
 }

@@ -16,6 +16,11 @@ pub(super) struct StateFields {
     #[serde(default)]
     pub axes: Vec<usize>,
     pub variables: Value,
+    /// Names of the sites of a chain; none where they are numbers.
+    #[serde(default)]
+    pub site_names: Vec<String>,
+    #[serde(default)]
+    pub dimension: usize,
     pub states: StatesEntry,
     #[serde(default)]
     pub time: f64,
@@ -47,7 +52,7 @@ pub enum NamedState {
     Unknown,
 }
 
-/// A coordinate, as `q[3]` or `s.z[2,5]`, of the run in a directory, whose states stand in `states.npy`.
+/// A coordinate, as `q[3]`, `q[Sun]` or `s.z[2,5]`, of the run in a directory, whose states stand in `states.npy`.
 ///
 /// # Errors
 /// That of a file of states that cannot be read, or is too short.
@@ -82,14 +87,16 @@ impl StateFields {
         serde_json::from_str(&text).ok()
     }
 
-    /// The names of the families, of variables `x[0,0]`, …, or of names with lengths.
+    /// The names of the families, of variables `x[0,0]`, …, or of names with lengths; single variables are none.
     pub fn families(&self) -> Option<Vec<String>> {
         match &self.variables {
             Value::Object(families) => Some(Map::keys(families).cloned().collect()),
             Value::Array(names) => {
                 let mut families: Vec<String> = Vec::new();
                 for name in names {
-                    let (family, _) = name.as_str()?.split_once('[')?;
+                    let Some((family, _)) = name.as_str()?.split_once('[') else {
+                        continue;
+                    };
                     if families.last().is_none_or(|last| last != family) {
                         families.push(family.to_owned());
                     }
@@ -105,8 +112,13 @@ impl StateFields {
         let (family, rest) = name.trim().split_once('[')?;
         let family = family.trim();
         let places = rest.strip_suffix(']')?.split(',');
+        let number = |place: &str| {
+            let mut names = self.site_names.iter();
+            let named = names.position(|own| own == place);
+            named.or_else(|| place.parse().ok())
+        };
         let places: Vec<usize> = places
-            .map(|place| place.trim().parse().ok())
+            .map(|place| number(place.trim()))
             .collect::<Option<_>>()?;
         let is_there = self.families()?.iter().any(|own| own == family);
         let site = match (&places[..], &self.axes[..]) {

@@ -113,7 +113,7 @@ mod tests {
             first: 0,
             has_neighbours: plane.is_none(),
             plane,
-            spins: None,
+            spins: Vec::new(),
         }
     }
 

@@ -1,65 +1,78 @@
 //! Structure factors of recorded states, for pictures alone: the sines of this transform are the platform's.
 
 use leafwise_core::lattice::LatticeGeometry;
+use leafwise_expression::words::counted;
 use leafwise_report::StructureFactor;
-use leafwise_scene::compose::Sites;
+use leafwise_scene::compose::{SiteField, Sites};
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex64;
+
+use super::planes::{LETTERS, shown_fields};
 
 /// The fewest sites along an axis that is worth a picture.
 const SHORTEST: usize = 4;
 
-/// [`StructureFactor`] of the first family, or the sum of those of the components of its vector. Of three axes it is that
-/// in the plane q_k = 0. The run has recorded `recorded` samples.
+/// [`StructureFactor`] of each field that is shown, of a vector the sum of those of its components. The run has recorded
+/// `recorded` samples.
 ///
-/// There is none where sites are no lattice, an axis has ends or few sites, or there are no states.
+/// It is over the first two axes that are periodic and have no few sites; along the others q is 0. There is none where
+/// there is no such axis, sites are no lattice, or there are no states.
 pub(super) fn structure(
     sites: &Sites,
     states: &[(f64, Vec<f64>)],
     recorded: u64,
-) -> Option<StructureFactor> {
+) -> Vec<StructureFactor> {
     let geometry = &sites.geometry;
-    let is_wide = geometry.axes.iter().all(|axis| axis.length >= SHORTEST);
-    if !sites.has_neighbours || !geometry.is_periodic() || !is_wide || states.is_empty() {
-        return None;
+    let (own, notes) = axes(geometry);
+    if !sites.has_neighbours || own.is_empty() || states.is_empty() {
+        return Vec::new();
     }
-    let first = &geometry.families.first()?.0;
-    let name = first
-        .split_once('.')
-        .map_or(first.as_str(), |(vector, _)| vector);
-    let is_own = |family: &usize| {
-        let other = &geometry.families[*family].0;
-        other
-            .split_once('.')
-            .map_or(other.as_str(), |(vector, _)| vector)
-            == name
-    };
-    let families: Vec<usize> = (0..geometry.families.len()).filter(is_own).collect();
-    let mut sum = vec![0.0; geometry.length()];
     let mut transform = Transform::of(geometry);
-    for (_, state) in states {
-        for family in &families {
-            for (sum, power) in sum
-                .iter_mut()
-                .zip(transform.power(&state[sites.coordinates(*family)]))
-            {
-                *sum += power;
+    let over = (geometry.length() * states.len()) as f64;
+    let factor = |field: SiteField| {
+        let mut sum = vec![0.0; geometry.length()];
+        for (_, state) in states {
+            for family in &field.families {
+                let power = transform.power(&state[sites.coordinates(*family)]);
+                sum.iter_mut()
+                    .zip(power)
+                    .for_each(|(sum, power)| *sum += power);
             }
         }
+        // Sites are numbered along the last axis first, and so are those of the axes that are left.
+        let is_own = |site: &usize| {
+            let mut place = geometry.place(*site).into_iter().enumerate();
+            place.all(|(axis, at)| at == 0 || own.contains(&axis))
+        };
+        let kept = (0..geometry.length()).filter(is_own);
+        StructureFactor {
+            name: field.name,
+            axes: match geometry.axes.len() {
+                1 => Vec::new(),
+                _ => own.iter().map(|axis| LETTERS[*axis].to_owned()).collect(),
+            },
+            lengths: own.iter().map(|axis| geometry.axes[*axis].length).collect(),
+            values: kept.map(|site| sum[site] / over).collect(),
+            states: [states.len() as u64, recorded],
+            notes: notes.clone(),
+        }
+    };
+    shown_fields(sites).into_iter().map(factor).collect()
+}
+
+/// The axes that a picture shows, two at most, and in words why q is 0 along the others.
+fn axes(geometry: &LatticeGeometry) -> (Vec<usize>, Vec<String>) {
+    let (mut own, mut notes) = (Vec::new(), Vec::new());
+    for (at, axis) in geometry.axes.iter().enumerate() {
+        let zero = format!("q = 0 along {}", LETTERS[at]);
+        match (axis.periodic, axis.length >= SHORTEST) {
+            (false, _) => notes.push(format!("{zero}, which has ends.")),
+            (_, false) => notes.push(format!("{zero}: of {} only.", counted(axis.length, "site"))),
+            _ if own.len() == 2 => notes.push(format!("{zero}.")),
+            _ => own.push(at),
+        }
     }
-    let over = (geometry.length() * states.len()) as f64;
-    sum.iter_mut().for_each(|value| *value /= over);
-    let mut lengths = geometry.lengths();
-    if let [_, _, depth] = lengths[..] {
-        sum = sum.into_iter().step_by(depth).collect();
-        lengths.truncate(2);
-    }
-    Some(StructureFactor {
-        name: name.to_owned(),
-        lengths,
-        values: sum,
-        states: [states.len() as u64, recorded],
-    })
+    (own, notes)
 }
 
 /// Fourier transforms over all axes of a lattice.
@@ -126,7 +139,7 @@ mod tests {
             first: 0,
             has_neighbours: true,
             plane: None,
-            spins: None,
+            spins: Vec::new(),
         }
     }
 
@@ -167,8 +180,11 @@ mod tests {
             let count = sites.geometry.length();
             let states: Vec<(f64, Vec<f64>)> =
                 (0..3).map(|k| (0.0, noise(3 * count, 1000 * k))).collect();
-            let factor = structure(&sites, &states, 9).expect("a lattice");
-            assert_eq!((factor.name.as_str(), factor.states), ("s", [3, 9]));
+            let factors = structure(&sites, &states, 9);
+            let names: Vec<&str> = factors.iter().map(|factor| factor.name.as_str()).collect();
+            assert_eq!(names, ["s", "m"]);
+            let factor = &factors[0];
+            assert_eq!(factor.states, [3, 9]);
             let rest: usize = lengths.iter().skip(1).take(1).product();
             for (at, value) in factor.values.iter().enumerate() {
                 let m = match lengths.len() {
@@ -191,19 +207,64 @@ mod tests {
         }
     }
 
-    /// Open ends, few sites, and families whose sites are not next to each other have none.
+    /// Along axes with ends or few sites q is 0: the sum over the sites there is a field on the others.
+    #[test]
+    fn axes_with_ends_or_few_sites_are_left_out() {
+        for (lengths, open, own, note) in [
+            (
+                &[8, 3][..],
+                None,
+                &[0][..],
+                "q = 0 along j: of 3 sites only.",
+            ),
+            (&[2, 9], None, &[1], "q = 0 along i: of 2 sites only."),
+            (&[8, 6], Some(1), &[0], "q = 0 along j, which has ends."),
+            (&[5, 3, 6], None, &[0, 2], "q = 0 along j: of 3 sites only."),
+            (&[4, 5, 6], None, &[0, 1], "q = 0 along k."),
+        ] {
+            let mut sites = sites(&["q"], lengths);
+            if let Some(axis) = open {
+                sites.geometry.axes[axis].periodic = false;
+            }
+            let count = sites.geometry.length();
+            let state = noise(count, 5);
+            let factor = structure(&sites, &[(0.0, state.clone())], 1).remove(0);
+            assert_eq!(factor.notes, [note]);
+            let letters: Vec<&str> = own.iter().map(|axis| LETTERS[*axis]).collect();
+            assert_eq!(factor.axes, letters);
+            let of: Vec<usize> = own.iter().map(|axis| lengths[*axis]).collect();
+            assert_eq!(factor.lengths, of);
+            let last = of.get(1).copied().unwrap_or(1);
+            for (at, value) in factor.values.iter().enumerate() {
+                let mut m = [0; 3];
+                m[own[0]] = at / last;
+                if let Some(second) = own.get(1) {
+                    m[*second] = at % last;
+                }
+                let expected = direct(lengths, &state, m);
+                // A sum of at most 120 terms of at most a half: its round-off, squared over N terms.
+                let tolerance = 120.0 * 120.0 * f64::EPSILON;
+                assert!(
+                    (value - expected).abs() < tolerance,
+                    "{lengths:?} {m:?}: {value} {expected}"
+                );
+            }
+        }
+    }
+
+    /// Chains with ends, few sites along all axes, and families whose sites are not next to each other have none.
     #[test]
     fn what_is_no_periodic_lattice_has_none() {
         let states = vec![(0.0, noise(64, 1))];
         let periodic = sites(&["q"], &[8, 8]);
-        assert!(structure(&periodic, &states, 1).is_some());
-        assert!(structure(&periodic, &[], 1).is_none());
-        let mut open = periodic.clone();
-        open.geometry.axes[1].periodic = false;
+        assert_eq!(structure(&periodic, &states, 1).len(), 1);
+        assert!(structure(&periodic, &[], 1).is_empty());
+        let mut open = sites(&["q"], &[64]);
+        open.geometry.axes[0].periodic = false;
         let mut apart = periodic.clone();
         apart.has_neighbours = false;
-        for sites in [open, apart, sites(&["q"], &[32, 2])] {
-            assert!(structure(&sites, &states, 1).is_none());
+        for sites in [open, apart, sites(&["q"], &[3, 3])] {
+            assert!(structure(&sites, &states, 1).is_empty());
         }
     }
 }

@@ -496,6 +496,7 @@ fn along_families(
             times,
             spacing,
             fields,
+            has_neighbours: sites.has_neighbours,
         };
     };
     let count = families[x].1;

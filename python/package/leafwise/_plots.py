@@ -20,6 +20,9 @@ _LETTERS = "ijk"
 _MOST_ARROWS = 20
 _MOST_NAMES = 10
 
+#: Longer planes than so many times their width have cells that are no squares.
+_LONGEST = 8
+
 
 def axes(given: matplotlib.axes.Axes | None) -> matplotlib.axes.Axes:
     """These axes, or those of a new figure, which a notebook shows."""
@@ -99,26 +102,46 @@ def plane_of(field: Array, cut: tuple[str, int] | None) -> tuple[Array, str]:
 
 def colours(ax: matplotlib.axes.Axes, planes: Sequence[tuple[Array, str]], name: str, title: str) -> matplotlib.axes.Axes:
     """The first field in colour, its first axis across; two more as arrows, of some of the sites."""
+    from matplotlib.ticker import MaxNLocator
+
     fields, letters = [field for field, _ in planes], planes[0][1]
     value, arrows = fields[0], fields[1:]
     most = float(np.sqrt(sum(part**2 for part in fields)).max()) if arrows else None
-    image = ax.imshow(value.T, origin="lower", vmin=None if most is None else -most, vmax=most)
+    across, up = value.shape
+    ratio = min(max(across / up, 1 / _LONGEST), _LONGEST)
+    # Cells stand about their sites' numbers; the aspect is the height of a cell over its width.
+    image = ax.imshow(value.T, origin="lower", aspect=across / up / ratio, vmin=None if most is None else -most, vmax=most)
+    for axis, sites in ((ax.xaxis, across), (ax.yaxis, up)):
+        axis.set_major_locator(MaxNLocator("auto", steps=[1, 2, 5, 10], integer=True, min_n_ticks=min(sites, 3)))
     if arrows:
-        every = -(-max(value.shape) // _MOST_ARROWS)
-        places = [np.arange(every // 2, length, every) for length in value.shape]
+        every = [-(-length // _MOST_ARROWS) for length in value.shape]
+        places = [np.arange(step // 2, length, step) for step, length in zip(every, value.shape)]
         x, y = np.meshgrid(*places, indexing="ij")
-        ax.quiver(x, y, *(part[x, y] for part in arrows), pivot="middle", scale=most / every if most else None, scale_units="x", color="w", edgecolor="k", linewidth=0.4)
+        # An arrow is at most as long as the nearer of two is far, across: cells are as wide as 1.
+        apart = min(every[0], every[1] * across / up / ratio)
+        ax.quiver(x, y, *(part[x, y] for part in arrows), pivot="middle", scale=most / apart if most else None, scale_units="x", color="w", edgecolor="k", linewidth=0.4)
     ax.figure.colorbar(image, ax=ax, label=name)
     ax.set(title=title, xlabel=letters[0], ylabel=letters[1])
     return ax
 
 
 def paths(ax: matplotlib.axes.Axes, x: Array, y: Array, names: tuple[str, str]) -> matplotlib.axes.Axes:
-    """A line and a last place for each column."""
-    for body in range(x.shape[1]):
-        (line,) = ax.plot(x[:, body], y[:, body], linewidth=1, label=f"{body}")
-        ax.plot(x[-1:, body], y[-1:, body], "o", color=line.get_color(), markersize=4)
+    """A line for each column, with a disc where it begins and a ring where it is last. More columns than have names have a scale of
+    colours."""
+    from matplotlib import colormaps
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
+    count = x.shape[1]
+    scale = ScalarMappable(Normalize(0, max(count - 1, 1)), colormaps["viridis"])
+    for body in range(count):
+        color = f"C{body}" if count <= _MOST_NAMES else scale.cmap(body / max(count - 1, 1))
+        ax.plot(x[:, body], y[:, body], linewidth=1, color=color, label=f"{body}")
+        ax.plot(x[:1, body], y[:1, body], "o", color=color, markersize=4)
+        ax.plot(x[-1:, body], y[-1:, body], "o", color=color, markerfacecolor="w", markersize=5)
     ax.set(xlabel=names[0], ylabel=names[1], aspect="equal")
-    if x.shape[1] <= _MOST_NAMES:
+    if count <= _MOST_NAMES:
         ax.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=5, frameon=False)
+    else:
+        ax.figure.colorbar(scale, ax=ax, label="body")
     return ax

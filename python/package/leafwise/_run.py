@@ -192,7 +192,7 @@ class Run:
         return colours(axes(ax), planes, parts[0], f"{name} at t = {self.t[at]:.6g}")
 
     def plot_paths(self, x: str = "q.x", y: str = "q.y", *, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
-        """The path of every body in the plane of two families, a unit as long along both axes; a dot is where it is last. Needs matplotlib.
+        """The path of every body in the plane of two families, a unit as long along both axes: a disc where it begins, a ring where it is last. Needs matplotlib.
 
         Raises:
             KeyError: a family was not recorded at every site.

@@ -182,7 +182,7 @@ fn fields_become_maps() {
     assert_eq!(maps[1], "q at t = 1");
     let svg = here.read("plot.svg");
     assert!(
-        svg.contains("q at t = 1 over j") && svg.contains("crispEdges"),
+        svg.contains("q at t = 1") && svg.contains("crispEdges"),
         "{svg}"
     );
     let said = here.leafwise(&["plot", "all", "--map", "p", "--out", "p.pdf"]);

@@ -32,6 +32,9 @@ pub struct Beginning<'a> {
     variables: Variables<'a>,
     /// The number of sites along each axis of the families.
     axes: Vec<usize>,
+    /// The names of the sites of a chain, where they have any.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    site_names: Vec<&'a str>,
     #[serde(serialize_with = "object")]
     parameters: Vec<(&'a str, Double)>,
     initial: Option<Vec<Double>>,
@@ -160,6 +163,7 @@ impl<'a> Beginning<'a> {
                 true => Vec::new(),
                 false => run.plan.sites.geometry.lengths(),
             },
+            site_names: run.plan.sites.geometry.site_names.iter().collect(),
             parameters: parameters
                 .map(|parameter| (parameter.name.as_str(), Double(parameter.value)))
                 .collect(),

@@ -80,7 +80,7 @@ fn bodies_have_paths_in_a_plane() {
                 "{number}"
             );
         }
-        assert!(page.structure.is_none());
+        assert!(page.structure.is_empty());
     }
 }
 
@@ -89,9 +89,13 @@ fn bodies_have_paths_in_a_plane() {
 fn chains_and_chosen_coordinates_are_no_bodies() {
     let chain = page(&vortices(8, true, ""));
     assert!(matches!(&chain.trajectory, Some(Trajectory::Lattice { name, .. }) if name == "x"));
-    let factor = chain.structure.expect("a periodic chain");
-    assert_eq!((factor.name.as_str(), factor.lengths), ("x", vec![8]));
-    assert_eq!(factor.states, [11, 11]);
+    let factors: Vec<_> = chain
+        .structure
+        .iter()
+        .map(|factor| (factor.name.as_str(), &factor.lengths[..], factor.states))
+        .collect();
+    let own = |name| (name, &[8][..], [11, 11]);
+    assert_eq!(factors, [own("x"), own("y")]);
     let chosen = page(&vortices(8, false, ", states = [\"x[1]\", \"y[1]\"]"));
     let Some(Trajectory::Orbit { names, .. }) = &chosen.trajectory else {
         panic!("{:?}", chosen.trajectory);
@@ -143,13 +147,11 @@ steps   = 20
 record  = { every = 2, states = "all", observables = ["energy"] }
 "#;
     let page = page(text);
-    let Some(Trajectory::Planes {
-        maps: in_memory, ..
-    }) = &page.trajectory
-    else {
+    let Some(Trajectory::Planes { fields, .. }) = &page.trajectory else {
         panic!("{:?}", page.trajectory);
     };
-    let factor = page.structure.as_ref().expect("a periodic plane");
+    let in_memory = &fields[0].maps;
+    let factor = &page.structure[0];
     assert_eq!(factor.lengths, [8, 6]);
     assert_eq!(factor.states, [11, 11]);
     let root = tempfile::tempdir().expect("a directory");
@@ -176,7 +178,7 @@ record  = { every = 2, states = "all", observables = ["energy"] }
         let own = figures.filter(|figure| {
             [
                 heading("Structure factor of q"),
-                heading("The field over the lattice"),
+                heading("q over the lattice"),
             ]
             .iter()
             .any(|heading| figure.contains(heading))

@@ -118,7 +118,7 @@ pub use parts::exact_realization;
 pub use run::{ComposedRun, RunPlan, compose};
 pub use shadow::{NoShadow, RecordedShadow, ShadowEnergy};
 pub use shape::{TensorShape, tensor_shape};
-pub use sites::Sites;
+pub use sites::{SiteField, Sites};
 pub use states::{RecordedStates, StateSlice, WIDEST_STATE};
 pub use stepping::{LatticeBase, LatticeStepping, Stepping};
 pub use system::{ComposedSystem, check_varied, compose_system};

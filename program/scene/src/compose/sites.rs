@@ -6,6 +6,7 @@ use leafwise_expression::syntax::Formula;
 use super::geometry::geometry;
 use crate::document::{
     AlgebraSpec, BracketSpec, LieAlgebraSpec, Located, SceneDocument, SystemSection, VectorFamily,
+    is_pair,
 };
 
 /// Names of vectors that are no places: momenta and velocities.
@@ -22,8 +23,22 @@ pub struct Sites {
     pub has_neighbours: bool,
     /// The families with the places x and y of bodies in a plane; `None` where sites are those of a lattice.
     pub plane: Option<[usize; 2]>,
-    /// The families s.x, s.y and s.z of spins, so(3)* at every site.
+    /// The families s.x, s.y and s.z of spins, so(3)* at every site, of each vector of spins.
+    pub spins: Vec<[usize; 3]>,
+}
+
+/// A field on the sites: a family, or the components of a vector.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SiteField {
+    /// Its name, as `q` or `s`.
+    pub name: String,
+    /// Its families, one of each component.
+    pub families: Vec<usize>,
+    /// The families s.x, s.y and s.z where it is one of spins.
     pub spins: Option<[usize; 3]>,
+    /// Whether its name is that of a momentum or a velocity: p, u or v, or by which it is paired with another in a canonical
+    /// bracket, as `pa` with `a`.
+    pub is_momentum: bool,
 }
 
 impl Sites {
@@ -48,6 +63,31 @@ impl Sites {
             plane,
             spins,
         }
+    }
+
+    /// The fields on the sites, in the order of their families.
+    pub fn fields(&self) -> Vec<SiteField> {
+        let mut fields: Vec<SiteField> = Vec::new();
+        for (family, (whole, _)) in self.geometry.families.iter().enumerate() {
+            let name = whole.split_once('.').map_or(&**whole, |(vector, _)| vector);
+            match fields.iter_mut().find(|field| field.name == name) {
+                Some(field) => field.families.push(family),
+                None => fields.push(SiteField {
+                    name: name.to_owned(),
+                    families: vec![family],
+                    spins: None,
+                    is_momentum: false,
+                }),
+            }
+        }
+        let names: Vec<String> = fields.iter().map(|field| field.name.clone()).collect();
+        for field in &mut fields {
+            let own = |spins: &&[usize; 3]| field.families.contains(&spins[0]);
+            field.spins = self.spins.iter().find(own).copied();
+            field.is_momentum = MOMENTA.contains(&field.name.to_lowercase().as_str())
+                || names.iter().any(|other| is_pair(other, &field.name));
+        }
+        fields
     }
 
     /// The place of each site of a family in a state, in their order.
@@ -78,8 +118,8 @@ fn plane(system: &SystemSection, geometry: &LatticeGeometry) -> Option<[usize; 2
     })
 }
 
-/// The first family of vectors x, y, z with the bracket of so(3).
-fn spins(system: &SystemSection, geometry: &LatticeGeometry) -> Option<[usize; 3]> {
+/// The families of vectors x, y, z with the bracket of so(3).
+fn spins(system: &SystemSection, geometry: &LatticeGeometry) -> Vec<[usize; 3]> {
     let letters = |vector: &VectorFamily| -> Vec<String> {
         let letters = vector.components.iter();
         letters.map(|letter| letter.value.clone()).collect()
@@ -88,9 +128,12 @@ fn spins(system: &SystemSection, geometry: &LatticeGeometry) -> Option<[usize; 3
         let algebra = algebra_of(&system.bracket.value, &vector.name.value);
         letters(vector) == ["x", "y", "z"] && algebra.is_some_and(is_so3)
     };
-    let vector = system.vectors.iter().find(is_spin)?;
-    let [x, y, z] = ["x", "y", "z"].map(|letter| place(geometry, &vector.family(letter)));
-    Some([x?, y?, z?])
+    let places = |vector: &VectorFamily| -> Option<[usize; 3]> {
+        let [x, y, z] = ["x", "y", "z"].map(|letter| place(geometry, &vector.family(letter)));
+        Some([x?, y?, z?])
+    };
+    let vectors = system.vectors.iter().filter(is_spin);
+    vectors.filter_map(places).collect()
 }
 
 /// The Lie algebra by whose bracket a variable or a family moves, if it does.

@@ -261,7 +261,7 @@ fn is_component(family: &str, vector: &str) -> bool {
 }
 
 /// Whether names tell that the second is the momentum of the first.
-fn is_pair(coordinate: &str, momentum: &str) -> bool {
+pub(crate) fn is_pair(coordinate: &str, momentum: &str) -> bool {
     let is_before = |letters: &str| momentum.strip_prefix(letters) == Some(coordinate);
     let have_stems = |(stem, momenta): &(&str, &[&str])| {
         let end = coordinate.strip_prefix(stem);

@@ -65,6 +65,7 @@ mod variables;
 mod vector_formulas;
 
 pub use bracket::{BracketSpec, SummandSpec};
+pub(crate) use canonical::is_pair;
 pub use ensemble::{Distribution, EnsembleSection, FinalStates, InitialDraw, ParameterDraw};
 pub(crate) use equations::{asking_for_casimirs, no_casimirs};
 pub use equations::{equations_of, with_casimirs, with_hamiltonian, with_plain_run, with_system};

@@ -66,10 +66,34 @@ fn spins_are_vectors_of_so3() {
     let heisenberg = "{ lie-algebra = \"sl2\" }";
     assert_eq!(
         spins(format!("{vectors}{}", bracket(heisenberg))),
-        Some([3, 4, 5])
+        [[3, 4, 5]]
     );
     let so3 = "bracket = { lie-algebra = \"so3\" }\n";
-    assert_eq!(spins(format!("{vectors}{so3}")), Some([0, 1, 2]));
+    assert_eq!(spins(format!("{vectors}{so3}")), [[0, 1, 2], [3, 4, 5]]);
+}
+
+/// Vectors are fields, families fields of their own, and momenta are told by their names.
+#[test]
+fn fields_are_families_and_vectors() {
+    let system = "families = { p = { components = [\"x\", \"y\"], length = 3 }, q = { components = [\"x\", \"y\"], length = 3 }, a = 3, p_a = 3, pa = 3, pb = 3, theta = 3, L = 3 }\n\
+                  bracket = { \"q.x[i],p.x[i]\" = \"1\" }\nhamiltonian = \"sum(i, q.x[i])\"\n";
+    let fields =
+        super::super::Sites::of(&document(system, "initial = { \"a[i]\" = 0.5 }")).fields();
+    let told: Vec<_> = fields
+        .iter()
+        .map(|field| (field.name.as_str(), &field.families[..], field.is_momentum))
+        .collect();
+    let expected: [(&str, &[usize], bool); 8] = [
+        ("p", &[0, 1], true),
+        ("q", &[2, 3], false),
+        ("a", &[4], false),
+        ("p_a", &[5], true),
+        ("pa", &[6], true),
+        ("pb", &[7], false),
+        ("theta", &[8], false),
+        ("L", &[9], true),
+    ];
+    assert_eq!(told, expected);
 }
 
 /// The library's bodies are drawn as such, and the place of a family is that in the state.
