@@ -176,3 +176,43 @@ fn adaptive_steps_take_coordinates_of_round_off_on_lattices() {
         }
     }
 }
+
+/// A damped spiral by `splitting` is refused with what serves, and both that is named there do serve.
+#[test]
+fn what_is_advised_for_damping_takes_it() {
+    let (system, initial) = spiral("damping = { rate = \"0.1\" }");
+    let scene = |method: &str| {
+        let text = format!(
+            "[system]\n{system}\n[method]\n{method}\ntime-step = 0.05\n[run]\ninitial = {initial}\nsteps = 4\n"
+        );
+        let registry = leafwise_core::Registry::with_builtin();
+        leafwise_scene::compose(&leafwise_tests::scenes::document(&text, &[]), &registry)
+    };
+    let Err(refusal) = scene("stepper = \"splitting\"") else {
+        panic!("splitting takes damping");
+    };
+    let help = refusal.help.expect("help");
+    assert!(
+        help.starts_with("dynamics = \"one-form\" in the place of `stepper`"),
+        "{help}"
+    );
+    let (_, names) = help.rsplit_once(": ").expect("steppers");
+    let steppers = names
+        .split(", ")
+        .map(|name| format!("stepper = \"{name}\""));
+    let methods = std::iter::once("dynamics = \"one-form\"".to_owned()).chain(steppers);
+    let mut ends = Vec::new();
+    for method in methods {
+        let run = scene(&method).unwrap_or_else(|refusal| panic!("{method}: {refusal}"));
+        ends.push(end(&run));
+    }
+    assert!(ends.len() >= 4, "{help}");
+    for other in &ends[1..] {
+        // Steps of 0.05 at rates up to 2: methods of order 2 differ by (0.1)^3 a step.
+        assert!(
+            distance(&ends[0], other) <= 4e-3,
+            "{}",
+            distance(&ends[0], other)
+        );
+    }
+}

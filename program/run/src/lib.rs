@@ -75,6 +75,7 @@ mod summary;
 pub mod sweep;
 #[cfg(test)]
 mod tests;
+mod trajectory;
 mod undefined_motion;
 mod watch;
 mod whole_states;

@@ -3,20 +3,16 @@
 use leafwise_expression::words::counted;
 
 use super::drive::Session;
-use super::ellipsoid::leaf;
 use super::error::RunError;
 use super::outcome::{RunOutcome, RunReport};
-use super::planes::planes;
 use super::sampled::columns_of_states;
-use super::snapshots::{shown, spacing};
 use super::structure::structure;
+use super::trajectory::trajectory;
 use super::whole_states::whole_states;
 use crate::advice::lines;
 use crate::{PROGRAM_VERSION, plugins};
-use leafwise_report::{
-    BodyPath, InvariantSeries, Outcome, Recorded, ReportData, SectionPoints, TimeSeries, Trajectory,
-};
-use leafwise_scene::compose::{ComposedRun, Observable, Sites};
+use leafwise_report::{InvariantSeries, Outcome, Recorded, ReportData, SectionPoints, TimeSeries};
+use leafwise_scene::compose::{ComposedRun, Observable};
 use leafwise_scene::document::SceneDocument;
 use leafwise_walk::{SampleTimes, Section};
 
@@ -199,7 +195,7 @@ pub(crate) fn section_points(
     })
 }
 
-fn value(row: &[f64], column: usize) -> f64 {
+pub(super) fn value(row: &[f64], column: usize) -> f64 {
     row.get(column).copied().unwrap_or(f64::NAN)
 }
 
@@ -412,154 +408,6 @@ pub(crate) fn rounded(value: f64, digits: usize) -> String {
     } else {
         format!("{rounded:e}")
     }
-}
-
-fn trajectory(
-    run: &ComposedRun,
-    session: &Session<'_>,
-    (times, whole): (Vec<f64>, &[(f64, Vec<f64>)]),
-    rows: &[Vec<f64>],
-    width: usize,
-) -> Option<Trajectory> {
-    let (sites, is_whole) = (&run.plan.sites, run.plan.states.is_whole_in_samples());
-    let is_lattice = run.method.lattice().is_some();
-    if sites.geometry.axes.len() > 1 {
-        let first = times.first().copied().unwrap_or(0.0);
-        let ends = [
-            (first, run.own(&run.plan.initial)),
-            (session.time(), run.own(session.state())),
-        ];
-        let states: Vec<_> = match whole.len() {
-            0 | 1 => ends.into_iter().collect(),
-            _ => whole
-                .iter()
-                .map(|(time, state)| (*time, &state[..]))
-                .collect(),
-        };
-        let written = states
-            .into_iter()
-            .map(|(time, state)| (rounded(time, 6), state));
-        return planes(sites, &written.collect::<Vec<_>>());
-    }
-    // Long families whose states are no columns, but for a few that the scene asks for.
-    let snapshots = session.snapshots();
-    let has_few = width > 0 && run.plan.states.are_in_samples();
-    if !snapshots.times.is_empty() && (is_lattice || !has_few) {
-        return Some(along_families(
-            sites,
-            snapshots.times.clone(),
-            snapshots.fields(),
-            spacing(sites),
-        ));
-    }
-    if rows.is_empty() || width == 0 {
-        return None;
-    }
-    if is_whole && !sites.geometry.families.is_empty() {
-        let shown = shown(sites);
-        let field = |row: &Vec<f64>| shown.iter().map(|at| value(row, 1 + at)).collect();
-        let fields = rows.iter().map(field).collect();
-        return Some(along_families(sites, times, fields, spacing(sites)));
-    }
-    let names = run.plan.states.names();
-    if let Some(bodies) = single_bodies(&names, rows) {
-        return Some(bodies);
-    }
-    if let Some(places) = first_body(&names) {
-        let point = |row: &Vec<f64>| places.iter().map(|at| row[1 + at]).collect();
-        return Some(Trajectory::Orbit {
-            names: places.iter().map(|at| names[*at].clone()).collect(),
-            times,
-            points: rows.iter().map(point).collect(),
-            leaf: None,
-        });
-    }
-    Some(Trajectory::Orbit {
-        names,
-        times,
-        points: rows.iter().map(|row| row[1..=width].to_vec()).collect(),
-        leaf: is_whole.then(|| leaf(run)).flatten(),
-    })
-}
-
-/// The paths of bodies, or a field over the sites of a chain: of the coordinates that are [`shown`] at each time.
-fn along_families(
-    sites: &Sites,
-    times: Vec<f64>,
-    fields: Vec<Vec<f64>>,
-    spacing: usize,
-) -> Trajectory {
-    let families = &sites.geometry.families;
-    let Some([x, y]) = sites.plane else {
-        return Trajectory::Lattice {
-            name: families[0].0.clone(),
-            times,
-            spacing,
-            fields,
-            has_neighbours: sites.has_neighbours,
-        };
-    };
-    let count = families[x].1;
-    let drawn = count.div_ceil(spacing);
-    let place = |at: usize, field: &Vec<f64>| [value(field, at), value(field, drawn + at)];
-    // Components q.x and q.y are of bodies q, families x and y of bodies that have their numbers alone.
-    let named = |number: usize| match families[x].0.split_once('.') {
-        Some((vector, _)) => format!("{vector}[{number}]"),
-        None => format!("body {number}"),
-    };
-    let body = |at: usize| BodyPath {
-        name: named(at * spacing),
-        number: at * spacing,
-        places: fields.iter().map(|field| place(at, field)).collect(),
-    };
-    Trajectory::Bodies {
-        axes: [x, y].map(|family| families[family].0.clone()),
-        bodies: (0..drawn).map(body).collect(),
-        count,
-    }
-}
-
-/// The paths of two bodies or more with coordinates such as x0, y0, x1, y1, …, in a plane: there is no z0.
-fn single_bodies(names: &[String], rows: &[Vec<f64>]) -> Option<Trajectory> {
-    let place = |name: String| names.iter().position(|known| *known == name);
-    let own = names.iter().enumerate().filter_map(|(x, name)| {
-        let body = name.strip_prefix('x').filter(|body| !body.is_empty())?;
-        let is_in_space = place(format!("z{body}")).is_some();
-        let y = place(format!("y{body}")).filter(|_| !is_in_space)?;
-        Some((body.trim_matches(['_', '[', ']']), [x, y]))
-    });
-    let own: Vec<_> = own.collect();
-    let is_first = own.first().is_some_and(|(_, [x, _])| *x == 0);
-    (is_first && own.len() > 1).then(|| Trajectory::Bodies {
-        axes: ["x", "y"].map(str::to_owned),
-        count: own.len(),
-        bodies: (own.into_iter().enumerate())
-            .map(|(number, (body, places))| BodyPath {
-                name: format!("body {body}"),
-                number,
-                places: (rows.iter())
-                    .map(|row| places.map(|at| value(row, 1 + at)))
-                    .collect(),
-            })
-            .collect(),
-    })
-}
-
-/// Of several bodies with coordinates such as x0, x1, …, y0, y1, … those of the first: x0 and y0, and z0
-/// where there is one.
-fn first_body(names: &[String]) -> Option<Vec<usize>> {
-    let first = names.first()?;
-    let body = first.strip_prefix('x')?;
-    let place = |name: String| names.iter().position(|known| *known == name);
-    let second = place(format!("y{body}"))?;
-    let third = place(format!("z{body}"));
-    let is_alone = names.len() <= 3 || body.is_empty();
-    (!is_alone).then(|| {
-        [Some(0), Some(second), third]
-            .into_iter()
-            .flatten()
-            .collect()
-    })
 }
 
 #[cfg(test)]

@@ -195,3 +195,38 @@ record  = { every = 2, states = "all", observables = ["energy"] }
     assert_eq!(figures(&report), figures(&of_memory));
     assert_eq!(figures(&report).len(), 2);
 }
+
+/// Bodies by names whose momenta are not recorded have paths by their names; one body alone is an orbit.
+#[test]
+fn recorded_bodies_have_paths_by_their_names() {
+    let names = ["Sun", "Earth", "Moon"];
+    let scene = |states: &str| {
+        vortices(3, false, &format!(", states = [{states}]"))
+            .replace("x = 3", "x = [\"Sun\", \"Earth\", \"Moon\"]")
+    };
+    let whole = page(&scene("\"y\", \"x\""));
+    let Some(Trajectory::Bodies { axes, bodies, .. }) = &whole.trajectory else {
+        panic!("{:?}", whole.trajectory);
+    };
+    assert_eq!(axes, &["x", "y"]);
+    assert_eq!(bodies.len(), 3);
+    for (number, (body, name)) in bodies.iter().zip(names).enumerate() {
+        assert_eq!((body.name.as_str(), body.number), (name, number));
+        let angle = std::f64::consts::TAU * number as f64 / 3.0;
+        let [x, y] = body.places[0];
+        // Cosine and sine of angles rounded twice.
+        assert!((x - libm::cos(angle)).abs() <= 4.0 * f64::EPSILON);
+        assert!((y - libm::sin(angle)).abs() <= 4.0 * f64::EPSILON);
+    }
+    let two = page(&scene("\"x\", \"y[Earth..N]\""));
+    let Some(Trajectory::Bodies { bodies, .. }) = &two.trajectory else {
+        panic!("{:?}", two.trajectory);
+    };
+    let found: Vec<&str> = bodies.iter().map(|body| body.name.as_str()).collect();
+    assert_eq!(found, ["Earth", "Moon"]);
+    let one = page(&scene("\"x[Moon]\", \"y[Moon]\""));
+    let Some(Trajectory::Orbit { names, .. }) = &one.trajectory else {
+        panic!("{:?}", one.trajectory);
+    };
+    assert_eq!(names, &["x[Moon]", "y[Moon]"]);
+}

@@ -206,10 +206,14 @@ fn stepper(
 fn of_this_length(registry: &Registry, system: &PoissonSystem) -> String {
     let serving = steppers_of_fields(registry, system.motion()).into_iter();
     let names: Vec<&str> = serving.map(|info| info.name).collect();
-    format!(
-        "these take fields alone, on lattices of any length: {}",
-        names.join(", ")
-    )
+    let names = names.join(", ");
+    match (system.motion(), registry.of_forces()) {
+        (MotionClass::OnLeaves, Ok(info)) => format!(
+            "dynamics = \"{}\" in the place of `stepper` keeps every Casimir; these take fields alone, on lattices of any length: {names}",
+            info.name
+        ),
+        _ => format!("these take fields alone, on lattices of any length: {names}"),
+    }
 }
 
 /// Steppers that take fields alone, of such a motion.
