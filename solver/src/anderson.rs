@@ -5,6 +5,9 @@ use super::judge::{WANDERING, larger};
 /// How many earlier iterates are combined.
 const DEPTH: usize = 5;
 
+/// Differences below this part of the largest component are round-off.
+const ROUND_OFF: f64 = 64.0 * f64::EPSILON;
+
 /// A direction that keeps less than this part of itself beside the newer ones is left out: what is
 /// left of it is round-off.
 const DEPENDENT: f64 = 1e-7;
@@ -31,8 +34,9 @@ pub struct Anderson {
     residual: Vec<f64>,
     correction: Vec<f64>,
     is_started: bool,
-    /// The largest |Δ(u + r)|/|Δu| of this solve.
+    /// The largest |Δ(u + r)|/|Δu| of this solve, and that of iterates whose differences are no round-off as a whole.
     rate: f64,
+    rate_of_whole: f64,
     operations: u64,
 }
 
@@ -51,6 +55,7 @@ impl Anderson {
             correction: vec![0.0; size],
             is_started: false,
             rate: 0.0,
+            rate_of_whole: 0.0,
             operations: 0,
         }
     }
@@ -75,7 +80,7 @@ impl Anderson {
     pub fn clear(&mut self) {
         self.columns = 0;
         self.is_started = false;
-        self.rate = 0.0;
+        (self.rate, self.rate_of_whole) = (0.0, 0.0);
     }
 
     /// Largest |Δ(u + r)|/|Δu| of two iterates in a row of this solve: the rate of the iteration without
@@ -83,6 +88,12 @@ impl Anderson {
     /// smaller ratio. Iterates closer than 1e-6 of the scale tell of round-off and are left out.
     pub fn rate(&self) -> f64 {
         self.rate
+    }
+
+    /// The same of iterates further apart than round-off of the largest component. Coordinates near 0 that are sums of others are
+    /// round-off themselves, and change by parts of their own as long as one iterates.
+    pub fn rate_of_whole(&self) -> f64 {
+        self.rate_of_whole
     }
 
     /// Replaces the residual r(u) by the correction to be added to u. A component of the residual is measured against
@@ -124,7 +135,9 @@ impl Anderson {
         self.steps[..n].copy_from_slice(&self.correction);
         // By components, each over its scale, and as a whole: that of step and of step + change.
         let (mut from, mut to) = ([0.0; 2], [0.0; 2]);
+        let mut largest = 0.0;
         for i in 0..n {
+            largest = larger(largest, scale[i]);
             let (step, change) = (self.steps[i], residual[i] - self.residual[i]);
             self.changes[i] = change;
             for (sizes, value) in [(&mut from, step), (&mut to, step + change)] {
@@ -133,7 +146,11 @@ impl Anderson {
             }
         }
         if from[0] > WANDERING {
-            self.rate = larger(self.rate, (to[0] / from[0]).min(to[1] / from[1]));
+            let rate = (to[0] / from[0]).min(to[1] / from[1]);
+            self.rate = larger(self.rate, rate);
+            if from[1] > ROUND_OFF * largest {
+                self.rate_of_whole = larger(self.rate_of_whole, rate);
+            }
         }
         self.operations += 9 * n as u64;
     }

@@ -257,6 +257,13 @@ impl Iteration {
         }
     }
 
+    /// Whether the iteration without acceleration converges at a rate of at most 1/2, as far as that is no round-off. Its
+    /// solution is then that on the branch that begins at the state.
+    pub fn is_plain(&self) -> bool {
+        let rate = self.anderson.as_ref().map(Anderson::rate_of_whole);
+        rate.is_some_and(|rate| rate <= 0.5)
+    }
+
     /// Watch that tells whether the solution is plainly on the branch that begins at the state. Without Newton's
     /// method the caller keeps it.
     pub fn watch(&mut self) -> &mut Watch {

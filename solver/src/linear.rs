@@ -10,7 +10,7 @@ pub const MOST_EQUATIONS: usize = 4096;
 
 /// The number of equations from which on a step is first solved without a matrix. An elimination takes n³ operations there,
 /// and an iteration of a sparse field about n: it is the shorter way wherever it converges.
-pub const MANY_EQUATIONS: usize = 64;
+pub const MANY_EQUATIONS: usize = 96;
 
 /// Largest number of variables by which the functions of a step are differentiated. While code is formed, each of the
 /// entries of a Jacobian that are not zero takes up to a kilobyte.

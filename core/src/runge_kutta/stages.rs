@@ -277,7 +277,7 @@ impl StageSolver {
                 Err(_) => break None,
             }
         };
-        let solved = solved.filter(|_| !own.iteration.is_slow());
+        let solved = solved.filter(|_| own.iteration.is_plain());
         taken.evaluations += solved.unwrap_or(own.iteration.evaluations()) as u64;
         self.is_by_lanes[at] = solved.is_some();
         if solved.is_none() {

@@ -169,7 +169,7 @@ impl StepSolve {
                 break verdict;
             }
         };
-        self.is_plain = verdict.is_ok() && !plain.is_slow();
+        self.is_plain = verdict.is_ok() && plain.is_plain();
         if !self.is_plain {
             self.unknowns.copy_from_slice(start);
         }

@@ -233,12 +233,12 @@ fn unless_beside(
         ),
         "no template of one site",
         Some(format!(
-            "write it by the coordinates of one site, as {template}, {}or shorten the chain, {}",
+            "write it by the coordinates of one site, as {template}, or shorten the chain, {}{}",
+            document.system.shortening(WRITTEN_LIMIT),
             match kind.contains("`forces`") {
-                true => "a force with a potential as a function of sums in the Hamiltonian, ",
+                true => "; a force with a potential may be a function of sums in the Hamiltonian",
                 false => "",
-            },
-            document.system.shortening(WRITTEN_LIMIT)
+            }
         )),
     )))
 }
