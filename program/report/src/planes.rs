@@ -74,10 +74,10 @@ impl FieldMaps {
     }
 
     fn drawn(&self) -> Canvas {
-        let layout = Layout::of(&self.maps);
-        let mut canvas = Canvas::new(layout.width(), layout.height());
+        let rows = MapRows::of(&self.maps);
+        let mut canvas = Canvas::new(rows.width(), rows.height());
         canvas.cell((0.0, 0.0), (canvas.width, canvas.height), PAPER);
-        draw(&mut canvas, &layout, self);
+        draw(&mut canvas, &rows, self);
         canvas
     }
 }
@@ -87,7 +87,7 @@ const DESCRIPTION: &str = "Maps of the field over two axes of the lattice";
 
 /// Where maps stand: in rows, each in a slot that has room for it and its title.
 #[derive(Clone, Copy, Debug)]
-struct Layout {
+struct MapRows {
     /// How many maps there are.
     maps: usize,
     /// How many of them stand in a row.
@@ -98,7 +98,7 @@ struct Layout {
     most: [f64; 2],
 }
 
-impl Layout {
+impl MapRows {
     fn of(maps: &[PlaneMap]) -> Self {
         let ratio = maps.iter().map(ratio).fold(1.0 / LONGEST, f64::max);
         let title = |map: &PlaneMap| WIDER * width_of(&map.title, TITLES) + BESIDE;
@@ -172,9 +172,9 @@ fn ratio(map: &PlaneMap) -> f64 {
 /// Maps side by side with one scale of colours.
 pub(super) fn plane_figure(field: &FieldMaps, slice: Option<&str>) -> Result<Figure, ReportError> {
     let maps = &field.maps;
-    let layout = Layout::of(maps);
-    let mut canvas = Canvas::new(layout.width(), layout.height());
-    let broken = draw(&mut canvas, &layout, field);
+    let rows = MapRows::of(maps);
+    let mut canvas = Canvas::new(rows.width(), rows.height());
+    let broken = draw(&mut canvas, &rows, field);
     let mut notes: Vec<String> = slice.map(str::to_owned).into_iter().collect();
     if broken > 0 {
         notes.push(format!(
@@ -182,7 +182,7 @@ pub(super) fn plane_figure(field: &FieldMaps, slice: Option<&str>) -> Result<Fig
         ));
     }
     let mut framed = maps.iter().enumerate();
-    let are_some = framed.any(|(at, map)| strides(&layout.frame(at, map), map) != [1, 1]);
+    let are_some = framed.any(|(at, map)| strides(&rows.frame(at, map), map) != [1, 1]);
     let arrows = match maps.iter().any(|map| !map.arrows.is_empty()) {
         true if are_some => {
             " Arrows: the other two components, across and up, of some of the sites."
@@ -207,7 +207,7 @@ pub(super) fn plane_figure(field: &FieldMaps, slice: Option<&str>) -> Result<Fig
 }
 
 /// Draws maps with one scale of colours; returns how many cells have no finite value.
-fn draw(canvas: &mut Canvas, layout: &Layout, field: &FieldMaps) -> usize {
+fn draw(canvas: &mut Canvas, rows: &MapRows, field: &FieldMaps) -> usize {
     let maps = &field.maps;
     let lengths = maps.iter().flat_map(vector_lengths);
     let most = lengths
@@ -220,7 +220,7 @@ fn draw(canvas: &mut Canvas, layout: &Layout, field: &FieldMaps) -> usize {
         false => Axis::linear(values, 0.0),
     };
     let frames = maps.iter().enumerate();
-    let frames: Vec<Frame> = frames.map(|(at, map)| layout.frame(at, map)).collect();
+    let frames: Vec<Frame> = frames.map(|(at, map)| rows.frame(at, map)).collect();
     // All lines of the frames lie beneath all cells.
     for (frame, map) in frames.iter().zip(maps) {
         let [across, up] = &map.axes;
@@ -248,12 +248,7 @@ fn draw(canvas: &mut Canvas, layout: &Layout, field: &FieldMaps) -> usize {
             arrows(canvas, frame, map, (color_axis, longest));
         }
     }
-    let edges = [
-        AROUND[0],
-        AROUND[1],
-        layout.right(),
-        AROUND[1] + layout.most[1],
-    ];
+    let edges = [AROUND[0], AROUND[1], rows.right(), AROUND[1] + rows.most[1]];
     draw_scale(canvas, edges, color_axis, &field.color);
     broken
 }
@@ -418,7 +413,7 @@ mod tests {
     fn arrows_of_a_strip_keep_apart() {
         for (across, up) in [(100, 2), (2, 100), (40, 10)] {
             let of = map(across, up);
-            let frame = Layout::of(std::slice::from_ref(&of)).frame(0, &of);
+            let frame = MapRows::of(std::slice::from_ref(&of)).frame(0, &of);
             let [every, along] = strides(&frame, &of);
             let short = if across < up { every } else { along };
             assert_eq!(short, 1);
@@ -488,14 +483,14 @@ mod tests {
         ] {
             for count in 0..=6 {
                 let maps = vec![map(across, up); count];
-                let layout = Layout::of(&maps);
-                let (width, height) = (layout.width(), layout.height());
+                let rows = MapRows::of(&maps);
+                let (width, height) = (rows.width(), rows.height());
                 assert!(
                     width <= WIDTH && height <= 1200.0,
                     "{across} × {up}, {count}: {width} × {height}"
                 );
                 let frames: Vec<Frame> = (maps.iter().enumerate())
-                    .map(|(at, map)| layout.frame(at, map))
+                    .map(|(at, map)| rows.frame(at, map))
                     .collect();
                 let title = WIDER * width_of("q at t = 0", TITLES);
                 for (at, frame) in frames.iter().enumerate() {
@@ -520,7 +515,7 @@ mod tests {
     #[test]
     fn labels_of_sites_stand_in_the_middle_of_their_cells() {
         let maps = [map(3, 2)];
-        let frame = Layout::of(&maps).frame(0, &maps[0]);
+        let frame = MapRows::of(&maps).frame(0, &maps[0]);
         let [left, top, right, bottom] = frame.edges;
         for (site, part) in [(0.0, 1.0 / 6.0), (1.0, 0.5), (2.0, 5.0 / 6.0)] {
             let (x, _) = frame.point(site, 0.0);

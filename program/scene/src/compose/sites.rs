@@ -36,8 +36,7 @@ pub struct SiteField {
     pub families: Vec<usize>,
     /// The families s.x, s.y and s.z where it is one of spins.
     pub spins: Option<[usize; 3]>,
-    /// Whether its name is that of a momentum or a velocity: p, u or v, or by which it is paired with another in a canonical
-    /// bracket, as `pa` with `a`.
+    /// Whether its name is that of a momentum or a velocity: p, u, v, or the second of a canonical pair, as `pa` of `a`.
     pub is_momentum: bool,
 }
 
