@@ -121,8 +121,8 @@ impl Formula {
     /// The formula with the numbers of sites in the places of their names: `q[Sun]` is `q[0]`.
     ///
     /// # Errors
-    /// [`SyntaxErrorKind::UnknownSite`] for a name in brackets that is no site, no index of a sum around it and not in
-    /// [`INDEX_NAMES`]. [`SyntaxErrorKind::SiteAsIndex`] for a sum over an index that is called as a site.
+    /// [`SyntaxErrorKind::UnknownSite`] for a name in brackets that is neither a site nor an index. Indices are those of
+    /// sums around it and [`INDEX_NAMES`]. [`SyntaxErrorKind::SiteAsIndex`] for a sum over an index called as a site.
     pub fn with_sites(self, names: &SiteNames) -> Result<Self, SyntaxError> {
         if names.is_empty() {
             return Ok(self);

@@ -142,8 +142,8 @@ impl LinearIteration {
     }
 
     /// Takes in a correction's size, the largest relative change of a component. A small component may be the round-off
-    /// of larger ones: where corrections make no progress they are judged by `beside`, the largest change relative to
-    /// what all components put into one.
+    /// of larger ones. Where corrections make no progress they are judged by `beside`. That is the largest change relative
+    /// to what all components put into one.
     ///
     /// # Errors
     /// [`StepError::NonFinite`] for a size that is not finite, [`StepError::NoConvergence`] when
