@@ -7,11 +7,11 @@ pub use crate::step_map::{
 };
 pub use leafwise_solver::{
     Anderson, Branch, ByTangents, Compensated, CorrectionMethod, CorrectionSize, DenseFactors,
-    Differential, ExplicitMap, Extrapolation, Inverse, Iteration, Lanes, MANY_EQUATIONS,
-    MOST_EQUATIONS, MOST_VARIABLES, MapProperties, NewtonKernel, NewtonStepper, Pieces, Setting,
-    SolverStatistics, StepCheck, StepRecord, StepReport, Stepper, Structure, Trajectories,
-    add_finite, are_finite, check_equations, check_variables, elimination_operations, judge,
-    one_by_one, product, substitution_operations,
+    Differential, ExplicitMap, Extrapolation, Inverse, Iteration, Lanes, LinearSolve,
+    MANY_EQUATIONS, MOST_EQUATIONS, MOST_VARIABLES, MapProperties, NewtonKernel, NewtonStepper,
+    Pieces, Setting, SolverStatistics, StepCheck, StepRecord, StepReport, Stepper, Structure,
+    Trajectories, add_finite, are_finite, check_equations, check_variables, elimination_operations,
+    judge, one_by_one, product, substitution_operations,
 };
 pub(crate) use leafwise_solver::{
     Checked, Crossing, NumericSolver, Progress, Solve, Solved, StartCode, Uncoupled, add,

@@ -10,6 +10,9 @@ use crate::error::StepError;
 /// A residual that is added so often and more falls at a rate above 1/2.
 const PLAIN_EVALUATIONS: usize = 60;
 
+/// Replaces a residual by its correction by Newton's method.
+pub type LinearSolve<'a> = &'a mut dyn FnMut(&mut [f64]);
+
 /// Where corrections come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CorrectionMethod {
@@ -158,7 +161,7 @@ impl Iteration {
         &mut self,
         corrections: &[f64],
         unit: f64,
-        solve: &mut dyn FnMut(&mut [f64]),
+        solve: LinearSolve<'_>,
     ) -> Result<Verdict, StepError> {
         let size = std::mem::take(&mut self.size);
         let scales = std::mem::take(&mut self.scales);
@@ -205,7 +208,7 @@ impl Iteration {
         unit: f64,
         measure: impl Fn(usize, f64, f64) -> (f64, f64, f64),
         way: impl Fn(usize, f64) -> f64,
-        solve: Option<&mut dyn FnMut(&mut [f64])>,
+        solve: Option<LinearSolve<'_>>,
     ) -> Result<Verdict, StepError> {
         for (i, correction) in corrections.iter().enumerate() {
             let (state, change, put_in) = measure(i, unknowns[i], *correction);

@@ -51,7 +51,7 @@ pub use evaluator::Evaluator;
 pub use explicit::ExplicitMap;
 pub use extrapolation::Extrapolation;
 pub use hint::Hint;
-pub use iteration::{CorrectionMethod, Iteration};
+pub use iteration::{CorrectionMethod, Iteration, LinearSolve};
 pub use judge::CorrectionSize;
 pub use lanes::{Lanes, StepReport, Trajectories};
 pub use linear::{

@@ -6,8 +6,8 @@
 use leafwise_core::StepError;
 use leafwise_core::solver::judge::{Verdict, all_finite};
 use leafwise_core::solver::{
-    Branch, CorrectionMethod, DenseFactors, Iteration, MANY_EQUATIONS, elimination_operations,
-    substitution_operations,
+    Branch, CorrectionMethod, DenseFactors, Iteration, LinearSolve, MANY_EQUATIONS,
+    elimination_operations, substitution_operations,
 };
 
 /// Budget of one solve by Newton's method, and of one without Jacobians.
@@ -204,7 +204,7 @@ impl StepSolve {
                 _ => None,
             };
             let mut by_factors = |residual: &mut [f64]| self.factors.solve(residual);
-            let solve: Option<&mut dyn FnMut(&mut [f64])> = match factors {
+            let solve: Option<LinearSolve<'_>> = match factors {
                 Some(_) => Some(&mut by_factors),
                 None => None,
             };

@@ -344,6 +344,31 @@ fn a_section_is_drawn_as_a_dot_for_each_crossing() {
     assert!(rest.contains("Not finite and not drawn: 1 of 4 crossings."));
 }
 
+/// Paths of bodies stand before all other figures.
+#[test]
+fn paths_of_bodies_stand_first() {
+    let body = |number: usize| BodyPath {
+        name: format!("vortex <{number}>"),
+        number,
+        places: vec![[0.0, number as f64], [1.0, 0.5], [2.0, 2.0]],
+    };
+    let html = page(&ReportData {
+        trajectory: Some(Trajectory::Bodies {
+            axes: ["x", "y"].map(str::to_owned),
+            bodies: (0..9).map(body).collect(),
+            count: 9,
+        }),
+        ..rigid_body(50)
+    });
+    assert_well_formed(&html);
+    let figures: Vec<&str> = html.split("<h3>").skip(1).collect();
+    assert!(figures[0].starts_with("Trajectories in (x, y)"));
+    assert!(figures[1].starts_with("Drift"));
+    // Six names in the colours of the series, and three in colours of their own.
+    assert_eq!(figures[0].matches("style=\"--key: #").count(), 3);
+    assert!(figures[0].contains("vortex &lt;8&gt;"));
+}
+
 #[test]
 fn exact_zeros_are_drawn_at_the_floor_and_counted() {
     assert!(page(&rigid_body(400)).contains("the deviation is exactly zero, drawn at 1×10⁻¹⁷"));

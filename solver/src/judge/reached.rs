@@ -1,13 +1,14 @@
 //! How far round-off reaches through a linear solve.
 
 use super::larger;
+use crate::iteration::LinearSolve;
 
 /// Patterns of signs that stand for those of round-off.
 const PATTERNS: u64 = 4;
 
 /// Adds to each size s_i the largest |A⁻¹ (±s)|_i of four patterns of signs. That is what round-off of the sizes s puts into
 /// the unknowns of A u = r, directly or through others. `solve` replaces r by A⁻¹ r.
-pub(crate) fn add_reached(sizes: &mut [f64], solve: &mut dyn FnMut(&mut [f64])) {
+pub(crate) fn add_reached(sizes: &mut [f64], solve: LinearSolve<'_>) {
     let mut reached = vec![0.0; sizes.len()];
     let mut signed = vec![0.0; sizes.len()];
     for pattern in 0..PATTERNS {

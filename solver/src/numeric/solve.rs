@@ -4,7 +4,7 @@ use crate::error::StepError;
 use crate::extrapolation::DEPTH;
 use crate::judge::{Verdict, is_between};
 use crate::linear::{DenseFactors, elimination_operations, substitution_operations};
-use crate::{CorrectionMethod, Extrapolation, Iteration};
+use crate::{CorrectionMethod, Extrapolation, Iteration, LinearSolve};
 
 /// Budget of one step.
 pub(super) const MOST_EVALUATIONS: usize = 100;
@@ -129,7 +129,7 @@ impl Solve {
             self.iteration.method() == CorrectionMethod::Newton,
         );
         let mut by_factors = |r: &mut [f64]| factors.solve(r);
-        let solve: Option<&mut dyn FnMut(&mut [f64])> = match is_newton {
+        let solve: Option<LinearSolve<'_>> = match is_newton {
             true => Some(&mut by_factors),
             false => None,
         };

@@ -230,3 +230,56 @@ fn recorded_bodies_have_paths_by_their_names() {
     };
     assert_eq!(names, &["x[Moon]", "y[Moon]"]);
 }
+
+/// Both sublattices of a honeycomb have maps and a structure factor in the report, and each is a field of `maps`.
+#[test]
+fn every_family_of_a_cell_has_its_pictures() {
+    let text = r#"
+[system]
+families    = { a = { components = ["x", "y", "z"], length = [4, 5] }, b = { components = ["x", "y", "z"], length = [4, 5] } }
+bracket     = { lie-algebra = "so3" }
+hamiltonian = "-sum(i, j, dot(a[i,j], b[i,j] + b[i-1,j] + b[i,j-1]))"
+[method]
+stepper   = "splitting"
+time-step = 0.1
+[run]
+steps  = 4
+record = { states = "all" }
+[run.initial]
+"a.x[i,j]" = "0.1*i"
+"a.y[i,j]" = "0.1*j"
+"a.z[i,j]" = 1
+"b.x[i,j]" = "0.2*j"
+"b.y[i,j]" = "-0.1*i"
+"b.z[i,j]" = "0.01*(10*i + j)"
+"#;
+    let root = tempfile::tempdir().expect("a directory");
+    let path = root.path().join("run");
+    attempt(text, &path, false, &mut Quiet).expect("a run");
+    let report = std::fs::read_to_string(path.join("report.html")).expect("a page");
+    for name in ["a", "b"] {
+        for heading in [
+            format!("{name} over the lattice"),
+            format!("Structure factor of {name}"),
+        ] {
+            assert!(report.contains(&format!("<h3>{heading}</h3>")), "{heading}");
+        }
+        let request = MapRequest {
+            field: name.to_owned(),
+            at: vec![0.0],
+            slice: None,
+        };
+        let drawn = maps(&path, &request).expect("maps");
+        assert_eq!(drawn.color, format!("{name}.z"));
+        // i runs across, j up; decimals of the scene and these round once or twice each.
+        for (at, value) in drawn.maps[0].values.iter().enumerate() {
+            let (i, j) = ((at % 4) as f64, (at / 4) as f64);
+            let expected = if name == "a" {
+                1.0
+            } else {
+                0.01 * (10.0 * i + j)
+            };
+            assert!((value - expected).abs() < 1e-15, "{name} {i} {j}: {value}");
+        }
+    }
+}

@@ -3,7 +3,8 @@
 use leafwise_core::StepError;
 use leafwise_core::solver::judge::{Verdict, larger, largest, reach};
 use leafwise_core::solver::{
-    CorrectionMethod, DenseFactors, Iteration, elimination_operations, substitution_operations,
+    CorrectionMethod, DenseFactors, Iteration, LinearSolve, elimination_operations,
+    substitution_operations,
 };
 
 use super::field::{Field, FieldEvaluator};
@@ -275,7 +276,7 @@ impl Curve {
         let put_in = |i: usize| if is_newton { put_in_each[i] } else { 0.0 };
         let simplified = &mut self.simplified;
         let mut by_factors = |residual: &mut [f64]| simplified.correct(residual);
-        let solve: Option<&mut dyn FnMut(&mut [f64])> = match is_newton {
+        let solve: Option<LinearSolve<'_>> = match is_newton {
             true => Some(&mut by_factors),
             false => None,
         };
