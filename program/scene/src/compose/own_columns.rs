@@ -9,8 +9,8 @@ pub(super) const SHADOW_ENERGY: &str = "shadow-energy";
 /// Indicators of chaos; a number k may stand behind the second, for the k-th largest exponent.
 pub(super) const INDICATORS: [&str; 3] = ["megno", "lyapunov", "sali"];
 
-/// Message and advice for an observable or an event that computes with such a quantity. The quantity's name begins at a
-/// place of its text, and its length is returned too. `None` where it is another formula or another name.
+/// Message and advice for an observable or an event that computes with such a quantity, and the length of its name. The name
+/// begins at a place of the text. `None` where it is another formula or another name.
 pub(super) fn about_own_columns(
     document: &SceneDocument,
     formula: &Located<String>,
