@@ -346,7 +346,7 @@ fn range(text: &str, length: usize, names: &SiteNames) -> Option<Range> {
 
 #[cfg(test)]
 mod tests {
-    use super::{StateSlice, ranges, rows};
+    use super::{SiteNames, StateSlice, ranges, rows};
 
     /// Places of a box of 4 × 5 × 6 sites, as a loop over its indices finds them.
     #[test]
