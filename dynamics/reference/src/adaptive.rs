@@ -1,5 +1,6 @@
 //! Embedded explicit Runge–Kutta pairs, adaptive inside a step.
 
+use std::cmp::Ordering;
 use std::sync::Arc;
 
 use leafwise_core::part::{ParameterDefault, ParameterInfo, PartInfo, PartParameters};
@@ -60,6 +61,8 @@ pub(crate) const STILL: f64 = 1e-6;
 const STUBBORN: u32 = 4;
 /// Sweeps that bounds on rounding errors take at most, where they do not settle.
 const FEW: usize = 2;
+/// Bounds of a coordinate that are doubled more often grow on and on.
+const MOST_DOUBLINGS: u32 = 6;
 /// Errors of so many times the bound on the field's rounding errors are round-off: weights of both signs come to some units.
 const WITHIN: f64 = 4.0;
 
@@ -253,11 +256,26 @@ impl AdaptivePair {
         let mut errors = own.clone();
         let mut bounds = vec![0.0; own.len()];
         let mut before = bounds.clone();
+        let mut doublings = vec![0; own.len()];
         for _ in 0..=most {
             before.copy_from_slice(&bounds);
             rounding.bounds(&self.parameters, &self.state, &errors, &mut bounds);
-            if bounds.iter().zip(&before).all(|(b, a)| *b <= 2.0 * a) {
+            let mut grows = false;
+            for ((bound, before), doublings) in bounds.iter().zip(&before).zip(&mut doublings) {
+                // Also where one of them is no number.
+                if bound
+                    .partial_cmp(&(2.0 * before))
+                    .is_none_or(Ordering::is_gt)
+                {
+                    grows = true;
+                    *doublings += 1;
+                }
+            }
+            if !grows {
                 return (Some(bounds), true);
+            }
+            if doublings.iter().any(|times| *times > MOST_DOUBLINGS) {
+                break;
             }
             for ((error, own), bound) in errors.iter_mut().zip(&own).zip(&bounds) {
                 *error = own + tau * bound;

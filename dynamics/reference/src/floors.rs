@@ -8,6 +8,10 @@ pub(crate) const LEAST_PART: f64 = f64::EPSILON * f64::EPSILON;
 /// The part of a time by which a state is moved along its slope, to see what is driven by a coordinate that passes 0.
 const AHEAD: f64 = 1.0 / 64.0;
 
+/// A coordinate that is reached by all others, one after the other, grows a few times. One that is doubled more often
+/// grows on and on.
+const MOST_DOUBLINGS: u32 = 12;
+
 /// A time for which the sizes do not settle is multiplied by this, at most so many times.
 const SHORTER: f64 = 0.25;
 const MOST_TIMES: usize = 16;
@@ -87,6 +91,7 @@ impl Floors {
         let ahead: Vec<f64> = pairs.map(|(x, v)| x + AHEAD * time * v).collect();
         let (mut errors, mut bounds, mut bounds_ahead) = (vec![0.0; d], vec![0.0; d], vec![0.0; d]);
         let part = (time * unit).abs() / f64::EPSILON;
+        let mut doublings = vec![0; d];
         // What the field's own rounding gives rise to comes to all others in as many, and then no longer grows.
         for _ in 0..=d {
             for (error, size) in errors.iter_mut().zip(&self.sizes) {
@@ -100,12 +105,21 @@ impl Floors {
                 }
             }
             let mut grows = false;
-            for (size, bound) in self.sizes.iter_mut().zip(&bounds) {
+            let rows = self.sizes.iter_mut().zip(&mut doublings);
+            for ((size, doublings), bound) in rows.zip(&bounds) {
                 let reached = part * bound;
-                if reached.is_finite() && reached > *size {
-                    grows |= reached > 2.0 * *size;
-                    *size = reached;
+                // Products of errors grow on and on beyond all numbers.
+                if reached == f64::INFINITY {
+                    return false;
                 }
+                if reached > 2.0 * *size {
+                    *doublings += 1;
+                    if *doublings > MOST_DOUBLINGS {
+                        return false;
+                    }
+                    grows = true;
+                }
+                *size = size.max(reached);
             }
             if !grows {
                 return true;

@@ -153,7 +153,7 @@ impl LinearIteration {
         size: f64,
         beside: impl FnOnce() -> f64,
     ) -> Result<Verdict, StepError> {
-        self.judge_by((size, f64::INFINITY), 1, |_| beside() <= NORMWISE_ROUND_OFF)
+        self.judge_by((size, f64::INFINITY), 1, |_| beside() <= ULPS)
     }
 
     /// Takes in the sizes of a correction of a state, whose components may be round-off of larger ones. Where they

@@ -64,27 +64,28 @@ fn the_logarithm_of_a_negative_number_ends_the_run() {
 /// Where no step can be taken nothing is integrated and nothing written.
 #[test]
 fn a_start_without_a_motion_is_refused_where_it_stands() {
+    const ADVICE: &str = "check `initial` and the parameters";
     let zero = particle("k*q^2/m", "[1, 0]", "0.1")
         .replace("[method]", "parameters = { k = 1, m = 0 }\n[method]");
     let starts = [
         (
             particle("q + ln(q)", "[-1, 0]", "0.1"),
             "the energy has no value",
+            ADVICE,
         ),
-        (particle("1/q", "[0, 1]", "0.1"), "dp/dt is"),
-        (particle("sqrt(q)", "[0, 1]", "0.1"), "dp/dt is"),
-        (zero, "dp/dt is"),
+        (particle("1/q", "[0, 1]", "0.1"), "dp/dt is", ADVICE),
+        (particle("sqrt(q)", "[0, 1]", "0.1"), "dp/dt is", ADVICE),
+        (
+            zero,
+            "dp/dt is -inf, where `m` is 0",
+            "give it another value",
+        ),
     ];
-    for (scene, message) in starts {
+    for (scene, message, advice) in starts {
         let here = Place::with(&scene);
         let said = here.leafwise(&["run", "scene.toml"]);
         assert_eq!(said.code, Some(3), "{scene}{}", said.err);
-        said.says(&[
-            "scene.toml:",
-            "at the initial state",
-            message,
-            "check `initial` and the parameters",
-        ]);
+        said.says(&["scene.toml:", "at the initial state", message, advice]);
         assert!(!said.err.contains("step 1"), "{}", said.err);
         assert!(here.is_untouched(), "something was written");
     }

@@ -172,10 +172,6 @@ fn the_rest_is_refused_in_words_of_mathematics() {
                 "its terms are brackets within brackets, each of which reaches farther sites",
             ),
             (
-                record("megno"),
-                "the derivative of every step, which couples all sites",
-            ),
-            (
                 format!("method.pace=\"2 + {site}\""),
                 "every site is moved by the energy of all others",
             ),
@@ -184,6 +180,10 @@ fn the_rest_is_refused_in_words_of_mathematics() {
             assert_eq!(said.code, Some(3), "{set}: {}", said.err);
             said.says(&[because]);
         }
+        // Vectors are carried by the derivative of every step, which no matrix holds.
+        let (_, said) = run(scene, &[&record("megno")]);
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        said.says(&["MEGNO"]);
     }
     // Forces as they stand in x' = {H, x} − Π(η): the method that does not take them names those that do.
     let (_, said) = run(VOLTERRA, &["system.forces={ \"x[i]\" = \"0.1\" }"]);
