@@ -216,3 +216,37 @@ fn what_is_advised_for_damping_takes_it() {
         );
     }
 }
+
+/// Chains of 20 to 32 sites in long steps, whose sizes within a step grow on and on: the error stays near the tolerance.
+#[test]
+fn adaptive_steps_of_chains_meet_their_tolerance() {
+    let mut ran = 0;
+    for (at, sites) in [12_usize, 20, 24, 29, 30, 32].into_iter().enumerate() {
+        for stepper in ["dop853", "dormand-prince45", "taylor"] {
+            for step in [1.0, 2.0] {
+                let phase = 1.1 + 0.1 * at as f64;
+                let run = composed(&format!(
+                    "[system]\nfamilies = {{ q = {sites}, p = {sites} }}\nbracket = \"canonical\"\n\
+                     hamiltonian = \"sum(i, p[i]^2/2 + (q[i+1] - q[i])^2/2 - q[i]^2/2 + q[i]^4/4)\"\n\
+                     [method]\nstepper = {{ name = \"{stepper}\", tolerance = 1e-12 }}\ntime-step = {step:?}\n\
+                     [run]\nsteps = 4\ninitial = {{ \"q[i]\" = \"0.3*sin({phase:?}*i) + 0.1*cos(i^2)\", \"p[i]\" = 0 }}\n"
+                ));
+                let mut energy = run.invariants().expect("code");
+                let mut value = [0.0];
+                let mut at_state = |state: &[f64]| {
+                    energy.evaluate(state, &mut value);
+                    value[0]
+                };
+                let change = at_state(&end(&run)) - at_state(&run.plan.initial);
+                // Up to 500 substeps of 1e-12 each of sizes of order 1, at 32 sites.
+                let bound = 500.0 * 1e-12 * sites as f64;
+                assert!(
+                    change.abs() <= bound,
+                    "{stepper} {sites} {step}: {change:e}"
+                );
+                ran += 1;
+            }
+        }
+    }
+    assert_eq!(ran, 36);
+}

@@ -1,7 +1,7 @@
 //! The solution that is connected with the state before the step.
 
 use super::DenseFactors;
-use super::judge::{SMALLEST_SCALE, larger, reach, settled};
+use super::judge::{SMALLEST_SCALE, add_reached, larger, reach, settled};
 use crate::error::StepError;
 
 /// A part of the way is taken where Newton's corrections fall by this factor: by Kantorovich's theorem
@@ -233,13 +233,17 @@ impl Branch {
             self.factors.solve(&mut self.residual);
             self.take_least();
             let (size, next, settled) = self.measure();
-            if size.is_nan() || size > SAME && size > CONTRACTS * last {
+            let falls = size <= SAME || size <= CONTRACTS * last;
+            if !falls && (size.is_nan() || !self.is_round_off()) {
                 return Err(None);
             }
             for (u, correction) in self.trial.iter_mut().zip(&self.residual) {
                 *u += correction;
             }
             if size <= SAME && settled {
+                self.take_reached();
+            }
+            if size <= SAME && settled || !falls {
                 self.point.copy_from_slice(&self.trial);
                 return Ok(());
             }
@@ -278,6 +282,26 @@ impl Branch {
             let own_again = reach(row, both);
             *least = SAME * settled(settled(*own, own_again), own_again);
         }
+    }
+
+    /// Raises the least scales to what the round-off of all that are settled puts into an unknown, at whatever hand.
+    fn take_reached(&mut self) {
+        let own = self.scale.iter().zip(&self.residual);
+        let is_settled = |(scale, correction): (&f64, &f64)| correction.abs() <= SAME * scale;
+        let own = own.map(|pair| if is_settled(pair) { *pair.0 } else { 0.0 });
+        let mut sizes: Vec<f64> = own.collect();
+        add_reached(&mut sizes, &mut |right| self.factors.solve(right));
+        for (least, size) in self.least.iter_mut().zip(sizes) {
+            *least = larger(*least, SAME * size);
+        }
+    }
+
+    /// Whether corrections that do not fall are the round-off of settled unknowns in others.
+    fn is_round_off(&mut self) -> bool {
+        self.take_reached();
+        let scales = self.scale.iter().zip(&self.least);
+        let mut pairs = self.residual.iter().zip(scales);
+        pairs.all(|(correction, (scale, least))| correction.abs() <= SAME * larger(*scale, *least))
     }
 
     /// Largest relative correction of the unknowns that corrections must fall in. With it come the size that the next
