@@ -1,7 +1,7 @@
 //! The solution that is connected with the state before the step.
 
 use super::DenseFactors;
-use super::judge::{SMALLEST_SCALE, add_reached, larger, reach, settled};
+use super::judge::{Reached, SMALLEST_SCALE, larger, reach, settled};
 use crate::error::StepError;
 
 /// A part of the way is taken where Newton's corrections fall by this factor: by Kantorovich's theorem
@@ -51,6 +51,7 @@ pub struct Branch {
     begins: Vec<bool>,
     has_others: bool,
     factors: DenseFactors,
+    reached: Reached,
 }
 
 impl Branch {
@@ -71,6 +72,7 @@ impl Branch {
             begins: vec![false; n],
             has_others: false,
             factors: DenseFactors::new(n),
+            reached: Reached::new(n),
         }
     }
 
@@ -287,11 +289,13 @@ impl Branch {
     /// Raises the least scales to what the round-off of all that are settled puts into an unknown, at whatever hand.
     fn take_reached(&mut self) {
         let own = self.scale.iter().zip(&self.residual);
-        let is_settled = |(scale, correction): (&f64, &f64)| correction.abs() <= SAME * scale;
-        let own = own.map(|pair| if is_settled(pair) { *pair.0 } else { 0.0 });
-        let mut sizes: Vec<f64> = own.collect();
-        add_reached(&mut sizes, &mut |right| self.factors.solve(right));
-        for (least, size) in self.least.iter_mut().zip(sizes) {
+        for (size, (scale, correction)) in self.reached.sizes.iter_mut().zip(own) {
+            let is_settled = correction.abs() <= SAME * scale;
+            *size = if is_settled { *scale } else { 0.0 };
+        }
+        let factors = &self.factors;
+        self.reached.add(&mut |right| factors.solve(right));
+        for (least, size) in self.least.iter_mut().zip(&self.reached.sizes) {
             *least = larger(*least, SAME * size);
         }
     }

@@ -1,8 +1,7 @@
 //! The corrections of one solve, whatever equation it is of.
 
 use super::judge::{
-    Allowed, CorrectionSize, LinearIteration, ROUND_OFF, Verdict, Watch, add_reached, larger,
-    relative,
+    Allowed, CorrectionSize, LinearIteration, ROUND_OFF, Reached, Verdict, Watch, larger, relative,
 };
 use super::{Anderson, DenseFactors};
 use crate::error::StepError;
@@ -39,6 +38,7 @@ pub struct Iteration {
     watch: Watch,
     size: CorrectionSize,
     scales: Vec<f64>,
+    reached: Reached,
     anderson: Option<Anderson>,
 }
 
@@ -52,6 +52,7 @@ impl Iteration {
             watch: Watch::NEW,
             size: CorrectionSize::default(),
             scales: vec![0.0; n],
+            reached: Reached::new(n),
             anderson: (method == CorrectionMethod::Acceleration).then(|| Anderson::new(n)),
         }
     }
@@ -64,6 +65,7 @@ impl Iteration {
     /// The same for n unknowns.
     pub fn resize(&mut self, n: usize) {
         self.scales = vec![0.0; n];
+        self.reached = Reached::new(n);
         self.allowed = vec![Allowed::new(0.0); n.max(1)];
         if let Some(anderson) = &mut self.anderson {
             anderson.resize(n);
@@ -164,20 +166,23 @@ impl Iteration {
         solve: LinearSolve<'_>,
     ) -> Result<Verdict, StepError> {
         let size = std::mem::take(&mut self.size);
-        let scales = std::mem::take(&mut self.scales);
+        let (scales, mut reached) = (
+            std::mem::take(&mut self.scales),
+            std::mem::replace(&mut self.reached, Reached::new(0)),
+        );
         let beside = || {
-            let is_settled =
-                |row: usize| relative(unit * corrections[row], scales[row]) <= ROUND_OFF;
-            let own = |row: usize| if is_settled(row) { scales[row] } else { 0.0 };
-            let mut sizes: Vec<f64> = (0..scales.len()).map(own).collect();
-            add_reached(&mut sizes, solve);
-            let rows = corrections.iter().zip(&sizes);
+            for (row, own) in reached.sizes.iter_mut().enumerate() {
+                let is_settled = relative(unit * corrections[row], scales[row]) <= ROUND_OFF;
+                *own = if is_settled { scales[row] } else { 0.0 };
+            }
+            reached.add(solve);
+            let rows = corrections.iter().zip(&reached.sizes);
             rows.fold(0.0, |all, (correction, size)| {
                 larger(all, relative(unit * correction, *size))
             })
         };
         let verdict = self.judge_beside(&size, beside);
-        self.scales = scales;
+        (self.scales, self.reached) = (scales, reached);
         verdict
     }
 

@@ -20,7 +20,7 @@ pub use measures::{
 };
 pub use numbers::at_most;
 pub(crate) use numbers::{Doubles, Numbers, SMALLEST_SCALE, relative_size, scale_beside};
-pub(crate) use reached::add_reached;
+pub(crate) use reached::Reached;
 pub(super) use watch::WANDERING;
 pub use watch::Watch;
 

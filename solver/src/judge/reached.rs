@@ -6,25 +6,44 @@ use crate::iteration::LinearSolve;
 /// Patterns of signs that stand for those of round-off.
 const PATTERNS: u64 = 4;
 
-/// Adds to each size s_i the largest |A⁻¹ (±s)|_i of four patterns of signs. That is what round-off of the sizes s puts into
-/// the unknowns of A u = r, directly or through others. `solve` replaces r by A⁻¹ r.
-pub(crate) fn add_reached(sizes: &mut [f64], solve: LinearSolve<'_>) {
-    let mut reached = vec![0.0; sizes.len()];
-    let mut signed = vec![0.0; sizes.len()];
-    for pattern in 0..PATTERNS {
-        for ((row, signed), size) in signed.iter_mut().enumerate().zip(&*sizes) {
-            *signed = match is_negative(pattern, row as u64) {
-                true => -size,
-                false => *size,
-            };
-        }
-        solve(&mut signed);
-        for (reached, found) in reached.iter_mut().zip(&signed) {
-            *reached = larger(*reached, found.abs());
+/// Room for what round-off of sizes puts into n unknowns.
+#[derive(Clone, Debug)]
+pub(crate) struct Reached {
+    /// Sizes s, to which what others put there is added.
+    pub sizes: Vec<f64>,
+    reached: Vec<f64>,
+    signed: Vec<f64>,
+}
+
+impl Reached {
+    pub fn new(n: usize) -> Self {
+        Self {
+            sizes: vec![0.0; n],
+            reached: vec![0.0; n],
+            signed: vec![0.0; n],
         }
     }
-    for (size, reached) in sizes.iter_mut().zip(&reached) {
-        *size += reached;
+
+    /// Adds to each size s_i the largest |A⁻¹ (±s)|_i of four patterns of signs. That is what round-off of the sizes s puts
+    /// into the unknowns of A u = r, directly or through others. `solve` replaces r by A⁻¹ r.
+    pub fn add(&mut self, solve: LinearSolve<'_>) {
+        self.reached.fill(0.0);
+        for pattern in 0..PATTERNS {
+            let rows = self.signed.iter_mut().zip(&self.sizes).enumerate();
+            for (row, (signed, size)) in rows {
+                *signed = match is_negative(pattern, row as u64) {
+                    true => -size,
+                    false => *size,
+                };
+            }
+            solve(&mut self.signed);
+            for (reached, found) in self.reached.iter_mut().zip(&self.signed) {
+                *reached = larger(*reached, found.abs());
+            }
+        }
+        for (size, reached) in self.sizes.iter_mut().zip(&self.reached) {
+            *size += reached;
+        }
     }
 }
 
@@ -37,18 +56,20 @@ fn is_negative(pattern: u64, row: u64) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{add_reached, is_negative};
+    use super::{Reached, is_negative};
 
     /// Of a chain 0 ← 1 ← … in which each puts a tenth of itself into the one before, all sizes but the last are 0.
     #[test]
     fn a_size_reaches_as_far_as_the_solve_does() {
-        let mut sizes = [0.0, 0.0, 0.0, 2.0];
-        add_reached(&mut sizes, &mut |r| {
+        let mut reached = Reached::new(4);
+        reached.sizes[3] = 2.0;
+        reached.add(&mut |r| {
             for i in (0..3).rev() {
                 r[i] += 0.1 * r[i + 1];
             }
         });
         let expected = [0.002, 0.02, 0.2, 4.0];
+        let sizes = reached.sizes;
         for (size, expected) in sizes.iter().zip(expected) {
             assert!((size - expected).abs() <= 1e-15, "{sizes:?}");
         }
