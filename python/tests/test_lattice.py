@@ -302,5 +302,5 @@ def test_bodies_by_names_are_columns_by_names() -> None:
     apart = np.sqrt((x[1] - x[2]) ** 2 + (y[1] - y[2]) ** 2 + (z[1] - z[2]) ** 2)
     # Roots of sums of three squares, by other orders of operations.
     np.testing.assert_allclose(run.observables["d"], apart, rtol=4 * np.finfo(float).eps)
-    with pytest.raises(lw.SceneError, match="Saturn"):
+    with pytest.raises(lw.SceneError, match="no site is called `Satrun`"):
         scene({"m[i]": 1.0, "m[Satrun]": 1.0}).run()
