@@ -2,8 +2,6 @@
 
 use serde::Serialize;
 
-use super::planes::FieldMaps;
-
 /// Everything a report shows; plain recorded data, nothing is recomputed.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct ReportData {
@@ -229,6 +227,17 @@ pub struct PlaneMap {
     pub values: Vec<f64>,
     /// A vector in the plane at each site, across and up; none of a field of numbers.
     pub arrows: Vec<[f64; 2]>,
+}
+
+/// Maps of a field over two axes of a lattice at some times.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FieldMaps {
+    /// The field, as "s".
+    pub name: String,
+    /// The maps, in the order in which they are drawn.
+    pub maps: Vec<PlaneMap>,
+    /// The quantity in colour, as "s.z".
+    pub color: String,
 }
 
 /// Σ ((x_i − c_i)/a_i)² = 1.

@@ -53,13 +53,12 @@ mod work_precision;
 pub use chart::{Chart, ChartAxis, ChartScale};
 pub use comparison::{ComparisonData, render_comparison};
 pub use data::{
-    BodyPath, Ellipsoid, InvariantSeries, Outcome, PlaneMap, Recorded, ReportData, SectionPoints,
-    StructureFactor, TimeSeries, Trajectory,
+    BodyPath, Ellipsoid, FieldMaps, InvariantSeries, Outcome, PlaneMap, Recorded, ReportData,
+    SectionPoints, StructureFactor, TimeSeries, Trajectory,
 };
 pub use ensemble::{Band, EnsembleData, Losses, render_ensemble};
 pub use error::ReportError;
 pub use panel::{Panel, PanelAxis, PanelSeries, Stroke};
-pub use planes::FieldMaps;
 pub use reproduction::{Compared, ReproducedFigure, ReproductionData, render_reproduction};
 pub use run::render_report;
 pub use survey::{

@@ -4,7 +4,7 @@ use plotters::style::RGBColor;
 
 use super::axis::{Axis, Frame};
 use super::canvas::{Anchor, Canvas, Ink, PAPER, WIDER};
-use super::data::PlaneMap;
+use super::data::{FieldMaps, PlaneMap};
 use super::error::ReportError;
 use super::figure::Figure;
 use super::heat::{BAR, draw_row, draw_scale, farthest, level};
@@ -42,17 +42,6 @@ const ARROW_INKS: [Ink; 2] = [RGBColor(0xFF, 0xFF, 0xFF), RGBColor(0x05, 0x05, 0
 
 /// Longer sides than so many times the other are drawn shorter, with cells that are no squares.
 const LONGEST: f64 = 8.0;
-
-/// Maps of a field over two axes of a lattice at some times.
-#[derive(Clone, Debug, PartialEq)]
-pub struct FieldMaps {
-    /// The field, as "s".
-    pub name: String,
-    /// The maps, in the order in which they are drawn.
-    pub maps: Vec<PlaneMap>,
-    /// The quantity in colour, as "s.z".
-    pub color: String,
-}
 
 impl FieldMaps {
     /// The figure as an SVG file, on white.

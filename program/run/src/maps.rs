@@ -10,8 +10,8 @@ use thiserror::Error;
 
 use super::planes::{LETTERS, MapField, Slice, map, places_alone};
 use super::recorded_states::{StateFields, StatesEntry, doubles};
+use super::shown::rounded;
 use super::states::{FINAL_STATE, HEADER};
-use super::summary::rounded;
 
 /// A choice of what maps show.
 #[derive(Clone, Debug, Default, PartialEq)]

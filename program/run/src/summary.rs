@@ -6,6 +6,7 @@ use super::drive::Session;
 use super::error::RunError;
 use super::outcome::{RunOutcome, RunReport};
 use super::sampled::columns_of_states;
+use super::shown::{rounded, short, value};
 use super::structure::structure;
 use super::trajectory::trajectory;
 use super::whole_states::whole_states;
@@ -193,10 +194,6 @@ pub(crate) fn section_points(
             .collect(),
         members: Vec::new(),
     })
-}
-
-pub(super) fn value(row: &[f64], column: usize) -> f64 {
-    row.get(column).copied().unwrap_or(f64::NAN)
 }
 
 /// The largest difference of a column's values.
@@ -393,21 +390,6 @@ fn facts(run: &ComposedRun, session: &Session<'_>, report: &RunReport) -> Vec<(S
         facts.push(("Parameters".to_owned(), parameters.join(", ")));
     }
     facts
-}
-
-/// A number with up to twelve digits.
-pub(crate) fn short(value: f64) -> String {
-    rounded(value, 12)
-}
-
-/// A number with up to this many digits, at least one.
-pub(crate) fn rounded(value: f64, digits: usize) -> String {
-    let rounded: f64 = format!("{value:.*e}", digits - 1).parse().unwrap_or(value);
-    if rounded == 0.0 || (1e-4..1e9).contains(&rounded.abs()) {
-        format!("{rounded}")
-    } else {
-        format!("{rounded:e}")
-    }
 }
 
 #[cfg(test)]

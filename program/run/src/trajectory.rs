@@ -8,8 +8,8 @@ use leafwise_scene::compose::{ComposedRun, Sites};
 use super::drive::Session;
 use super::ellipsoid::leaf;
 use super::planes::planes;
+use super::shown::{rounded, value};
 use super::snapshots::{shown, spacing};
-use super::summary::{rounded, value};
 
 /// The trajectory of a run's samples, or of its whole states where these are planes.
 pub(super) fn trajectory(

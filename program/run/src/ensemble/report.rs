@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::plan::ComposedEnsemble;
 use super::statistics::Reductions;
 use crate::advice::Advice;
-use crate::summary::rounded;
+use crate::shown::rounded;
 use crate::{REPORT, RunOutcome};
 
 /// An ensemble that has ended and left its directory complete.
