@@ -1,16 +1,14 @@
 //! The corrections of one solve, whatever equation it is of.
 
 use super::judge::{
-    Allowed, CorrectionSize, LinearIteration, ROUND_OFF, Reached, Verdict, Watch, larger, relative,
+    Allowed, CorrectionSize, LinearIteration, LinearSolve, ROUND_OFF, Reached, Verdict, Watch,
+    larger, relative,
 };
 use super::{Anderson, DenseFactors};
 use crate::error::StepError;
 
 /// A residual that is added so often and more falls at a rate above 1/2.
 const PLAIN_EVALUATIONS: usize = 60;
-
-/// Replaces a residual by its correction by Newton's method.
-pub type LinearSolve<'a> = &'a mut dyn FnMut(&mut [f64]);
 
 /// Where corrections come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -51,8 +51,9 @@ pub use evaluator::Evaluator;
 pub use explicit::ExplicitMap;
 pub use extrapolation::Extrapolation;
 pub use hint::Hint;
-pub use iteration::{CorrectionMethod, Iteration, LinearSolve};
+pub use iteration::{CorrectionMethod, Iteration};
 pub use judge::CorrectionSize;
+pub use judge::LinearSolve;
 pub use lanes::{Lanes, StepReport, Trajectories};
 pub use linear::{
     DenseFactors, MANY_EQUATIONS, MOST_EQUATIONS, MOST_VARIABLES, check_equations, check_variables,

@@ -20,6 +20,7 @@ pub use measures::{
 };
 pub use numbers::at_most;
 pub(crate) use numbers::{Doubles, Numbers, SMALLEST_SCALE, relative_size, scale_beside};
+pub use reached::LinearSolve;
 pub(crate) use reached::Reached;
 pub(super) use watch::WANDERING;
 pub use watch::Watch;

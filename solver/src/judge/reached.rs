@@ -1,7 +1,9 @@
 //! How far round-off reaches through a linear solve.
 
 use super::larger;
-use crate::iteration::LinearSolve;
+
+/// Replaces a residual by its correction by Newton's method.
+pub type LinearSolve<'a> = &'a mut dyn FnMut(&mut [f64]);
 
 /// Patterns of signs that stand for those of round-off.
 const PATTERNS: u64 = 4;
